@@ -14,12 +14,10 @@ namespace {
 struct Angles {
   SinCos psi, phi, alpha, beta;
   double trolley;  // m, what phi is on a gantry
-  explicit Angles(const CraneVector& q)
-      : psi(sin_cos(q[Q_PSI])),
-        phi(sin_cos(q[Q_PHI])),
-        alpha(sin_cos(q[Q_ALPHA])),
-        beta(sin_cos(q[Q_BETA])),
-        trolley(q[Q_PHI]) {}
+  explicit Angles(const CraneVector& q) : trolley(q[Q_PHI]) {
+    const auto jib = sin_cos(q[Q_PSI], q[Q_PHI]), sway = sin_cos(q[Q_ALPHA], q[Q_BETA]);
+    psi = jib[0], phi = jib[1], alpha = sway[0], beta = sway[1];
+  }
 };
 
 // Symmetric, so that rows or columns first is the same.
@@ -244,69 +242,119 @@ double Crane::potential_energy(const CraneVector& q, const Payload& payload) con
   return gravity * (p_.jib_mass * jib + payload.mass * payload_position(q)[2]);
 }
 
-CraneVector Crane::acceleration(const CraneVector& q, const CraneVector& qd, const CraneVector& force,
-                                const Payload& payload, unsigned locked) const {
-  const Angles a(q);
-  CraneVector rest = bias_and_gravity(p_, a, q, qd, payload, 1.0, 1.0);
-  for (std::size_t k = 0; k < crane_size; ++k) rest[k] = force[k] - rest[k];
-  return solve(mass_matrix_of(p_, a, q, payload), rest, locked);
-}
-
 namespace {
 
-// Root-free Cholesky on the first n rows. Written out: before it was unrolled it took 1,160 host instructions on the
-// average of 20,000 random matrices, a quarter of them with two locked coordinates (callgrind, -O2), where Eigen 3.4's
-// LLT in place took 2,650 and its LDLT 3,630.
+// Free coordinates in their order.
+struct FreeCoordinates {
+  std::array<std::size_t, crane_size> at{};
+  std::size_t count = 0;
+  explicit FreeCoordinates(unsigned locked) {
+    for (std::size_t k = 0; k < crane_size; ++k)
+      if ((locked >> k & 1U) == 0) at[count++] = k;
+  }
+};
+
+constexpr std::integral_constant<std::size_t, crane_size> all_rows{};
+
+// Written out: before it was unrolled, factors and solution took 1,160 host instructions on the average of 20,000
+// random matrices, a quarter of them with two locked coordinates (callgrind, -O2), where Eigen 3.4's LLT in place took
+// 2,650 and its LDLT 3,630.
 template <class Count>
-[[gnu::always_inline]] inline void solve_rows(const CraneMatrix& m, CraneVector& x, Count n) {
-  CraneMatrix lower;
-  CraneVector inverse;
+[[gnu::always_inline]] inline void factor_rows(const CraneMatrix& m, Factors& f, Count n) {
   for (std::size_t i = 0; i < n; ++i) {
-    double sum = x[i];
     double diagonal = m[i][i];
 #pragma GCC unroll 7
     for (std::size_t j = 0; j < i; ++j) {
       double scaled = m[i][j];
 #pragma GCC unroll 7
-      for (std::size_t k = 0; k < j; ++k) scaled -= lower[i][k] * lower[j][k] * inverse[k];
-      lower[i][j] = scaled;  // still times the diagonal of j
+      for (std::size_t k = 0; k < j; ++k) scaled -= f.lower[i][k] * f.lower[j][k] * f.inverse[k];
+      f.lower[i][j] = scaled;
     }
 #pragma GCC unroll 7
-    for (std::size_t j = 0; j < i; ++j) {
-      diagonal -= lower[i][j] * lower[i][j] * inverse[j];
-      sum -= lower[i][j] * inverse[j] * x[j];
-    }
-    inverse[i] = 1.0 / diagonal;
+    for (std::size_t j = 0; j < i; ++j) diagonal -= f.lower[i][j] * f.lower[i][j] * f.inverse[j];
+    f.inverse[i] = 1.0 / diagonal;
+  }
+}
+
+template <class Count>
+[[gnu::always_inline]] inline void solve_rows(const Factors& f, CraneVector& x, Count n) {
+  for (std::size_t i = 0; i < n; ++i) {
+    double sum = x[i];
+#pragma GCC unroll 7
+    for (std::size_t j = 0; j < i; ++j) sum -= f.lower[i][j] * f.inverse[j] * x[j];
     x[i] = sum;
   }
   for (std::size_t i = n; i-- > 0;) {
     double sum = x[i];
-    for (std::size_t j = i + 1; j < n; ++j) sum -= lower[j][i] * x[j];
-    x[i] = sum * inverse[i];
+    for (std::size_t j = i + 1; j < n; ++j) sum -= f.lower[j][i] * x[j];
+    x[i] = sum * f.inverse[i];
   }
+}
+
+void factor(const CraneMatrix& m, unsigned locked, Factors& f) {
+  f.locked = locked;
+  if (locked == 0) {
+    factor_rows(m, f, all_rows);
+    return;
+  }
+  const FreeCoordinates free(locked);
+  CraneMatrix some;
+  for (std::size_t i = 0; i < free.count; ++i)
+    for (std::size_t j = 0; j <= i; ++j) some[i][j] = m[free.at[i]][free.at[j]];
+  factor_rows(some, f, free.count);
 }
 
 }  // namespace
 
-CraneVector Crane::solve(const CraneMatrix& m, const CraneVector& b, unsigned locked) {
+CraneVector Factors::solve(const CraneVector& b) const {
   CraneVector x = b;
   if (locked == 0) {
-    solve_rows(m, x, std::integral_constant<std::size_t, crane_size>{});
+    solve_rows(*this, x, all_rows);
     return x;
   }
-  std::array<std::size_t, crane_size> free{};
-  std::size_t n = 0;
-  for (std::size_t k = 0; k < crane_size; ++k)
-    if ((locked >> k & 1U) == 0) free[n++] = k;
-  CraneMatrix some;
-  for (std::size_t i = 0; i < n; ++i) {
-    x[i] = b[free[i]];
-    for (std::size_t j = 0; j <= i; ++j) some[i][j] = m[free[i]][free[j]];
-  }
-  solve_rows(some, x, n);
+  const FreeCoordinates free(locked);
+  for (std::size_t i = 0; i < free.count; ++i) x[i] = b[free.at[i]];
+  solve_rows(*this, x, free.count);
   CraneVector all{};
-  for (std::size_t i = 0; i < n; ++i) all[free[i]] = x[i];
+  for (std::size_t i = 0; i < free.count; ++i) all[free.at[i]] = x[i];
   return all;
+}
+
+CraneVector Crane::solve(const CraneMatrix& m, const CraneVector& b, unsigned locked) {
+  Factors f;
+  factor(m, locked, f);
+  return f.solve(b);
+}
+
+Crane::Dynamics Crane::dynamics(const CraneVector& q, const CraneVector& qd, const Payload& payload,
+                                unsigned locked) const {
+  const Angles a(q);
+  Dynamics d;
+  factor(mass_matrix_of(p_, a, q, payload), locked, d.mass);
+  d.resisting = bias_and_gravity(p_, a, q, qd, payload, 1.0, 1.0);
+  std::array<std::size_t, joint_count> moving{};
+  std::size_t count = 0;
+  Joints directions{}, bumps{};  // of moving joints
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const double v = qd[coordinate_of(j)];
+    if ((locked >> coordinate_of(j) & 1U) != 0) continue;
+    directions[count] = v / joints_[j].smooth;
+    bumps[count] = bump_exponent(joints_[j], v);
+    moving[count++] = j;
+  }
+  tanh_each(std::span{directions}.first(count));
+  small_exp_each(std::span{bumps}.first(count));
+  for (std::size_t i = 0; i < count; ++i) {
+    d.direction[moving[i]] = directions[i];
+    d.stribeck[moving[i]] = bumps[i];
+  }
+  return d;
+}
+
+CraneVector Crane::acceleration(const Dynamics& d, const CraneVector& force) {
+  CraneVector rest;
+  for (std::size_t k = 0; k < crane_size; ++k) rest[k] = force[k] - d.resisting[k];
+  return d.mass.solve(rest);
 }
 
 // The sign of a joint's speed, smooth about rest.
@@ -335,26 +383,16 @@ double Crane::gear_force(std::size_t joint, double torque, double v) const {
 }
 
 Joints Crane::drive_forces(const Joints& torque, const CraneVector& qd,
-                           const std::array<std::int8_t, joint_count>& sliding, unsigned locked) const {
-  std::array<std::size_t, joint_count> moving{};
-  std::size_t count = 0;
-  Joints directions{}, bumps{};  // of moving joints
-  for (std::size_t j = 0; j < joint_count; ++j) {
-    const double v = qd[coordinate_of(j)];
-    if ((locked >> coordinate_of(j) & 1U) != 0) continue;
-    directions[count] = v / joints_[j].smooth;
-    bumps[count] = bump_exponent(joints_[j], v);
-    moving[count++] = j;
-  }
-  tanh_each(std::span{directions}.first(count));
-  small_exp_each(std::span{bumps}.first(count));
+                           const std::array<std::int8_t, joint_count>& sliding, const Dynamics& dynamics) const {
   Joints forces{};
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t j = moving[i];
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const auto k = coordinate_of(j);
+    if ((dynamics.mass.locked >> k & 1U) != 0) continue;
     const DriveParameters& d = p_.drives[j];
-    const double gear = p_.gear_losses ? behind_gear(j, torque[j], directions[i]) : d.gear * d.efficiency * torque[j];
-    forces[j] = gear - friction_towards(joints_[j], qd[coordinate_of(j)], sliding[j] != 0 ? sliding[j] : directions[i],
-                                        bumps[i]);
+    const double direction = dynamics.direction[j];
+    const double gear = p_.gear_losses ? behind_gear(j, torque[j], direction) : d.gear * d.efficiency * torque[j];
+    forces[j] =
+        gear - friction_towards(joints_[j], qd[k], sliding[j] != 0 ? sliding[j] : direction, dynamics.stribeck[j]);
   }
   return forces;
 }

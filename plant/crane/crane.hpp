@@ -29,7 +29,14 @@ struct Payload {
   double inertia;  // kg m2 about the vertical
 };
 
-// A direct sum of what the equations need, built once per evaluation.
+// Root-free Cholesky factors of a mass matrix's rows and columns of free coordinates.
+struct Factors {
+  CraneMatrix lower;                              // below the diagonal; each column still times its pivot
+  CraneVector inverse;                            // of the pivots
+  unsigned locked;                                // bits of the coordinates that are left out
+  CraneVector solve(const CraneVector& b) const;  // 0 for the locked ones
+};
+
 class Crane {
  public:
   explicit Crane(const CraneParameters& parameters);
@@ -42,10 +49,16 @@ class Crane {
   double kinetic_energy(const CraneVector& q, const CraneVector& qd, const Payload&) const;  // J
   double potential_energy(const CraneVector& q, const Payload&) const;                       // J, zero at z = 0
 
-  // qdd under generalised forces; coordinates whose bit is set in `locked` are held at qdd = 0 (sway angles at L0 and
-  // L2, brakes).
-  CraneVector acceleration(const CraneVector& q, const CraneVector& qd, const CraneVector& force, const Payload&,
-                           unsigned locked) const;
+  // What the accelerations take from the state, whatever the drives do.
+  struct Dynamics {
+    Factors mass;                // M on the free coordinates
+    CraneVector resisting;       // h + g
+    Joints direction, stribeck;  // dry friction of the free joints: smooth sign of the speed, share of the bump
+  };
+  // Coordinates whose bit is set in `locked` are held at qdd = 0 (sway angles at L0 and L2, brakes).
+  Dynamics dynamics(const CraneVector& q, const CraneVector& qd, const Payload&, unsigned locked) const;
+  // qdd under generalised forces.
+  static CraneVector acceleration(const Dynamics&, const CraneVector& force);
   // Solves M x = b on the free coordinates, 0 on the locked ones.
   static CraneVector solve(const CraneMatrix& m, const CraneVector& b, unsigned locked);
 
@@ -58,7 +71,7 @@ class Crane {
   double gear_force(std::size_t joint, double torque, double v) const;
   // gear_force less friction, of the joints whose coordinates are not locked.
   Joints drive_forces(const Joints& torque, const CraneVector& qd, const std::array<std::int8_t, joint_count>& sliding,
-                      unsigned locked) const;
+                      const Dynamics&) const;
   double static_friction(int joint) const;  // F_s, N or N m: what a stuck joint withstands
   // Viscous sway coefficients, N m s/rad, for the present rope.
   double sway_damping(double l, double mass) const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "plant/numerics/math.hpp"
 
@@ -15,6 +16,12 @@ std::array<double, CraneMotion::size> tolerances(double relative) {
   return absolute;
 }
 
+// Unlike ==, tells 0 from -0, whose sines are not the same.
+template <class Values>
+bool same_bits(const Values& a, const Values& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
 }  // namespace
 
 CraneMotion::CraneMotion(const CraneParameters& parameters, const Integrator::Settings& settings)
@@ -23,11 +30,18 @@ CraneMotion::CraneMotion(const CraneParameters& parameters, const Integrator::Se
       absolute_(tolerances(settings.relative)),
       integrator_(settings, absolute_, &CraneMotion::derivative) {}
 
+const Crane::Dynamics& CraneMotion::dynamics(const CraneVector& q, const CraneVector& qd, const CraneInputs& in) const {
+  const bool same = known_ && known_->dynamics.mass.locked == in.locked && same_bits(known_->q, q) &&
+                    same_bits(known_->qd, qd) && same_bits(known_->payload, in.payload);
+  if (!same) known_ = {q, qd, in.payload, crane_.dynamics(q, qd, in.payload, in.locked)};
+  return known_->dynamics;
+}
+
 CraneVector CraneMotion::applied_force(const CraneVector& q, const CraneVector& qd, const Joints& torque,
-                                       const CraneInputs& in) const {
+                                       const CraneInputs& in, const Crane::Dynamics& dynamics) const {
   const auto& p = crane_.parameters();
   CraneVector force = in.external;
-  const Joints drives = crane_.drive_forces(torque, qd, in.sliding, in.locked);
+  const Joints drives = crane_.drive_forces(torque, qd, in.sliding, dynamics);
   for (std::size_t j = 0; j < joint_count; ++j) {
     const auto k = coordinate_of(j);
     if ((in.locked >> k & 1U) != 0) continue;
@@ -73,8 +87,8 @@ void CraneMotion::derivative(void* data, double t, const double* y, double* yd) 
   CraneVector qd;
   std::copy_n(y, crane_size, q.begin());
   std::copy_n(y + crane_size, crane_size, qd.begin());
-  const CraneVector force = self.applied_force(q, qd, self.torque_at(t), in);
-  const CraneVector qdd = self.crane_.acceleration(q, qd, force, in.payload, in.locked);
+  const Crane::Dynamics& dynamics = self.dynamics(q, qd, in);
+  const CraneVector qdd = Crane::acceleration(dynamics, self.applied_force(q, qd, self.torque_at(t), in, dynamics));
   for (std::size_t k = 0; k < crane_size; ++k) {
     const bool held = (in.locked >> k & 1U) != 0;
     yd[k] = held ? 0.0 : qd[k];
@@ -165,7 +179,8 @@ void CraneMotion::booked_derivative(void* data, double t, const double* y, doubl
     rate[1] += power - self.crane_.gear_force(j, state.torque[j], state.qd[k]) * state.qd[k];
   }
   // What the joints' losses take is what is missing between the forces with and without them.
-  const CraneVector force = self.applied_force(state.q, state.qd, state.torque, in);
+  const CraneVector force =
+      self.applied_force(state.q, state.qd, state.torque, in, self.dynamics(state.q, state.qd, in));
   for (std::size_t k = 0; k < crane_size; ++k) {
     if ((in.locked >> k & 1U) != 0) continue;
     rate[4] += in.external[k] * state.qd[k];
@@ -196,14 +211,15 @@ Work CraneMotion::advance_booked(CraneState& state, const CraneInputs& inputs, d
 }
 
 CraneVector CraneMotion::acceleration(const CraneState& state, const CraneInputs& in) const {
-  return crane_.acceleration(state.q, state.qd, applied_force(state.q, state.qd, state.torque, in), in.payload,
-                             in.locked);
+  const Crane::Dynamics& known = dynamics(state.q, state.qd, in);
+  return Crane::acceleration(known, applied_force(state.q, state.qd, state.torque, in, known));
 }
 
 CraneVector CraneMotion::holding_force(const CraneState& state, const CraneInputs& in) const {
   CraneVector holding{};
-  const CraneVector force = applied_force(state.q, state.qd, state.torque, in);
-  const CraneVector qdd = crane_.acceleration(state.q, state.qd, force, in.payload, in.locked);
+  const Crane::Dynamics& known = dynamics(state.q, state.qd, in);
+  const CraneVector force = applied_force(state.q, state.qd, state.torque, in, known);
+  const CraneVector qdd = Crane::acceleration(known, force);
   const CraneMatrix m = crane_.mass_matrix(state.q, in.payload);
   const CraneVector h = crane_.bias(state.q, state.qd, in.payload);
   const CraneVector g = crane_.gravity_force(state.q, in.payload);

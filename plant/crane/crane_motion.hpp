@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <span>
 
 #include "plant/crane/crane.hpp"
@@ -96,6 +97,11 @@ class CraneMotion {
  private:
   static constexpr std::size_t booked_size = size + 5;
   using Packed = std::array<double, size>;
+  struct Known {
+    CraneVector q, qd;
+    Payload payload;
+    Crane::Dynamics dynamics;
+  };
   static void derivative(void* self, double t, const double* y, double* yd);
   static void booked_derivative(void* self, double t, const double* y, double* yd);
   static void root_values(void* self, double t, const double* y, double* values);
@@ -103,8 +109,10 @@ class CraneMotion {
   static void unpack(std::span<const double>, CraneState&);
   void begin(const CraneState&, const CraneInputs&);
   Joints torque_at(double t) const;  // N m, so long after the call's beginning
-  CraneVector applied_force(const CraneVector& q, const CraneVector& qd, const Joints& torque,
-                            const CraneInputs&) const;
+  // Remembers the last: an interval begins where the one before ended, and only its commands are new.
+  const Crane::Dynamics& dynamics(const CraneVector& q, const CraneVector& qd, const CraneInputs&) const;
+  CraneVector applied_force(const CraneVector& q, const CraneVector& qd, const Joints& torque, const CraneInputs&,
+                            const Crane::Dynamics&) const;
 
   Crane crane_;
   Integrator::Settings settings_;
@@ -113,6 +121,7 @@ class CraneMotion {
   std::unique_ptr<Integrator> finder_, booker_;  // made when first needed
   const CraneInputs* inputs_ = nullptr;
   Joints torque_{};  // at the call's beginning
+  mutable std::optional<Known> known_;
   std::span<const CraneRoot> roots_;
 };
 

@@ -7,10 +7,15 @@
 #include <vector>
 
 #include "plant/numerics/sundials.hpp"
+#include "plant/numerics/whole_step.hpp"
 
 namespace plant {
 
 namespace {
+
+// By which ERKStep lets a step grow at most. By default the first step of all may grow 10,000 times, so that a call
+// would depend on whether it is the object's first one.
+constexpr double most_growth = 25.0;
 
 // Parameters may ask for a motion that is a billion times faster than a crane's. Explicit methods then take steps of
 // nanoseconds, and a simulated second would take hours: that is an error of the parameters, and is told as one.
@@ -42,6 +47,7 @@ struct Integrator::Implementation {
   SundialsSolvers solvers;
   std::optional<CvodesMemory> cvodes;
   void* erk = nullptr;
+  std::optional<WholeStep> whole;
 
   Implementation(const Settings& settings, std::span<const double> tolerances)
       : method(settings.method), size(tolerances.size()), y(size, context), absolute(size, context) {
@@ -63,6 +69,10 @@ struct Integrator::Implementation {
     require(ERKStepSetUserData(erk, &call), call, "ERKStepSetUserData");
     require(ERKStepSetOrder(erk, settings.order), call, "ERKStepSetOrder");
     require(ERKStepSVtolerances(erk, settings.relative, absolute.vector), call, "ERKStepSVtolerances");
+    require(ERKStepSetMaxGrowth(erk, most_growth), call, "ERKStepSetMaxGrowth");
+    require(ERKStepSetMaxFirstGrowth(erk, most_growth), call, "ERKStepSetMaxFirstGrowth");
+    if (root_count == 0 && settings.order <= WholeStep::highest_order)
+      whole.emplace(settings.order, settings.relative, std::span{absolute.data(), size});
     if (root_count > 0) require(ERKStepRootInit(erk, root_count, evaluate_roots), call, "ERKStepRootInit");
   }
 
@@ -105,6 +115,10 @@ struct Integrator::Implementation {
   }
 
   double run_adaptive(void* model, std::span<double> state, double interval, double& step) {
+    if (whole && step >= interval && interval > 0.0 && whole->take(call.f, model, state, interval)) {
+      step = interval;
+      return interval;
+    }
     if (erk != nullptr) require(ERKStepSetInitStep(erk, std::min(step, interval)), call, "ERKStepSetInitStep");
     const double reached = run(model, state, interval, steps_max(interval));
     if (erk != nullptr) {

@@ -5,6 +5,7 @@
 #include <emmintrin.h>
 #include <sleef.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <span>
@@ -20,6 +21,12 @@ struct SinCos {
 inline SinCos sin_cos(double x) {
   const auto r = Sleef_cinz_sincosd1_u10purec(x);
   return {r.x, r.y};
+}
+// Of two, with the bits of each alone.
+inline std::array<SinCos, 2> sin_cos(double x, double y) {
+  const auto r = Sleef_cinz_sincosd2_u10sse2(_mm_setr_pd(x, y));
+  return {SinCos{_mm_cvtsd_f64(r.x), _mm_cvtsd_f64(r.y)},
+          SinCos{_mm_cvtsd_f64(_mm_unpackhi_pd(r.x, r.x)), _mm_cvtsd_f64(_mm_unpackhi_pd(r.y, r.y))}};
 }
 inline double sin(double x) { return Sleef_cinz_sind1_u10purec(x); }
 inline double cos(double x) { return Sleef_cinz_cosd1_u10purec(x); }

@@ -30,7 +30,8 @@ void bind_equations(py::module_& m) {
       .def(
           "acceleration",
           [](const Crane& c, const CraneVector& q, const CraneVector& qd, const CraneVector& force, double mass,
-             double inertia, unsigned locked) { return c.acceleration(q, qd, force, {mass, inertia}, locked); },
+             double inertia,
+             unsigned locked) { return Crane::acceleration(c.dynamics(q, qd, {mass, inertia}, locked), force); },
           py::arg("q"), py::arg("qd"), py::arg("force"), py::arg("mass"), py::arg("inertia"), py::arg("locked") = 0U,
           "qdd under generalised forces; locked: bit k holds coordinate k at rest")
       .def(

@@ -1,0 +1,75 @@
+#include "plant/numerics/whole_step.hpp"
+
+#include <arkode/arkode_erkstep.h>
+#include <emmintrin.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace plant {
+namespace {
+
+// ERKStep takes 0.99 (1.2 error)^(-0.8 / p) times the step for the next one, p = 2 or 3 here. Up to this error that is
+// more than the step itself.
+constexpr double largest_error = 0.5;
+
+}  // namespace
+
+WholeStep::WholeStep(int order, double relative, std::span<const double> absolute)
+    : table_(ARKodeButcherTable_LoadERK(
+          static_cast<ARKODE_ERKTableID>(order == 3 ? ERKSTEP_DEFAULT_3 : ERKSTEP_DEFAULT_4))),
+      stages_(table_ ? static_cast<std::size_t>(table_->stages) : 0),
+      relative_(relative),
+      absolute_(absolute.begin(), absolute.end()) {
+  if (stages_ == 0 || stages_ > most_stages) throw std::runtime_error("plant: ARKodeButcherTable_LoadERK failed");
+  const std::size_t places = (absolute.size() + 1) / 2 * 2;
+  for (Vector* vector : {&start_, &point_, &difference_}) vector->assign(places, 0.0);
+  for (Vector& rates : rates_) rates.assign(places, 0.0);
+}
+
+bool WholeStep::take(RightHandSide f, void* model, std::span<double> y, double interval) {
+  std::copy(y.begin(), y.end(), start_.begin());
+  f(model, 0.0, start_.data(), rates_[0].data());
+  Coefficients by{}, apart{};
+  for (std::size_t i = 1; i < stages_; ++i) {
+    for (std::size_t j = 0; j < i; ++j) by[j] = interval * table_->A[i][j];
+    sum(point_, by, i, true);
+    f(model, table_->c[i] * interval, point_.data(), rates_[i].data());
+  }
+  for (std::size_t j = 0; j < stages_; ++j) {
+    by[j] = interval * table_->b[j];
+    apart[j] = interval * (table_->b[j] - table_->d[j]);
+  }
+  sum(difference_, apart, stages_, false);
+  if (!(error() <= largest_error)) return false;
+  sum(point_, by, stages_, true);
+  // ERKStep interpolates the end, which may turn a negative zero into a positive one.
+  const std::span<const double> end(point_.data(), y.size());
+  if (std::any_of(end.begin(), end.end(), [](double x) { return x == 0.0 && std::signbit(x); })) return false;
+  std::copy(end.begin(), end.end(), y.begin());
+  return true;
+}
+
+// ERKStep adds the terms of coefficients that are 0, too: they decide the sign of a zero.
+void WholeStep::sum(Vector& to, const Coefficients& by, std::size_t terms, bool with_start) const {
+  for (std::size_t i = 0; i < to.size(); i += 2) {
+    __m128d two = _mm_mul_pd(_mm_set1_pd(by[0]), _mm_loadu_pd(&rates_[0][i]));
+    for (std::size_t j = 1; j < terms; ++j)
+      two = _mm_add_pd(two, _mm_mul_pd(_mm_set1_pd(by[j]), _mm_loadu_pd(&rates_[j][i])));
+    if (with_start) two = _mm_add_pd(two, _mm_loadu_pd(&start_[i]));
+    _mm_storeu_pd(&to[i], two);
+  }
+}
+
+// The root of the mean square of each state's error by its tolerance at the step's beginning.
+double WholeStep::error() const {
+  double squares = 0.0;
+  for (std::size_t i = 0; i < absolute_.size(); ++i) {
+    const double weighted = difference_[i] * (1.0 / (relative_ * std::fabs(start_[i]) + absolute_[i]));
+    squares += weighted * weighted;
+  }
+  return std::sqrt(squares / static_cast<double>(absolute_.size()));
+}
+
+}  // namespace plant
