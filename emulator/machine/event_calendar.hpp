@@ -43,6 +43,12 @@ class EventCalendar {
 
   Time time(std::size_t who) const { return nodes_[leaves_ + who].time; }
   const Turn& earliest() const { return nodes_[1]; }
+  /// Of all others than `who`.
+  Time earliest_of_others(std::size_t who) const {
+    Time earliest = never;
+    for (std::size_t i = leaves_ + who; i > 1; i /= 2) earliest = std::min(earliest, nodes_[i ^ 1U].time);
+    return earliest;
+  }
 
  private:
   // Node i has the children 2i and 2i + 1; the leaves, which are the actors, stand behind the last inner node.

@@ -79,9 +79,11 @@ Time Network::Node::horizon_of_follower() const {
   return std::min(outside, clock.at(chip.idle() ? look : look - 1));
 }
 
-/// By what is on its links and nets, or by what any chip may do from now on.
+/// By what is on its links and nets, or by what any chip may do from now on. Where all others wait, that is an answer
+/// to what it does itself; and that on a link stops it, its pins' next event is known.
 Time Network::Node::others_reach_it() const {
-  const Time first = network.scheduler_.earliest(), ahead = lookahead();
+  const bool others_wait = network.scheduler_.earliest_of_others(*this) == never;
+  const Time first = others_wait ? next_pin_event() : network.scheduler_.earliest(), ahead = lookahead();
   Time reach = first < never - ahead ? first + ahead : never;
   for (const std::size_t link : links) reach = std::min(reach, network.links_[link]->next_event());
   for (const Net* net : nets_in) reach = std::min(reach, net->reaches(number));

@@ -77,6 +77,7 @@ class Scheduler {
   /// Of the last event.
   Time now() const { return now_; }
   Time earliest() const { return calendar_.earliest().time; }
+  Time earliest_of_others(const Actor& than) const { return calendar_.earliest_of_others(than.place_); }
   bool shuffles() const { return shuffle_.active(); }
 
  private:

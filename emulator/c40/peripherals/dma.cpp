@@ -159,6 +159,7 @@ std::optional<int> Dma::pick() const {
   const int from = fixed || last < 0 ? 0 : last / 2 + 1;
   for (int i = 0; i < dma_channel_count; ++i) {
     const int c = (from + i) % dma_channel_count;
+    if (at_rest(c)) continue;
     const int first = last >= 0 && last / 2 == c ? 1 - last % 2 : 0;
     for (int half : {first, 1 - first})
       if (ready({c, half})) return 2 * c + half;
@@ -168,7 +169,7 @@ std::optional<int> Dma::pick() const {
 
 bool Dma::active() const {
   for (int c = 0; c < dma_channel_count; ++c)
-    if (runs({c, 0}) || runs({c, 1})) return true;
+    if (!at_rest(c) && (runs({c, 0}) || runs({c, 1}))) return true;
   return false;
 }
 
@@ -234,7 +235,7 @@ Word Dma::ports_used() const {
     if (is_port_register(address)) used |= 1u << port_access(address, false, 0, 0).port;
   };
   for (int c = 0; c < dma_channel_count; ++c) {
-    if (!runs({c, 0}) && !runs({c, 1})) continue;
+    if (at_rest(c) || (!runs({c, 0}) && !runs({c, 1}))) continue;
     const Word word = channel(c)[control];
     if (split(c)) used |= 1u << COM_PORT.of(word);
     use(channel(c)[source]);

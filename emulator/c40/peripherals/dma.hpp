@@ -121,20 +121,24 @@ class Dma {
   template <class Selects>
   bool latch(Selects selects) {
     bool any = false;
-    for (int c = 0; c < dma_channel_count; ++c)
+    for (int c = 0; c < dma_channel_count; ++c) {
+      if (at_rest(c) || !started(c)) continue;
       for (bool write : {false, true})
-        if (started(c) && selects(c, write, event_code(c, write))) {
+        if (selects(c, write, event_code(c, write))) {
           (write ? channel(c).write_event : channel(c).read_event) = true;
           any = true;
         }
+    }
     return any;
   }
   /// Whether an event would be latched.
   template <class Selects>
   bool latches(Selects selects) const {
-    for (int c = 0; c < dma_channel_count; ++c)
+    for (int c = 0; c < dma_channel_count; ++c) {
+      if (at_rest(c) || !started(c)) continue;
       for (bool write : {false, true})
-        if (started(c) && selects(c, write, event_code(c, write))) return true;
+        if (selects(c, write, event_code(c, write))) return true;
+    }
     return false;
   }
   /// When the last access of all was done, or a half was started.
@@ -154,6 +158,10 @@ class Dma {
   static Half half_of(int index) { return {index / 2, index % 2}; }
 
   bool split(int c) const { return dma_control::SPLIT.in(channel(c)[DmaRegister::control]); }
+  // Neither half is started: so most channels are, most of the time.
+  bool at_rest(int c) const {
+    return (channel(c)[DmaRegister::control] & (dma_control::START.mask() | dma_control::AUX_START.mask())) == 0;
+  }
   bool started(int c) const;
   Word start(Half h) const;
   void set_start(Half h, Word value);
