@@ -40,6 +40,16 @@ def test_snapshots_go_on_bit_for_bit(again):
     assert pickle.dumps(other.state) == pickle.dumps(crane.state)
 
 
+def test_what_a_crane_knew_of_its_state_is_forgotten_with_its_load():
+    crane, fresh = plant.Crane(load_mass=20e3), plant.Crane(load_mass=5e3)
+    crane.step([0.0, 500.0, 3300.0, 2400.0, 1.0], 0.237)
+    here = crane.state
+    heavy = crane.acceleration()
+    crane.set_load(5e3)
+    fresh.reset(here.q, here.qd, here.torque)
+    assert crane.acceleration().tobytes() == fresh.acceleration().tobytes() != heavy.tobytes()
+
+
 def test_a_snapshot_of_another_size_is_refused():
     with pytest.raises(ValueError, match="bytes"):
         core.CraneAloneState.__setstate__(core.CraneAloneState.__new__(core.CraneAloneState), b"short")
