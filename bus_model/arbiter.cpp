@@ -4,20 +4,6 @@ namespace pci {
 
 void Arbiter::add_master(bool first_level) { first_level_.push_back(first_level); }
 
-bool Arbiter::on_first_level(unsigned master) const {
-  return config_.arbitration == Arbitration::host_fair ? master == 0 : first_level_[master];
-}
-
-unsigned Arbiter::parked() const {
-  if (first_level_.empty()) return nobody;
-  switch (config_.parking) {
-    case Parking::none: return nobody;
-    case Parking::first: return 0;
-    case Parking::last_owner: return last_owner_;
-  }
-  return nobody;
-}
-
 unsigned Arbiter::pick(std::span<const Clocks> requests, Clocks latest) const {
   const auto asks = [&](unsigned master) { return requests[master] <= latest; };
   const auto count = static_cast<unsigned>(requests.size());
@@ -52,17 +38,6 @@ unsigned Arbiter::pick_of_two_levels(std::span<const Clocks> requests, Clocks la
     }
   }
   return nobody;
-}
-
-void Arbiter::granted(unsigned master, Clocks frame) {
-  if (master != last_owner_ || frame >= kept_until()) tenure_ = frame;
-  last_owner_ = master;
-  if (on_first_level(master)) {
-    last_place_ = master;
-  } else {
-    last_place_ = static_cast<unsigned>(first_level_.size());
-    last_of_second_ = master;
-  }
 }
 
 }  // namespace pci

@@ -22,11 +22,23 @@ class Arbiter {
   /// of each master's REQ#, or never.
   unsigned pick(std::span<const Clocks> requests, Clocks latest) const;
   /// The bus is the master's from FRAME# at clock `frame` on.
-  void granted(unsigned master, Clocks frame);
+  void granted(unsigned master, Clocks frame) {
+    if (master != last_owner_ || frame >= kept_until()) tenure_ = frame;
+    last_owner_ = master;
+    if (on_first_level(master)) {
+      last_place_ = master;
+    } else {
+      last_place_ = static_cast<unsigned>(first_level_.size());
+      last_of_second_ = master;
+    }
+  }
 
   unsigned last_owner() const { return last_owner_; }
   /// Where GNT# stays when nobody asks, or nobody.
-  unsigned parked() const;
+  unsigned parked() const {
+    if (first_level_.empty() || config_.parking == Parking::none) return nobody;
+    return config_.parking == Parking::first ? 0 : last_owner_;
+  }
   /// The last owner keeps GNT# before this clock, whoever asks (the multi-transaction timer).
   Clocks kept_until() const { return tenure_ + config_.multi_transaction_timer; }
 
@@ -38,7 +50,9 @@ class Arbiter {
   }
 
  private:
-  bool on_first_level(unsigned master) const;
+  bool on_first_level(unsigned master) const {
+    return config_.arbitration == Arbitration::host_fair ? master == 0 : first_level_[master];
+  }
   unsigned pick_of_two_levels(std::span<const Clocks> requests, Clocks latest) const;
 
   BusConfig config_;

@@ -57,17 +57,17 @@ void Bus::submit(unsigned master, Command command, Address address, unsigned wor
   tell_plan();
 }
 
-void Bus::ask(unsigned master, Clocks request) {
+inline void Bus::ask(unsigned master, Clocks request) {
   requests_[master] = request;
   asking_ |= 1u << master;
 }
 
-void Bus::ask_no_more(unsigned master) {
+inline void Bus::ask_no_more(unsigned master) {
   requests_[master] = never;
   asking_ &= ~(1u << master);
 }
 
-Clocks Bus::earliest_request(unsigned except) const {
+inline Clocks Bus::earliest_request(unsigned except) const {
   Clocks earliest = never;
   const std::uint32_t others = except == nobody ? asking_ : asking_ & ~(1u << except);
   for (std::uint32_t rest = others; rest != 0; rest &= rest - 1)
@@ -76,9 +76,9 @@ Clocks Bus::earliest_request(unsigned except) const {
 }
 
 // The arbiter's choice among those who ask by clock `latest`. One who asks alone needs no choice.
-unsigned Bus::winner(Clocks latest) const {
+inline unsigned Bus::winner(Clocks latest) const {
   if (asking_ == 0) return nobody;
-  if (!std::has_single_bit(asking_)) return arbiter_.pick(requests_, latest);
+  if ((asking_ & (asking_ - 1)) != 0) return arbiter_.pick(requests_, latest);
   const auto only = static_cast<unsigned>(std::countr_zero(asking_));
   return requests_[only] <= latest ? only : nobody;
 }
@@ -104,13 +104,13 @@ void Bus::plan_idle() {
   }
 }
 
-int Bus::window_of(Address address) const {
+inline int Bus::window_of(Address address) const {
   for (std::size_t i = 0; i < windows_.size(); ++i)
     if (address >= windows_[i].base && address - windows_[i].base < windows_[i].words) return static_cast<int>(i);
   return -1;
 }
 
-Access Bus::access_at(Clocks clock) const {
+inline Access Bus::access_at(Clocks clock) const {
   return {attempt_.master, clock, ports_[attempt_.master].agent, attempt_.command};
 }
 
@@ -259,7 +259,7 @@ void Bus::cut_by_timer() {
   next_ = attempt_.last + 1;
 }
 
-void Bus::move_words(Port& port, unsigned words) {
+inline void Bus::move_words(Port& port, unsigned words) {
   if (words == 0) return;
   Window& window = windows_[static_cast<unsigned>(attempt_.target)];
   const Address offset = attempt_.address - window.base;
@@ -279,7 +279,7 @@ void Bus::move_words(Port& port, unsigned words) {
 }
 
 // `length` clocks of an attempt with `words` data phases, turnaround apart.
-void Bus::account(Clocks words, Clocks length) {
+inline void Bus::account(Clocks words, Clocks length) {
   statistics_.address += 1;
   statistics_.data += words;
   statistics_.wait += length - 1 - words;

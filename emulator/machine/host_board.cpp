@@ -67,13 +67,12 @@ void HostBoard::list_state(state::Visitor& list) {
 }
 
 Time HostBoard::earliest_action(Time woken) const {
-  const Time bus = next_bus_event();
   // A program that waits for words wakes with its bus's next event at the earliest; then its write has to cross the
   // bridge and the bus.
   const Time wakes = std::min(next_, woken);
-  const Time acts = words_wanted_ != 0 && read_done_ == never ? std::min(wakes, bus) : wakes;
+  const Time acts = words_wanted_ != 0 && read_done_ == never ? std::min(wakes, next_bus_event()) : wakes;
   Time earliest = acts == never ? never : acts + (clock_.at(action_clocks_) - clock_.at(0)) - Time{1};
-  if (acting_ != registers_.acted()) earliest = std::min(earliest, bus);
+  if (acting_ != registers_.acted()) earliest = std::min(earliest, next_bus_event());
   return earliest;
 }
 

@@ -89,7 +89,7 @@ bool Link::can_send(const End& owner, const End& other) const {
   return owner.wants() && !other.seen.input_halted && held < Fifo::depth;
 }
 
-Time Link::next_event() const {
+Time Link::next_of_what_moves() const {
   Time next = action_ == Action::none ? never : ends_at_;
   for (const End& end : ends_) {
     if (!end.views.empty()) next = std::min(next, end.views.front().from);
