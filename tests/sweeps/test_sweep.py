@@ -82,22 +82,22 @@ def test_repeats_that_agree_have_no_interval_and_the_table_says_so(tmp_path: Pat
 
 
 def test_what_changes_no_result_is_not_in_the_key() -> None:
-    from cmrc.sweeps.identity import run_of
+    from cmrc.sweeps.identity import Keys, run_of
 
     def key(**fixed: Any) -> str:
-        return run_of(next(grid.made({"fixed": {"duration_s": 0.03, **fixed}}).points())).key
+        return run_of(next(grid.made({"fixed": {"duration_s": 0.03, **fixed}}).points()), Keys()).key
 
     assert key() == key(turn_order=7) == key(strict=True) == key(dsps=4)
     assert len({key(), key(seed=2), key(dsps=3), key(misses_max=3)}) == 4
     with_event = grid.made({"fixed": {"duration_s": 0.03}, "events": [{"at_s": 0.01, "action": "fail", "dsp": 0}]})
-    assert run_of(next(with_event.points())).key != key()
+    assert run_of(next(with_event.points()), Keys()).key != key()
 
 
 def test_the_key_is_over_the_files_and_not_their_names(tmp_path: Path) -> None:
-    from cmrc.sweeps.identity import run_of
+    from cmrc.sweeps.identity import Keys, run_of
 
     def key(board: Path) -> str:
-        return run_of(next(grid.made({"fixed": {"duration_s": 0.03, "machine.board": str(board)}}).points())).key
+        return run_of(next(grid.made({"fixed": {"duration_s": 0.03, "machine.board": str(board)}}).points()), Keys()).key
 
     one, same, other = (tmp_path / name for name in ("one.toml", "same.toml", "other.toml"))
     text = (ROOT / "tests" / "peripherals" / "data" / "faults" / "timing-board.toml").read_text()

@@ -23,6 +23,14 @@ SETTINGS = {
     "distributed.scheduler.allowed-failures": 0,
     "distributed.scheduler.worker-saturation": 1.0,
 }
+QUIET = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "10s",
+    "distributed.scheduler.active-memory-manager.start": False,
+    "distributed.scheduler.work-stealing": False,
+}
+"""What Dask watches itself with costs a local sweep as much as its own work, and nobody looks at it."""
 
 
 class Workers:
@@ -146,7 +154,7 @@ def _local(count: int) -> Iterator[Workers]:
     try:
         dask, distributed = needed("dask", "sweep", "cmrc.sweep"), needed("distributed", "sweep", "cmrc.sweep")
         with (
-            dask.config.set(SETTINGS),
+            dask.config.set({**SETTINGS, **QUIET}),
             distributed.LocalCluster(
                 n_workers=0,
                 processes=True,

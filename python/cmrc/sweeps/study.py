@@ -71,7 +71,8 @@ class Sweep:
 
     def report(self, seed: int | None = None, **place: Any) -> dict[str, Any]:
         """The report of one run, by its place (``dsps=2``) and seed. Raises KeyError unless exactly one is there."""
-        asked = {grids.full_name(name, name): value for name, value in place.items()}
+        axes = self.axes
+        asked = {name if name in axes else grids.full_name(name, name): value for name, value in place.items()}
         found = [
             run
             for run in self.runs
@@ -221,13 +222,15 @@ def run_grid(
     grid: Grid,
     folder: str | os.PathLike[str],
     place: Place,
-    execute: work.Execute = work.execute,
+    execute: work.Execute | None = None,
     again_failed: bool = False,
     on_progress: Callable[[Status], object] | None = None,
 ) -> Sweep:
     """The same with the function that does a run."""
+    if execute is None:
+        execute = work.execute if grid.fork_at_s is None else work.Forked(grid.fork_at_s)
     with Session(folder, place, execute, again_failed, on_progress) as session:
-        keys = session.run(grid.points())
+        keys = session.run(grid.points(), grid.fork_at_s)
     return Sweep(folder, keys)
 
 
