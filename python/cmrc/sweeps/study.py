@@ -9,7 +9,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from cmrc import arguments
+from cmrc import arguments, saved_result
 from cmrc.sweeps import grid as grids
 from cmrc.sweeps import metrics, store, work
 from cmrc.sweeps.grid import Grid
@@ -63,11 +63,18 @@ class Sweep:
         return {state: states.count(state) for state in (store.DONE, store.REFUSED, store.FAILED)}
 
     def reports(self) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
-        """Every run that was done, with its report (docs/report.md)."""
+        """Every run that was done, with its report (docs/report.md). Raises SweepError for reports of another
+        schema."""
         wanted = {run["key"]: run for run in self.runs if run["status"] == store.DONE}
         for row in self.folder.rows(("report",)):
-            if row["key"] in wanted:
-                yield wanted[row["key"]], store.unpacked(row["report"])
+            if row["key"] not in wanted:
+                continue
+            report = store.unpacked(row["report"])
+            try:
+                saved_result.check_schema(report)
+            except saved_result.SchemaError as error:
+                raise SweepError(f"{self.folder.path}: {error}") from None
+            yield wanted[row["key"]], report
 
     def report(self, seed: int | None = None, **place: Any) -> dict[str, Any]:
         """The report of one run, by its place (``dsps=2``) and seed. Raises KeyError unless exactly one is there."""
