@@ -100,6 +100,8 @@ def test_other_folders_are_refused_by_name(tmp_path: Path) -> None:
     ):
         with pytest.raises(SweepError, match=f"{name}.*{says}"):
             Folder(tmp_path / name).__enter__()
+    with pytest.raises(SweepError, match="file/s: cannot be made: Not a directory"):
+        Folder(tmp_path / "file" / "s").__enter__()
     assert (tmp_path / "full" / "thesis.tex").read_text() == "x" and len(list((tmp_path / "full").iterdir())) == 1
 
 

@@ -26,6 +26,7 @@ APART = ("preset", "config")
 FUTURE = "future"
 """The axis of [[futures]]."""
 MOST_RUNS = 10_000_000
+MOST_WHOLE = 2**63 - 1
 MOST_BYTES = 1 << 24
 SEED, PHASES = "run.seed", "run.phase_jitter"
 
@@ -320,6 +321,8 @@ def _scalar(value: Any, where: str) -> Setting:
         value = value.item()  # NumPy's numbers
     if not isinstance(value, (bool, int, float, str)):
         raise GridError(f"{where}: {type(value).__name__} cannot be used; true, false, a number or a text is expected")
+    if isinstance(value, int) and not -MOST_WHOLE <= value <= MOST_WHOLE:
+        raise GridError(f"{where}: {value} is beyond 64 bits")
     if isinstance(value, float) and not math.isfinite(value):
         raise GridError(f"{where}: {value} is no number that a setting can have")
     return value
@@ -404,8 +407,8 @@ def _seeds(seeds: Any, first: Any, has_first: bool) -> list[int]:
     if isinstance(seeds, (list, tuple)):
         if has_first:
             raise GridError("repeats.first: goes with a number of seeds, not with a list of them")
-        if not seeds or any(not isinstance(one, int) or isinstance(one, bool) or one < 0 for one in seeds):
-            raise GridError(f"{where}: whole numbers from 0 on are expected, at least one")
+        if not seeds or any(not isinstance(one, int) or isinstance(one, bool) or not 0 <= one <= MOST_WHOLE for one in seeds):
+            raise GridError(f"{where}: whole numbers from 0 to 2^63 - 1 are expected, at least one")
         if len(set(seeds)) < len(seeds):
             raise GridError(f"{where}: a seed stands there twice; each is run once")
         return list(seeds)

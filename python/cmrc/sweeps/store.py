@@ -63,7 +63,10 @@ class Folder:
             raise SweepError(
                 f"{self.path}: has files in it, and is no folder of a sweep; an empty or a new one is expected"
             )
-        self.path.mkdir(parents=True, exist_ok=True)
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise SweepError(f"{self.path}: cannot be made: {error.strerror or error}") from None
         self._lock = self._locked()
         try:
             self.check()
