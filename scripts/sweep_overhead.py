@@ -1,67 +1,67 @@
-"""What a sweep costs beside its runs (docs/sweeps.md, Speed). Wall-clock times want a quiet machine with two
-processors.
+"""What a sweep costs beside its runs (docs/sweeps.md, Speed).
 
 `PYTHONPATH=build/python python scripts/sweep_overhead.py [RUNS]`: so many runs (default 200) of 1 s simulated, in two
-plain processes and as a sweep on two workers, one after the other. Prints wall-clock and processor times of both."""
+plain processes and as a sweep on two workers, one after the other. Both make the same runs and keep the same reports,
+packed, in files. Prints wall-clock time, and processor time of all processes from their start to their end, and the
+share of the plain processes in the sweep's. Wall-clock times want a quiet machine with two processors."""
 
 from __future__ import annotations
 
+import ctypes
 import os
 import resource
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from pathlib import Path
-
-import cmrc
-import psutil
-from cmrc.sweeps import Status
 
 PLAIN = """
 import sys, cmrc
-for seed in map(int, sys.argv[1:]):
-    cmrc.Simulation(duration_s=1.0, seed=seed)._core.run()
+from cmrc.sweeps.store import packed
+with open(sys.argv[1], "wb") as out:
+    for seed in map(int, sys.argv[2:]):
+        simulation = cmrc.Simulation(duration_s=1.0, seed=seed)._core
+        simulation.run()
+        out.write(packed(simulation.report_json()))
 """
+SWEEP = """
+import sys, cmrc
+grid = {"fixed": {"duration_s": 1.0}, "repeats": {"seeds": int(sys.argv[2])}}
+if cmrc.sweep(grid, sys.argv[1], workers=2).counts()["done"] != int(sys.argv[2]):
+    sys.exit("a run of the sweep has failed")
+"""
+PR_SET_CHILD_SUBREAPER = 36
 
 
-def plain(runs: int) -> tuple[float, float]:
-    """Wall-clock and processor time of two processes that share the seeds."""
-    began = time.monotonic()
-    halves = [range(first, runs + 1, 2) for first in (1, 2)]
-    processes = [subprocess.Popen([sys.executable, "-c", PLAIN, *map(str, half)]) for half in halves]
-    if any(list(map(subprocess.Popen.wait, processes))):
-        sys.exit("a plain run has failed")
+def measured(commands: Sequence[Sequence[str]]) -> tuple[float, float]:
+    """Wall-clock and processor time of commands side by side, with all processes that they start."""
+    began, before = time.monotonic(), resource.getrusage(resource.RUSAGE_CHILDREN)
+    processes = [subprocess.Popen([sys.executable, "-c", *command]) for command in commands]
+    if any([process.wait() for process in processes]):
+        sys.exit("a command has failed")
+    wall = time.monotonic() - began
+    while True:  # workers that have outlived who started them are this process's now
+        try:
+            os.wait()
+        except ChildProcessError:
+            break
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return time.monotonic() - began, used.ru_utime + used.ru_stime
+    return wall, used.ru_utime + used.ru_stime - before.ru_utime - before.ru_stime
 
 
-def swept(runs: int) -> tuple[float, float]:
-    """The same of the sweep: of this process and of all that it has started, just before they end."""
-    used = 0.0
-
-    def look(status: Status) -> None:
-        nonlocal used
-        if status.done < status.runs:
-            return
-        me = psutil.Process(os.getpid())
-        own = me.cpu_times()
-        used = own.user + own.system - before
-        for child in me.children(recursive=True):
-            times = child.cpu_times()
-            used += times.user + times.system + times.children_user + times.children_system
-
+def main() -> None:
+    runs = int(sys.argv[1]) if len(sys.argv) > 1 else 200
+    ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
     with tempfile.TemporaryDirectory() as folder:
-        began, own = time.monotonic(), psutil.Process(os.getpid()).cpu_times()
-        before = own.user + own.system
-        grid = {"fixed": {"duration_s": 1.0}, "repeats": {"seeds": runs}}
-        found = cmrc.sweep(grid, Path(folder) / "s", workers=2, on_progress=look)
-        if found.counts()["done"] != runs:
-            sys.exit("a run of the sweep has failed")
-        return time.monotonic() - began, used
+        halves = [[PLAIN, str(Path(folder) / f"{n}"), *map(str, range(n, runs + 1, 2))] for n in (1, 2)]
+        plain = measured(halves)
+        sweep = measured([[SWEEP, str(Path(folder) / "sweep"), str(runs)]])
+    for name, (wall, used) in (("two plain processes", plain), ("a sweep on two workers", sweep)):
+        print(f"{runs} runs, {name}: {wall:.1f} s, {used:.1f} s of processors")
+    print(f"plain / sweep: {plain[0] / sweep[0]:.3f} of the time, {plain[1] / sweep[1]:.3f} of the processors' time")
 
 
 if __name__ == "__main__":
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 200
-    for name, (wall, used) in (("two plain processes", plain(count)), ("a sweep on two workers", swept(count))):
-        print(f"{count} runs, {name}: {wall:.1f} s, {used:.1f} s of processors", flush=True)
+    main()

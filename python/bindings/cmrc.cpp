@@ -105,8 +105,13 @@ void bind_config(py::module_& m) {
         "What makes a run's result, as TOML: the configuration but turn order, strictness and the paths of files.");
   m.def("reference_key", &cmrc::reference_key, py::arg("config"), "Equal for runs that may share one ideal run.");
   m.def(
-      "files_digest", [](const cmrc::Config& config) { return cmrc::digest_of_files(config, cmrc::dsp_image(config)); },
-      py::arg("config"), "SHA-256 of the DSPs' program and of the files that the configuration names.");
+      "beginning_of",
+      [](const cmrc::Config& config, double time_s) { return cmrc::beginning_of(config, to_time("time_s", time_s)); },
+      py::arg("config"), py::arg("time_s"), "The configuration without its events from that instant on.");
+  m.def("inputs_of", &cmrc::inputs_of, py::arg("config"),
+        "What a configuration says of the files that it needs, empty where it needs none: equal for equal files.");
+  m.def("inputs_digest", &cmrc::digest_of_inputs, py::arg("config"),
+        "SHA-256 of those files: the DSPs' program as assembled, layout, board.");
   m.def("dock_of", &cmrc::dock_of, py::arg("config"), "The dock of a run: a plant.DockConfig.");
   m.def(
       "config",

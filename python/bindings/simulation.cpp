@@ -31,17 +31,15 @@
 #include "report/trace_text.hpp"
 #include "toolchain/objects/image.hpp"
 
-namespace {
-
-constexpr double most_seconds = 9e6;  // of 64 bits of picoseconds
-
-/// \param argument for the message
 report::Time to_time(const char* argument, double seconds) {
+  constexpr double most_seconds = 9e6;  // of 64 bits of picoseconds
   if (!(seconds >= 0 && seconds <= most_seconds))
     throw py::value_error(
         fmt::format("{}: {} s is no instant of a run; 0 to {:g} s are", argument, seconds, most_seconds));
   return report::Time{std::llround(seconds * 1e12)};
 }
+
+namespace {
 
 /// What on_progress returned.
 bool goes_on(const py::object& returned) {
@@ -347,6 +345,14 @@ void bind_simulation(py::module_& m) {
           py::arg("other"))
       .def("fork",
            [](Run& r) { return std::make_shared<Run>(r.moment("fork", [](Simulation& s) { return s.fork(); })); })
+      .def(
+          "fork_into",
+          [](Run& r, const cmrc::Config& whole, std::shared_ptr<const cmrc::Reference> reference) {
+            return std::make_shared<Run>(
+                r.moment("fork_into", [&](Simulation& s) { return s.fork_into(whole, std::move(reference)); }));
+          },
+          py::arg("config"), py::arg("reference") = py::none(),
+          "The run of a configuration that has this run's and further events from now on. Raises ConfigError.")
       .def(
           "difference",
           [](Run& r, const Run& other) {

@@ -1,12 +1,15 @@
 """Emulator of TMS320C40 multiprocessors that reproduces the CMRC robot controller.
 
-``cmrc.run(dsps=4, duration_s=10)`` simulates the dock and returns a ``Result``; ``cmrc.c40`` holds one chip, its assembler and its number formats; ``cmrc.network``
-several chips joined by their communication ports; ``cmrc.plant`` the
-dock without DSPs. ``cmrc.limits`` and ``cmrc.compare`` run a configuration several times: how far it is from its first missed deadline, and what time costs it;
-``cmrc.sweep`` runs a whole grid of them, and ``cmrc.search`` looks for the best.
+``cmrc.run(dsps=4, duration_s=10)`` simulates the dock and returns a ``Result``; ``cmrc.c40`` holds one chip, its
+assembler and its number formats; ``cmrc.network`` several chips joined by their communication ports; ``cmrc.plant`` the
+dock without DSPs. ``cmrc.limits`` and ``cmrc.compare`` run a configuration several times: how far it is from its first
+missed deadline, and what time costs it; ``cmrc.sweep`` runs a whole grid of them, and ``cmrc.search`` looks for the
+best.
 """
 
 import sys as _sys
+from typing import TYPE_CHECKING as _TYPE_CHECKING
+from typing import Any as _Any
 
 from cmrc import _core
 
@@ -23,11 +26,53 @@ from cmrc.errors import Error
 from cmrc.result import Profile, Result
 from cmrc.simulation import ConfigError, Simulation, Snapshot, read_snapshot, run, write_snapshot
 from cmrc.snapshots import SnapshotError
-from cmrc.studies import Comparison, Limits, compare, limits
-from cmrc.sweeps import search, sweep
 from cmrc.table import Table
+
+if _TYPE_CHECKING:
+    from cmrc import studies, sweeps
+    from cmrc.studies import Comparison, Limits, compare, limits
+    from cmrc.sweeps import search, sweep
 
 __version__: str = _core.cmrc.emulator_version
 
-__all__ = ["Comparison", "ConfigError", "Difference", "Error", "Limits", "Profile", "Result", "Simulation", "Snapshot", "SnapshotError", "Table", "c40",
-           "compare", "diff", "limits", "network", "plant", "read_snapshot", "run", "search", "sweep", "write_snapshot"]
+__all__ = [
+    "Comparison",
+    "ConfigError",
+    "Difference",
+    "Error",
+    "Limits",
+    "Profile",
+    "Result",
+    "Simulation",
+    "Snapshot",
+    "SnapshotError",
+    "Table",
+    "c40",
+    "compare",
+    "diff",
+    "limits",
+    "network",
+    "plant",
+    "read_snapshot",
+    "run",
+    "search",
+    "sweep",
+    "write_snapshot",
+]
+
+_LATER = {"studies": ("Comparison", "Limits", "compare", "limits"), "sweeps": ("search", "sweep")}
+"""Who makes one run does not wait for what makes many: modules that are imported when they are asked for."""
+
+
+def __getattr__(name: str) -> _Any:
+    from importlib import import_module
+
+    for module, names in _LATER.items():
+        if name == module or name in names:
+            found = import_module(f"cmrc.{module}")
+            return found if name == module else getattr(found, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__, *_LATER})

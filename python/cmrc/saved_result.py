@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cmrc import arguments, files
+from cmrc import _core, arguments, files
 from cmrc.table import Table
 
 if TYPE_CHECKING:
@@ -24,6 +24,10 @@ SCHEMA_VERSIONS = (4,)
 _DATE = (1980, 1, 1, 0, 0, 0)  # the same result is the same file
 _LARGEST = 1 << 32  # bytes of one member, unpacked: a damaged file asks for no more memory
 _LARGEST_REPORT = 1 << 29
+
+
+class SchemaError(ValueError):
+    """A report of another schema: its keys do not mean what they mean here."""
 
 
 def save(result: Result, path: str | os.PathLike[str]) -> None:
@@ -53,6 +57,8 @@ def load(path: str | os.PathLike[str]) -> dict[str, Any]:
     try:
         with zipfile.ZipFile(name) as archive:
             return _unpacked(archive)
+    except SchemaError as error:
+        raise SchemaError(f"{name}: {error}") from None
     except (
         zipfile.BadZipFile,
         zlib.error,
@@ -95,15 +101,25 @@ def _unpacked(archive: zipfile.ZipFile) -> dict[str, Any]:
     }
 
 
+def check_schema(report: Mapping[str, Any]) -> None:
+    """Raises SchemaError that says what to do."""
+    found = report.get("schema_version")
+    if found in SCHEMA_VERSIONS:
+        return
+    known = ", ".join(map(str, SCHEMA_VERSIONS))
+    by = f", written by emulator {report['emulator_version']}" if "emulator_version" in report else ""
+    if isinstance(found, int) and found > max(SCHEMA_VERSIONS):
+        what = "a cmrc as new as its writer reads it"
+    else:
+        what = "the run is to be made again, its settings stand under \"configuration\" (cmrc.run(settings=...))"
+    raise SchemaError(f"the report has schema version {found}{by}; cmrc {_core.cmrc.emulator_version} reads {known}: {what}")
+
+
 def checked_report(report: Any) -> dict[str, Any]:
     """A report of a schema that this version reads. Raises ValueError."""
     if not isinstance(report, Mapping) or "schema_version" not in report:
         raise ValueError("there is no report with a schema_version in it")
-    if report["schema_version"] not in SCHEMA_VERSIONS:
-        raise ValueError(
-            f"the report has schema version {report['schema_version']}; "
-            f"this version of cmrc reads {', '.join(map(str, SCHEMA_VERSIONS))}"
-        )
+    check_schema(report)
     for key, kind in (("configuration", Mapping), ("tasks", Mapping), ("misses", list), ("hash", str)):
         if not isinstance(report.get(key), kind):
             raise ValueError(f"the report has no {key!r}, or one of a wrong kind")  # noqa: TRY004 (a file is wrong)
@@ -118,6 +134,8 @@ def load_report(path: str | os.PathLike[str]) -> dict[str, Any]:
         return report
     try:
         return checked_report(json.loads(files.read(name, _LARGEST_REPORT)))
+    except SchemaError as error:
+        raise SchemaError(f"{name}: {error}") from None
     except (ValueError, RecursionError) as error:
         raise ValueError(f"{name}: neither a saved result nor a JSON report ({_shown(error)})") from error
 

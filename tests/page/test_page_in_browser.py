@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from browser import NO_WEBGL, SOFTWARE, Tab, chromium, driver, opened
 from cmrc.page import Recording
@@ -147,6 +148,37 @@ def test_a_click_goes_there_and_dragging_moves_the_view(tab: Tab) -> None:
     tab.page.mouse.move(x - 200, y, steps=3)
     tab.page.mouse.up()
     assert tab.state("from") > 0.11 and tab.state("to") - tab.state("from") == pytest.approx(0.1)
+
+
+def test_a_lane_shows_what_its_dsp_waited_for(tab: Tab, run: tuple[Path, Recording]) -> None:
+    hints = []
+    for time in (0.03, 0.05, 0.1, 0.15, 0.2, 0.3):
+        tab.page.mouse.move(*tab.lane("DSP 0", time))
+        hints.append(tab.hint())
+    assert any(re.search(r"waiting: [\d.]+ % for bus A", hint) for hint in hints), hints
+    # Within one stretch that waited for more than the foot stands for, the causes share its height.
+    waits = np.array([run[1].whole(f"lane.{name}") for name in ("bus_a", "bus_b", "list")])
+    slot, what, took = (run[1].whole(f"lane.{name}") for name in ("slot", "what", "took"))
+    pid = 4 + run[1].header["kinds"].index("pid")
+    row = next(i for i in np.flatnonzero((slot == 2) & (what == pid)).tolist() if waits[1, i] > 0.05 * took[i])
+    lane = run[1].lanes[2]
+    own = int(np.count_nonzero(slot[:row] == 2))
+    begin, end = float(lane.from_s[own]), float(lane.to_s[own])
+    tab.page.evaluate("([a, b]) => page.state.show(a, b)", [begin + 0.2 * (end - begin), end - 0.2 * (end - begin)])
+    tab.settle()
+    x, y = tab.lane("DSP 2", (begin + end) / 2)
+    foot = tab.page.evaluate(
+        """([x, y]) => {
+          const canvas = document.querySelector("#lanes canvas"), box = canvas.getBoundingClientRect();
+          const data = canvas.getContext("2d").getImageData(Math.round(x - box.left), Math.round(y - box.top + 7.5), 1, 9).data;
+          return Array.from({ length: 9 }, (_, i) => [...data.slice(4 * i, 4 * i + 3)].join());
+        }""",
+        [x, y],
+    )
+    shown = [foot.count(colour) for colour in ("0,114,178", "230,159,0", "204,121,167")]
+    assert sum(shown) == 9 and shown == pytest.approx(9 * waits[:, row] / waits[:, row].sum(), abs=1.01), foot
+    tab.page.mouse.move(x, y)
+    assert f"of this it waited {waits[0, row] * 1e-3:.2f}" in tab.hint().replace(" µs", ""), tab.hint()
 
 
 def test_a_killed_dsp_is_seen_to_die(tab: Tab) -> None:

@@ -3,6 +3,7 @@
 import copy
 import json
 import pickle
+import re
 import subprocess
 import zipfile
 from pathlib import Path
@@ -107,6 +108,30 @@ def test_what_is_no_result_is_refused_by_name(result: cmrc.Result, tmp_path: Pat
             cmrc.Result.load(path)
     with pytest.raises(FileNotFoundError):
         cmrc.Result.load(tmp_path / "missing")
+
+
+@pytest.mark.parametrize(("schema", "says"), [
+    (3, r"schema version 3, .*its settings stand under \"configuration\""),
+    (99, r"schema version 99, written by emulator .* reads 4: a cmrc as new as its writer"),
+])  # fmt: skip
+def test_a_result_of_another_schema_is_refused_by_name_and_says_what_to_do(
+    schema: int, says: str, result: cmrc.Result, tmp_path: Path
+) -> None:
+    whole = tmp_path / "whole"
+    result.save(whole)
+    text = json.dumps({**result.report, "schema_version": schema})
+    saved = edited(whole, tmp_path / "saved", "report.json", text.encode())
+    (tmp_path / "report.json").write_text(text)
+    for path in (saved, tmp_path / "report.json"):
+        with pytest.raises(ValueError, match=f"{re.escape(str(path))}: the report has {says}"):
+            cmrc.diff(result, path)
+    with pytest.raises(ValueError, match=says):
+        cmrc.Result.load(saved)
+
+
+def test_an_older_report_has_what_makes_its_run_again(result: cmrc.Result) -> None:
+    settings = {name: value for name, value in result.report["configuration"].items() if not isinstance(value, list)}
+    assert cmrc.run(settings=settings).hash == result.hash
 
 
 def test_a_pickle_among_the_signals_is_not_executed(result: cmrc.Result, tmp_path: Path) -> None:

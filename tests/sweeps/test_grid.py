@@ -113,6 +113,8 @@ def test_an_empty_grid_is_one_run() -> None:
     ({"together": {"dsps": [1]}}, "together: a list of tables"),
     ({"repeats": {"seeds": 0}}, "repeats.seeds: a whole number from 1"),
     ({"repeats": {"seeds": [1, 1]}}, "repeats.seeds: a seed stands there twice"),
+    ({"repeats": {"seeds": [1, 2**63]}}, "repeats.seeds: whole numbers from 0 to 2^63 - 1"),
+    ({"axes": {"dsps": [1, -(2**70)]}}, "axes.dsps[1]: -1180591620717411303424 is beyond 64 bits"),
     ({"repeats": {"seeds": []}}, "repeats.seeds: whole numbers"),
     ({"repeats": {"first": 3}}, "repeats.first: needs repeats.seeds"),
     ({"repeats": {"times": 3}}, "repeats.times: unknown"),

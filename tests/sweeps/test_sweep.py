@@ -4,7 +4,10 @@ import contextlib
 import itertools
 import os
 import re
+import shutil
 import signal
+import socket
+import subprocess
 import threading
 import time
 from pathlib import Path
@@ -82,22 +85,22 @@ def test_repeats_that_agree_have_no_interval_and_the_table_says_so(tmp_path: Pat
 
 
 def test_what_changes_no_result_is_not_in_the_key() -> None:
-    from cmrc.sweeps.identity import run_of
+    from cmrc.sweeps.identity import Keys, run_of
 
     def key(**fixed: Any) -> str:
-        return run_of(next(grid.made({"fixed": {"duration_s": 0.03, **fixed}}).points())).key
+        return run_of(next(grid.made({"fixed": {"duration_s": 0.03, **fixed}}).points()), Keys()).key
 
     assert key() == key(turn_order=7) == key(strict=True) == key(dsps=4)
     assert len({key(), key(seed=2), key(dsps=3), key(misses_max=3)}) == 4
     with_event = grid.made({"fixed": {"duration_s": 0.03}, "events": [{"at_s": 0.01, "action": "fail", "dsp": 0}]})
-    assert run_of(next(with_event.points())).key != key()
+    assert run_of(next(with_event.points()), Keys()).key != key()
 
 
 def test_the_key_is_over_the_files_and_not_their_names(tmp_path: Path) -> None:
-    from cmrc.sweeps.identity import run_of
+    from cmrc.sweeps.identity import Keys, run_of
 
     def key(board: Path) -> str:
-        return run_of(next(grid.made({"fixed": {"duration_s": 0.03, "machine.board": str(board)}}).points())).key
+        return run_of(next(grid.made({"fixed": {"duration_s": 0.03, "machine.board": str(board)}}).points()), Keys()).key
 
     one, same, other = (tmp_path / name for name in ("one.toml", "same.toml", "other.toml"))
     text = (ROOT / "tests" / "peripherals" / "data" / "faults" / "timing-board.toml").read_text()
@@ -221,6 +224,46 @@ def test_a_cluster_that_is_not_there_is_named(tmp_path: Path, monkeypatch: pytes
     with pytest.raises(SweepError, match="one of address and workers"):
         sweep(SMALL, tmp_path / "s", address="tcp://127.0.0.1:9", workers=2)
     assert Sweep(tmp_path / "s").counts() == {"done": 0, "refused": 2, "failed": 0}
+
+
+def test_whoever_listens_and_does_not_answer_is_no_cluster(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from cmrc.sweeps import cluster
+
+    monkeypatch.setattr(cluster, "CONNECT_S", 1.0)
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
+        began = time.monotonic()
+        with pytest.raises(SweepError, match=f"{address}: no cluster answers there: .* has not answered within 1 s"):
+            sweep({"fixed": FIXED}, tmp_path / "s", address=address)
+        assert time.monotonic() - began < 20
+
+
+def test_tls_options_are_passed_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With a cluster that wants certificates: with the right ones it runs, without it does not."""
+    openssl = shutil.which("openssl")
+    if openssl is None:
+        pytest.skip("openssl is missing, which makes certificates")
+    from cmrc.sweeps import cluster
+    from distributed import LocalCluster, Security
+
+    certificate, key = str(tmp_path / "me.pem"), str(tmp_path / "me.key")
+    made = [openssl, "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-keyout", key, "-out", certificate]
+    subprocess.run([*made, "-days", "2", "-subj", "/CN=localhost"], check=True, capture_output=True)
+    both = {"tls_ca_file": certificate, "require_encryption": True}
+    own = {f"tls_{role}_{kind}": path for role in ("scheduler", "worker") for kind, path in (("cert", certificate), ("key", key))}
+    mine = {**both, "tls_client_cert": certificate, "tls_client_key": key}
+    options = {"processes": False, "protocol": "tls", "host": "127.0.0.1", "dashboard_address": "127.0.0.1:0"}
+    monkeypatch.setattr(cluster, "CONNECT_S", 10.0)
+    grid_of_one = {"fixed": FIXED}
+    with LocalCluster(
+        n_workers=1, threads_per_worker=1, silence_logs=50, security=Security(**mine, **own), **options
+    ) as safe:
+        with pytest.raises(SweepError, match="no cluster answers there"):
+            sweep(grid_of_one, tmp_path / "s", address=safe.scheduler_address)
+        with pytest.raises(SweepError, match=r"security.tls_client_key: .*none.key is no file"):
+            sweep(grid_of_one, tmp_path / "s", address=safe.scheduler_address, security={**mine, "tls_client_key": str(tmp_path / "none.key")})
+        found = sweep(grid_of_one, tmp_path / "s", address=safe.scheduler_address, security=mine)
+    assert found.counts() == {"done": 1, "refused": 0, "failed": 0}
 
 
 def test_runs_of_another_build_are_refused(done: Sweep, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,13 +1,14 @@
 """The folder of a sweep: locks, versions, damage, full disks."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
-from cmrc.sweeps import SweepError, store
+from cmrc.sweeps import Sweep, SweepError, store
 from cmrc.sweeps.identity import build
 from cmrc.sweeps.store import Folder
 from locations import BUILD
@@ -67,8 +68,6 @@ def test_a_row_in_two_parts_counts_once(tmp_path: Path) -> None:
 
 
 def test_a_second_sweep_is_refused_and_says_who_is_first(tmp_path: Path) -> None:
-    import os
-
     with Folder(tmp_path / "s"):
         with pytest.raises(SweepError, match=f"process {os.getpid()} on .* one sweep at a time"):
             Folder(tmp_path / "s").__enter__()
@@ -101,7 +100,46 @@ def test_other_folders_are_refused_by_name(tmp_path: Path) -> None:
     ):
         with pytest.raises(SweepError, match=f"{name}.*{says}"):
             Folder(tmp_path / name).__enter__()
+    with pytest.raises(SweepError, match="file/s: cannot be made: Not a directory"):
+        Folder(tmp_path / "file" / "s").__enter__()
     assert (tmp_path / "full" / "thesis.tex").read_text() == "x" and len(list((tmp_path / "full").iterdir())) == 1
+
+
+@pytest.mark.parametrize(("schema", "says"), [(3, "is to be made again"), (5, "as new as its writer")])
+def test_reports_of_another_schema_are_refused_by_name(schema: int, says: str, tmp_path: Path) -> None:
+    with Folder(tmp_path / "s") as folder:
+        folder.write([row(1, report=store.packed({"schema_version": schema, "emulator_version": "0.0.7"}))])
+    sweep = Sweep(tmp_path / "s")
+    assert len(sweep) == 1  # what ran is known
+    with pytest.raises(SweepError, match=f"s: the report has schema version {schema}, written by emulator 0.0.7.*{says}"):
+        sweep.text()
+
+
+def test_texts_and_numbers_of_every_kind_come_back(tmp_path: Path) -> None:
+    """Among them a path that is no UTF-8, as Python has it, and nothing at all."""
+    odd = row(1, message="no file: \udcff, ä", seed=None, elapsed_s=None, hash=None, report=None)
+    with Folder(tmp_path / "s") as folder:
+        folder.write([odd, row(2**62, report=b"\x00\xff")])
+        first, second = folder.rows()
+    assert first == {**odd, "message": "no file: \\udcff, ä"}
+    assert second == row(2**62, report=b"\x00\xff")
+
+
+def test_a_part_is_written_without_pandas(tmp_path: Path) -> None:
+    program = (
+        "import sys\nfrom test_sweep_folder import row\nfrom cmrc.sweeps.store import Folder\n"
+        f"with Folder({str(tmp_path / 's')!r}) as folder:\n    folder.write([row(1)])\n    print(len(list(folder.rows())))\n"
+        "print('pandas' in sys.modules)"
+    )
+    path = os.pathsep.join([str(BUILD / "python"), str(Path(__file__).parent), str(Path(__file__).parents[1])])
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.split() == ["1", "False"]
 
 
 def test_a_damaged_part_is_named(tmp_path: Path) -> None:
@@ -134,8 +172,6 @@ with Folder({path!r}) as folder:
 def test_a_full_disk_is_an_error_and_loses_nothing(tmp_path: Path) -> None:
     """A limit on the size of files stands for the disk: the write fails half-way."""
     program = FULL.format(tests=str(Path(__file__).parent), path=str(tmp_path / "s"))
-    import os
-
     path = os.pathsep.join([str(BUILD / "python"), str(Path(__file__).parents[1])])
     done = subprocess.run(
         [sys.executable, "-c", program],

@@ -21,6 +21,9 @@ def test_every_grid_of_the_page_is_one(text: str, tmp_path: Path) -> None:
             pytest.importorskip("optuna")
         _Asked(made)
     else:
+        if made.futures:
+            assert len(list(made.points())) == 2 * 3 and made.fork_at_s == 0.5
+            return
         assert len(list(made.points())) == 4 * 4 * 3
         assert text in (ROOT / "examples" / "misses.toml").read_text(encoding="utf-8")
 

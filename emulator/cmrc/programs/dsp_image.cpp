@@ -21,7 +21,9 @@ toolchain::Image with_source(std::span<const std::byte> program, std::span<const
   return image;
 }
 
-toolchain::Image assembled(const Config& config) {
+}  // namespace
+
+toolchain::Image assembled_program(const Config& config) {
   const bool own = own_blocks(config.tasks);
   if (config.machine.programs.empty())
     return with_source(c40_programs::built_in_image(own), c40_programs::built_in_source_map(own));
@@ -44,10 +46,8 @@ toolchain::Image assembled(const Config& config) {
   return image;
 }
 
-}  // namespace
-
 toolchain::Image dsp_image(const Config& config) {
-  toolchain::Image image = assembled(config);
+  toolchain::Image image = assembled_program(config);
   place_kernels(image, config);
   return image;
 }

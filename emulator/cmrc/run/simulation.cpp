@@ -126,10 +126,7 @@ class Simulation::Parts {
         course(recorded
                    ? std::move(recorded)
                    : std::make_shared<Course>(measured() ? rows_of(config) : 0, static_cast<int>(config.dock.agvs))) {
-    if (given_reference && given_reference->key != reference_key(given_config))
-      throw ConfigError(
-          "reference: it is the ideal run of another configuration; one that differs in DSPs, their speed and failures "
-          "only is expected");
+    if (given_reference) require_fitting(*given_reference);
     host.set_course(course.get());
     observer.set_servoing([this] { return host.servoing(); });
     for (const AreaWord& word : initial_words(config, dock_config, words, dock)) machine.poke(word.offset, word.value);
@@ -146,6 +143,21 @@ class Simulation::Parts {
     for (const TimedEvent& event : config.events) {
       if (event.action == "set") host.change(duration_of(event.at_s), event);
     }
+  }
+
+  void require_fitting(const Reference& reference) const {
+    if (reference.key != reference_key(given_config))
+      throw ConfigError(
+          "reference: it is the ideal run of another configuration; one that differs in DSPs, their speed and failures "
+          "only is expected");
+  }
+
+  /// An event that is to come, in the machine's script or the host's.
+  void expect(const TimedEvent& event) {
+    if (const auto scripted = scripted_event(event))
+      machine.script(*scripted);
+    else
+      host.change(duration_of(event.at_s), event);
   }
 
   /// What lasts of a run; the ideal run and what was measured against it is made anew.
@@ -372,10 +384,7 @@ void Simulation::at(const TimedEvent& event) {
   p.config.events.push_back(event);
   p.given_config.events.push_back(event);
   p.forget_reference();
-  if (const auto scripted = scripted_event(event))
-    p.machine.script(*scripted);
-  else
-    p.host.change(duration_of(event.at_s), event);
+  p.expect(event);
 }
 
 void Simulation::listen(report::EventSink& sink) { parts_->log.listen(sink); }
@@ -491,6 +500,24 @@ std::unique_ptr<Simulation> Simulation::fork() {
   auto other = std::make_unique<Simulation>(p.original_config, same_ideal ? p.given_reference : nullptr);
   other->restore(now);
   return other;
+}
+
+std::unique_ptr<Simulation> Simulation::fork_into(const Config& whole, std::shared_ptr<const Reference> reference) {
+  const Parts& p = *parts_;
+  const std::string own = key_of(p.given_config), asked = key_of(beginning_of(whole, p.now()));
+  if (own != asked)
+    throw ConfigError(fmt::format("fork: the run that is asked for begins otherwise: {}", first_other_line(asked, own)));
+  if (ended()) throw ConfigError(fmt::format("fork: the run has ended at {} s", report::seconds(p.now())));
+  std::unique_ptr<Simulation> made = fork();
+  Parts& other = *made->parts_;
+  other.forget_reference();
+  other.given_config.events = whole.events;
+  other.config.events = as_run(whole).events;
+  for (const TimedEvent& event : other.config.events)
+    if (duration_of(event.at_s) >= p.now()) other.expect(event);
+  if (reference) other.require_fitting(*reference);
+  other.given_reference = std::move(reference);
+  return made;
 }
 
 report::RunReport Simulation::report() const {

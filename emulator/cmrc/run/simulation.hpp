@@ -126,6 +126,9 @@ class Simulation {
   void list_state(state::Visitor& list);
   /// Another run with the same past.
   std::unique_ptr<Simulation> fork();
+  /// The run of `whole`, which has this run's configuration and further events from now on: it ends as one that was run
+  /// from the start. `reference` may be null. \throws ConfigError
+  std::unique_ptr<Simulation> fork_into(const Config& whole, std::shared_ptr<const Reference> reference);
 
   /// Exit status of rulings 24 and 36: 0, or 1.
   int exit_status() const;

@@ -2,12 +2,34 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <sstream>
 
+#include "cmrc/programs/dsp_image.hpp"
 #include "io/input_file.hpp"
 #include "state/sha256.hpp"
 
 namespace cmrc {
+namespace {
+
+std::string words_of(const toolchain::Image& image) {
+  std::string all;
+  for (const auto& section : image.sections) {
+    all += fmt::format("{} {:X} {:X} ", section.name, section.address, section.words.size());
+    all.append(reinterpret_cast<const char*>(section.words.data()),
+               section.words.size() * sizeof(Word));  // NOLINT: bytes of words
+  }
+  return all;
+}
+
+std::string contents_of_files(const Config& config) {
+  std::string all;
+  if (!config.dock.layout.empty()) all += "layout " + io::read_input(config.dock.layout).text;
+  if (config.machine.board != "default") all += "board " + io::read_input(config.machine.board).text;
+  return all;
+}
+
+}  // namespace
 
 std::string key_of(Config config) {
   config.run.turn_order = 0;
@@ -23,16 +45,25 @@ std::string result_key_of(Config config) {
   return to_toml(config);
 }
 
+Config beginning_of(Config config, report::Time time) {
+  std::erase_if(config.events,
+                [time](const TimedEvent& event) { return std::llround(event.at_s * 1e12) >= time.count(); });
+  return config;
+}
+
+std::vector<std::string> inputs_of(const Config& config) {
+  const Config::Machine& machine = config.machine;
+  if (machine.programs.empty() && config.dock.layout.empty() && machine.board == "default") return {};
+  return {machine.programs, config.dock.layout, machine.board, own_blocks(config.tasks) ? "own blocks" : ""};
+}
+
+std::string digest_of_inputs(const Config& config) {
+  const std::string program = config.machine.programs.empty() ? "" : words_of(assembled_program(config));
+  return state::sha256(program + contents_of_files(config));
+}
+
 std::string digest_of_files(const Config& config, const toolchain::Image& image) {
-  std::string all;
-  for (const auto& section : image.sections) {
-    all += fmt::format("{} {:X} {:X} ", section.name, section.address, section.words.size());
-    all.append(reinterpret_cast<const char*>(section.words.data()),
-               section.words.size() * sizeof(Word));  // NOLINT: bytes of words
-  }
-  if (!config.dock.layout.empty()) all += io::read_input(config.dock.layout).text;
-  if (config.machine.board != "default") all += io::read_input(config.machine.board).text;
-  return state::sha256(all);
+  return state::sha256(words_of(image) + contents_of_files(config));
 }
 
 std::string first_other_line(std::string_view one, std::string_view other) {

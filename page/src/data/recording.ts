@@ -88,12 +88,14 @@ export interface Runs {
   outcome: Uint8Array;
   missed: Uint8Array;
   end: Uint8Array;
-  busA: Float32Array; // s that it waited for the windows
-  busB: Float32Array;
+  waits: Float32Array[]; // s that it waited, by WAITS
 }
 
 export const OUTCOMES = ["on time", "late", "unfinished", "never started", "lost", "dropped"];
 export const ENDS = ["done", "part", "failed", "taken away", "running"];
+
+/** What a stretch of a lane may wait for. */
+export const WAITS = ["bus A", "bus B", "the list"];
 
 /** What one DSP did, one thing after another: 0 off, 1 dead, 2 asleep, 3 its executive, from 4 on a job of kind n - 4. */
 export interface Lane {
@@ -101,7 +103,7 @@ export interface Lane {
   from: Float64Array; // s; each lasts until the next one, the last until `end`
   what: Uint8Array;
   run: Int32Array; // of a job; -1: none
-  held: Float32Array; // s for which the list and the buses held it up
+  waits: Float32Array[]; // s for which bus A, bus B and the list (WAITS) held it up
   end: number;
 }
 
@@ -152,18 +154,18 @@ async function lanesOf(columns: Columns, header: Header): Promise<{ lanes: Lane[
   const clock = new Float64Array(header.slots).fill(Math.floor(header.from_s / second + 1e-6)), counts = new Int32Array(header.slots);
   for (let i = 0; i < slot.length; ++i) ++counts[slot[i]];
   const lanes: Lane[] = Array.from({ length: header.slots }, (_, n) => ({
-    slot: n, from: new Float64Array(counts[n]), what: new Uint8Array(counts[n]), run: new Int32Array(counts[n]).fill(-1), held: new Float32Array(counts[n]), end: header.from_s,
+    slot: n, from: new Float64Array(counts[n]), what: new Uint8Array(counts[n]), run: new Int32Array(counts[n]).fill(-1), waits: WAITS.map(() => new Float32Array(counts[n])), end: header.from_s,
   }));
   counts.fill(0);
   const kind = new Float64Array(count), claimed = new Float64Array(count), ended = new Float64Array(count), of = new Float64Array(count);
-  const a = new Float64Array(count), b = new Float64Array(count), released = new Float64Array(count), deadline = new Float64Array(count);
+  const waits = WAITS.map(() => new Float32Array(count)), released = new Float64Array(count), deadline = new Float64Array(count);
   let run = 0;
   for (let i = 0; i < slot.length; ++i) {
     const lane = lanes[slot[i]], at = counts[slot[i]]++, from = clock[slot[i]];
     clock[slot[i]] += took[i];
     lane.from[at] = from * second;
     lane.what[at] = what[i];
-    lane.held[at] = (busA[i] + busB[i] + list[i]) * second;
+    [busA, busB, list].forEach((column, cause) => (lane.waits[cause][at] = column[i] * second));
     lane.end = clock[slot[i]] * second;
     if (what[i] < FIRST_KIND) continue;
     lane.run[at] = run;
@@ -173,8 +175,7 @@ async function lanesOf(columns: Columns, header: Header): Promise<{ lanes: Lane[
     ended[run] = (from + took[i]) * second;
     released[run] = (from - waited[run]) * second;
     deadline[run] = allowed[run] === 0 ? NaN : (from - waited[run] + allowed[run] - 1) * second;
-    a[run] = busA[i] * second;
-    b[run] = busB[i] * second;
+    waits.forEach((column, cause) => (column[run] = lane.waits[cause][at]));
     ++run;
   }
   absolute(number, kind, robot);
@@ -190,7 +191,7 @@ async function lanesOf(columns: Columns, header: Header): Promise<{ lanes: Lane[
     number: joined(number, never[0]),
     slot: Int8Array.from(joined(of, none.map(() => -1))),
     kind: Uint8Array.from(joined(kind, never[1])), robot: Uint8Array.from(joined(robot, never[2])), outcome: Uint8Array.from(joined(outcome, never[6])),
-    missed: Uint8Array.from(joined(missed, never[7])), end: Uint8Array.from(joined(end, none)), busA: Float32Array.from(joined(a, none)), busB: Float32Array.from(joined(b, none)),
+    missed: Uint8Array.from(joined(missed, never[7])), end: Uint8Array.from(joined(end, none)), waits: waits.map((column) => Float32Array.from(joined(column, none))),
   };
   return { lanes, runs };
 }

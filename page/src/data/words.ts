@@ -1,5 +1,5 @@
 // What things are called in words.
-import { ENDS, OUTCOMES, type Header, type Runs } from "./recording";
+import { ENDS, OUTCOMES, WAITS, type Header, type Runs } from "./recording";
 import { ASLEEP, AWAKE, FAILED, OFF } from "./lanes";
 
 /** Text without what controls a terminal or a line. */
@@ -55,6 +55,12 @@ export const STATES: Record<number, string> = {
   [AWAKE]: "runs its executive: looks into the list, claims or hands over a block",
 };
 
+/** What a stretch of a lane, or a run, waited for: a line, or none. */
+export function waits(of: Float32Array[], index: number): string[] {
+  const parts = WAITS.map((name, cause) => ({ name, took: of[cause][index] })).filter(({ took }) => took > 0);
+  return parts.length ? [`of this it waited ${parts.map(({ name, took }) => `${time(took)} for ${name}`).join(", ")}`] : [];
+}
+
 export function job(header: Header, runs: Runs, run: number): string {
   const kind = header.kinds[runs.kind[run]];
   const of = /\.(crane|agv)$/.test(kind) || runs.robot[run] > 0 ? ` of ${robot(runs.robot[run])}` : "";
@@ -77,9 +83,9 @@ export function runLines(header: Header, runs: Runs, run: number): string[] {
   if (runs.slot[run] >= 0) {
     lines.push(`DSP ${runs.slot[run]} claimed it at ${instant(runs.claimed[run], 1e-7)}`);
     lines.push(`and ran it for ${time(runs.ended[run] - runs.claimed[run])} (${ENDS[runs.end[run]]})`);
-    if (runs.busA[run] + runs.busB[run] > 0) lines.push(`of this it waited ${time(runs.busA[run])} for bus A, ${time(runs.busB[run])} for bus B`);
-    const waited = runs.claimed[run] - runs.released[run];
-    lines.push(waited >= 0 ? `released ${time(waited)} before the claim` : `claimed ${time(-waited)} before its tick`);
+    lines.push(...waits(runs.waits, run));
+    const since = runs.claimed[run] - runs.released[run];
+    lines.push(since >= 0 ? `released ${time(since)} before the claim` : `claimed ${time(-since)} before its tick`);
   } else {
     lines.push(`released at ${instant(runs.released[run], 1e-6)}; no DSP ever ran it`);
   }

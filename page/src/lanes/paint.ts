@@ -1,8 +1,8 @@
 // Paints lanes of a canvas: shares by column as stacked colours, segments as boxes, deadlines as marks.
 import { exactShares, FAILED, type Pyramid } from "../data/lanes";
 import type { Jobs } from "../data/jobs";
-import { before, type Bus, type Lane, type Runs } from "../data/recording";
-import { GROUP_ASLEEP, GROUP_AWAKE, GROUP_FAILED, GROUPS, OKABE_ITO, rgb, type Theme } from "../ui/colours";
+import { before, WAITS, type Bus, type Lane, type Runs } from "../data/recording";
+import { GROUP_ASLEEP, GROUP_AWAKE, GROUP_FAILED, GROUPS, OKABE_ITO, rgb, WAIT_COLOURS, type Theme } from "../ui/colours";
 
 export interface Stretch {
   from: number;
@@ -18,6 +18,8 @@ export interface Place {
 }
 
 const SEEN = 4; // dots that work gets at least
+const FOOT = 0.27; // of a lane's height, for its waits
+const WAITS_FULL = 0.05; // of the time: what the height of the foot stands for
 
 type Context = CanvasRenderingContext2D;
 
@@ -36,23 +38,46 @@ export class LanePainter {
     this.hatch = null;
   }
 
+  /** What the DSP did, and at its foot what it waited for. */
   lane(context: Context, place: Place, view: Stretch, lane: Lane, pyramid: Pyramid): void {
-    const perColumn = (view.to - view.from) / place.width;
+    const perColumn = (view.to - view.from) / place.width, foot = Math.round(place.height * FOOT);
     const first = Math.max(0, before(lane.from, view.from)), last = before(lane.from, view.to);
-    if (last - first < place.width / 3) this.segments(context, place, view, lane, first, last);
-    else this.stacked(context, place, view, lane, pyramid, perColumn);
+    const body = { ...place, height: place.height - foot - 1 }, below = { ...place, top: place.top + place.height - foot, height: foot };
+    const width = Math.round(place.width), columns = GROUPS.length + WAITS.length;
+    if (this.shares.length < width * columns) this.shares = new Float32Array(width * columns);
+    const shares = this.shares.subarray(0, width * columns);
+    if (perColumn >= pyramid.width) pyramid.shares(view.from, perColumn, width, shares);
+    else exactShares(lane, this.groupOf, GROUPS.length, view.from, perColumn, width, shares);
+    if (last - first < place.width / 3) this.segments(context, body, view, lane, first, last);
+    else this.stacked(context, body, view, lane, shares);
+    this.waits(context, below, shares);
   }
 
-  private stacked(context: Context, place: Place, view: Stretch, lane: Lane, pyramid: Pyramid, perColumn: number): void {
-    const groups = GROUPS.length, width = Math.round(place.width), height = Math.round(place.height);
-    if (this.shares.length < width * groups) this.shares = new Float32Array(width * groups);
-    const shares = this.shares.subarray(0, width * groups);
-    if (perColumn >= pyramid.width) pyramid.shares(view.from, perColumn, width, shares);
-    else exactShares(lane, this.groupOf, groups, view.from, perColumn, width, shares);
+  /** Shares of the time that went into waiting, by cause. Where they are more than the foot stands for, they fill it. */
+  private waits(context: Context, place: Place, shares: Float32Array): void {
+    const width = Math.round(place.width), height = Math.round(place.height), columns = GROUPS.length + WAITS.length;
+    const dots = this.dots(context, width, height), colours = WAIT_COLOURS.map(packed), ground = packed(this.theme.groups[GROUP_ASLEEP]);
+    for (let x = 0; x < width; ++x) {
+      const at = x * columns + GROUPS.length;
+      let all = 0, y = height, sum = 0;
+      for (let cause = 0; cause < WAITS.length; ++cause) all += shares[at + cause];
+      const scale = height / Math.max(WAITS_FULL, all);
+      for (let cause = 0; cause < WAITS.length; ++cause) {
+        sum += shares[at + cause] * scale;
+        const upTo = Math.max(0, Math.round(height - sum - (cause === 0 && all > 0.002 ? 0.5 : 0))); // a little is seen
+        for (; y > upTo; --y) dots[(y - 1) * width + x] = colours[cause];
+      }
+      for (; y > 0; --y) dots[(y - 1) * width + x] = ground;
+    }
+    context.putImageData(this.image!, Math.round(place.left), Math.round(place.top));
+  }
+
+  private stacked(context: Context, place: Place, view: Stretch, lane: Lane, shares: Float32Array): void {
+    const groups = GROUPS.length + WAITS.length, width = Math.round(place.width), height = Math.round(place.height);
     const dots = this.dots(context, width, height), colours = this.theme.groups.map(packed);
     for (let x = 0; x < width; ++x) {
       let sum = 0, y = height, busy = 0;
-      for (let group = GROUP_AWAKE; group < groups; ++group) busy += shares[x * groups + group];
+      for (let group = GROUP_AWAKE; group < GROUPS.length; ++group) busy += shares[x * groups + group];
       const scale = busy > 0 ? Math.max(1, SEEN / (busy * height)) : 1; // a little is seen to be something
       for (const group of STACK) {
         const share = shares[x * groups + group];
@@ -101,7 +126,7 @@ export class LanePainter {
       if (context.measureText(text).width + 8 * dots > right - left) continue;
       const [r, g, b] = rgb(this.theme.groups[this.groupOf[lane.what[i]]]);
       context.fillStyle = 0.299 * r + 0.587 * g + 0.114 * b > 120 ? "#000000" : "#ffffff";
-      context.fillText(text, left + 4 * dots, place.top + place.height / 2);
+      context.fillText(text, left + 4 * dots, place.top + (place.height * (1 - FOOT)) / 2);
     }
   }
 

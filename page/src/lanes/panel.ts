@@ -1,7 +1,7 @@
 // The lanes: events, DSPs, deadlines and buses over one time axis.
 import { jobsByKind, missesOf, type Jobs } from "../data/jobs";
 import { Pyramid, segmentAt } from "../data/lanes";
-import { before, type Lane, type Recording } from "../data/recording";
+import { before, WAITS, type Lane, type Recording } from "../data/recording";
 import * as words from "../data/words";
 import { GROUPS, groupsOf, OKABE_ITO, type Theme } from "../ui/colours";
 import type { Moment } from "../ui/events";
@@ -56,7 +56,7 @@ export class LanePanel {
   private makeRows(): void {
     const { header, runs, buses } = this.recording;
     this.rows.push(this.eventRow());
-    const high = this.lanes.length > 8 ? 15 : this.lanes.length > 4 ? 20 : 26;
+    const high = this.lanes.length > 8 ? 19 : this.lanes.length > 4 ? 25 : 33;
     for (const lane of this.lanes) this.rows.push(this.dspRow(lane, high));
     for (const jobs of this.jobs) {
       this.rows.push({
@@ -98,8 +98,7 @@ export class LanePanel {
         const run = lane.run[i];
         if (run >= 0) return words.runLines(header, runs, run);
         const until = i + 1 < lane.from.length ? lane.from[i + 1] : lane.end;
-        const held = lane.held[i] > 0 ? [`of this ${words.time(lane.held[i])} waiting for the list and the buses`] : [];
-        return [`DSP ${lane.slot} ${words.STATES[lane.what[i]]}`, `for ${words.time(until - lane.from[i])}, until ${words.instant(until, 1e-6)}`, ...held];
+        return [`DSP ${lane.slot} ${words.STATES[lane.what[i]]}`, `for ${words.time(until - lane.from[i])}, until ${words.instant(until, 1e-6)}`, ...words.waits(lane.waits, i)];
       },
       choose: (time) => {
         const i = segmentAt(lane, time);
@@ -109,13 +108,17 @@ export class LanePanel {
   }
 
   private shares(lane: Lane, from: number, to: number): string[] {
-    const sums = new Float64Array(GROUPS.length);
+    const sums = new Float64Array(GROUPS.length), waited = new Float64Array(WAITS.length);
     for (let i = Math.max(0, segmentAt(lane, from)); i < lane.from.length && lane.from[i] < to; ++i) {
       const upTo = Math.min(to, i + 1 < lane.from.length ? lane.from[i + 1] : lane.end);
-      sums[this.groupOf[lane.what[i]]] += Math.max(0, upTo - Math.max(from, lane.from[i]));
+      const inside = Math.max(0, upTo - Math.max(from, lane.from[i])), end = i + 1 < lane.from.length ? lane.from[i + 1] : lane.end;
+      sums[this.groupOf[lane.what[i]]] += inside;
+      if (inside > 0) waited.forEach((_, cause) => (waited[cause] += (inside / (end - lane.from[i])) * lane.waits[cause][i]));
     }
+    const share = (time: number): string => `${((100 * time) / (to - from)).toFixed(1)} %`;
     const order = [...sums.keys()].filter((g) => sums[g] > 0).sort((a, b) => sums[b] - sums[a]);
-    return order.slice(0, 6).map((g) => `${((100 * sums[g]) / (to - from)).toFixed(1)} % ${GROUPS[g].name}`);
+    const waits = WAITS.map((name, cause) => (waited[cause] > 0 ? [`${share(waited[cause])} for ${name}`] : [])).flat();
+    return [...order.slice(0, 6).map((g) => `${share(sums[g])} ${GROUPS[g].name}`), ...(waits.length ? [`waiting: ${waits.join(", ")}`] : [])];
   }
 
   private eventRow(): Row {

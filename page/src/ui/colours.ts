@@ -32,6 +32,9 @@ export const GROUPS = [
 ];
 export const GROUP_OFF = 0, GROUP_FAILED = 1, GROUP_ASLEEP = 2, GROUP_AWAKE = 3, GROUP_OTHER = 10;
 
+/** Of what a lane waits for (WAITS), at its foot. */
+export const WAIT_COLOURS = [OKABE_ITO.blue, OKABE_ITO.orange, OKABE_ITO.purple];
+
 /** By what a lane's segment is (data/lanes.ts), its group. */
 export function groupsOf(kinds: string[]): Uint8Array {
   const of = new Uint8Array(4 + kinds.length);

@@ -1,6 +1,6 @@
 // The legend, and the keys.
-import type { Recording } from "../data/recording";
-import { GROUPS, groupsOf, OKABE_ITO, type Theme } from "./colours";
+import { WAITS, type Recording } from "../data/recording";
+import { GROUPS, groupsOf, OKABE_ITO, WAIT_COLOURS, type Theme } from "./colours";
 
 const KEYS: [string, string][] = [
   ["space", "play, stop"], ["← →", "a step of the view back or on"], ["+ −", "show less, more time"], ["0", "the whole run"],
@@ -43,6 +43,13 @@ export function help(host: HTMLElement, recording: Recording, theme: Theme, clos
       for (let x = -30; x < 60; x += 13) context.beginPath(), context.moveTo(x, 30), context.lineTo(x + 30, 0), context.stroke();
     }, g > 3 && group.of ? `${group.name}${group.name === "identify, paths" ? "" : " (a task)"}` : `${group.name}${group.of ? `: ${group.of}` : ""}`);
   });
+  WAITS.forEach((name, cause) =>
+    row((context) => {
+      context.fillStyle = theme.groups[2];
+      context.fillRect(0, 0, 52, 30);
+      context.fillStyle = WAIT_COLOURS[cause];
+      context.fillRect(0, 21, 52, 9);
+    }, `at a lane's foot: the DSP waited for ${name}; full is 5 % of the time`));
   const shape = (colour: string, path: (context: CanvasRenderingContext2D) => void) => (context: CanvasRenderingContext2D): void => {
     context.fillStyle = context.strokeStyle = colour;
     context.lineWidth = 4;

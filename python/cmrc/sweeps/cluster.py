@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import select
 import subprocess
 import sys
 import time
 from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from typing import Any
 
@@ -23,6 +25,14 @@ SETTINGS = {
     "distributed.scheduler.allowed-failures": 0,
     "distributed.scheduler.worker-saturation": 1.0,
 }
+QUIET = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "10s",
+    "distributed.scheduler.active-memory-manager.start": False,
+    "distributed.scheduler.work-stealing": False,
+}
+"""What Dask watches itself with costs a local sweep as much as its own work, and nobody looks at it."""
 
 
 class Workers:
@@ -129,9 +139,13 @@ def workers(address: str | None, count: int | None, security: Mapping[str, Any] 
             raise SweepError(
                 "workers: a cluster with an address has workers of its own; one of address and workers is expected"
             )
+        for name, path in (security or {}).items():
+            if name.startswith("tls_") and isinstance(path, (str, os.PathLike)) and not os.path.isfile(path):
+                raise SweepError(f"security.{name}: {path} is no file; a certificate or a key is expected")
         try:
-            options = {} if security is None else {"security": distributed.Security(**security)}
-            client = distributed.Client(address, timeout=CONNECT_S, set_as_default=False, **options)
+            safe = distributed.Security(**(security or {}))
+            _greet(address, safe)
+            client = distributed.Client(address, timeout=CONNECT_S, set_as_default=False, security=safe)
         except (OSError, ValueError, TypeError) as error:
             raise SweepError(f"{address}: no cluster answers there: {error}") from None
         try:
@@ -140,13 +154,31 @@ def workers(address: str | None, count: int | None, security: Mapping[str, Any] 
             client.close(timeout=5)
 
 
+def _greet(address: str, security: Any) -> None:
+    """A cluster says who it is within CONNECT_S. Dask's client waits for ever for whoever accepts and says nothing.
+    Raises OSError, ValueError, TypeError."""
+    from distributed.comm import connect
+
+    async def greeted() -> None:
+        try:
+            comm = await asyncio.wait_for(
+                connect(address, timeout=CONNECT_S, **security.get_connection_args("client")), CONNECT_S + 1
+            )
+        except asyncio.TimeoutError:
+            raise OSError(f"whoever listens there has not answered within {CONNECT_S:g} s") from None
+        await comm.close()
+
+    with ThreadPoolExecutor(1) as beside:  # a notebook has a loop of its own in this thread
+        beside.submit(asyncio.run, greeted()).result()
+
+
 @contextmanager
 def _local(count: int) -> Iterator[Workers]:
     processes = _Processes(count)
     try:
         dask, distributed = needed("dask", "sweep", "cmrc.sweep"), needed("distributed", "sweep", "cmrc.sweep")
         with (
-            dask.config.set(SETTINGS),
+            dask.config.set({**SETTINGS, **QUIET}),
             distributed.LocalCluster(
                 n_workers=0,
                 processes=True,

@@ -18,12 +18,15 @@ from cmrc.errors import Error
 from cmrc.extras import needed
 from cmrc.simulation import Setting
 
-TABLES = ("fixed", "axes", "together", "repeats", "events", "search")
+TABLES = ("fixed", "axes", "together", "repeats", "events", "futures", "fork", "search")
 RANGE = ("from", "to", "step", "count", "scale")
 REPEATS = ("seeds", "first", "phases")
 APART = ("preset", "config")
 """What is no setting and may be fixed; a preset may be an axis, too."""
+FUTURE = "future"
+"""The axis of [[futures]]."""
 MOST_RUNS = 10_000_000
+MOST_WHOLE = 2**63 - 1
 MOST_BYTES = 1 << 24
 SEED, PHASES = "run.seed", "run.phase_jitter"
 
@@ -57,6 +60,10 @@ class Grid:
     """Each axis: its values, a dictionary per value; several settings go together in one axis."""
     seeds: Sequence[int] = ()
     events: Sequence[Mapping[str, Setting]] = ()
+    futures: Mapping[str, Sequence[Mapping[str, Setting]]] = field(default_factory=dict)
+    """By name, the events of each value of the axis FUTURE."""
+    fork_at_s: float | None = None
+    """Runs that are alike until then share what they have run."""
     search: Mapping[str, Any] = field(default_factory=dict)
     """The table [search], which ``cmrc.search`` checks."""
     name: str = "grid"
@@ -74,7 +81,8 @@ class Grid:
         preset = settings.pop("preset", self.preset)
         if seed is not None:
             settings[SEED] = seed
-        return Point(dict(place), seed, settings, None if preset is None else str(preset), self.config, self.events)
+        events = [*self.events, *self.futures.get(str(settings.pop(FUTURE, "")), ())]
+        return Point(dict(place), seed, settings, None if preset is None else str(preset), self.config, events)
 
     def points(self) -> Iterator[Point]:
         for values in itertools.product(*self.axes):
@@ -151,6 +159,9 @@ class _Reader:
                 )
         fixed = self._fixed()
         axes = [*self._axes(), *self._together()]
+        events, futures = self._events("events", self.tables.get("events", [])), self._futures()
+        if futures:
+            axes.append([{FUTURE: name} for name in futures])
         seeds, phases = self._repeats()
         if phases is not None:
             self._take(PHASES, "repeats.phases")
@@ -162,7 +173,9 @@ class _Reader:
             self._file(config),
             axes,
             seeds,
-            self._events(),
+            events,
+            futures,
+            self._fork(futures),
             self._table("search"),
             self.name,
         )
@@ -240,14 +253,53 @@ class _Reader:
             return text
         return str((self.folder / text).absolute())
 
-    def _events(self) -> list[dict[str, Setting]]:
-        events = self.tables.get("events", [])
+    def _events(self, where: str, events: Any) -> list[dict[str, Setting]]:
         if not isinstance(events, list) or any(not isinstance(event, Mapping) for event in events):
-            raise GridError("events: a list of tables is expected, [[events]]")
+            raise GridError(f"{where}: a list of tables is expected" + (", [[events]]" if where == "events" else ""))
         return [
-            {key: _scalar(value, f"events[{n}].{key}") for key, value in event.items()}
+            {key: _scalar(value, f"{where}[{n}].{key}") for key, value in event.items()}
             for n, event in enumerate(events)
         ]
+
+    def _futures(self) -> dict[str, list[dict[str, Setting]]]:
+        rows = self.tables.get("futures", [])
+        if not isinstance(rows, list) or any(not isinstance(row, Mapping) for row in rows):
+            raise GridError("futures: a list of tables is expected, [[futures]]")
+        found: dict[str, list[dict[str, Setting]]] = {}
+        for n, row in enumerate(rows):
+            where = f"futures[{n}]"
+            for key in row:
+                if key not in ("name", "events"):
+                    raise GridError(f"{where}.{key}: unknown; name and events are known")
+            name = _text(row.get("name"), f"{where}.name")
+            if not name:
+                raise GridError(f"{where}.name: what the table calls this future is expected")
+            if name in found:
+                raise GridError(f"{where}.name: {name!r} stands there twice; each is run once")
+            found[name] = self._events(f"{where}.events", row.get("events", []))
+        return found
+
+    def _fork(self, futures: Mapping[str, Sequence[Mapping[str, Setting]]]) -> float | None:
+        table = self._table("fork")
+        if "fork" not in self.tables:
+            return None
+        for key in table:
+            if key != "at_s":
+                raise GridError(f"fork.{key}: unknown; at_s is known")
+        at_s = table.get("at_s")
+        if not isinstance(at_s, (int, float)) or isinstance(at_s, bool) or not 0 < at_s < math.inf:
+            raise GridError("fork.at_s: an instant of the runs in s, above 0, is expected")
+        if len(futures) < 2:
+            raise GridError("fork: runs share their beginnings where [[futures]] tell them apart; at least two are expected")
+        for n, events in enumerate(futures.values()):
+            for i, event in enumerate(events):
+                begins = event.get("at_s")
+                if isinstance(begins, (int, float)) and begins < at_s:
+                    raise GridError(
+                        f"futures[{n}].events[{i}].at_s: {begins:g} s is before fork.at_s, {at_s:g} s; until then runs "
+                        "that share a beginning have to be alike"
+                    )
+        return float(at_s)
 
 
 def flat(table: Mapping[str, Any], where: str, ranges: bool, prefix: str = "") -> Iterator[tuple[str, Any, str]]:
@@ -269,6 +321,8 @@ def _scalar(value: Any, where: str) -> Setting:
         value = value.item()  # NumPy's numbers
     if not isinstance(value, (bool, int, float, str)):
         raise GridError(f"{where}: {type(value).__name__} cannot be used; true, false, a number or a text is expected")
+    if isinstance(value, int) and not -MOST_WHOLE <= value <= MOST_WHOLE:
+        raise GridError(f"{where}: {value} is beyond 64 bits")
     if isinstance(value, float) and not math.isfinite(value):
         raise GridError(f"{where}: {value} is no number that a setting can have")
     return value
@@ -353,8 +407,8 @@ def _seeds(seeds: Any, first: Any, has_first: bool) -> list[int]:
     if isinstance(seeds, (list, tuple)):
         if has_first:
             raise GridError("repeats.first: goes with a number of seeds, not with a list of them")
-        if not seeds or any(not isinstance(one, int) or isinstance(one, bool) or one < 0 for one in seeds):
-            raise GridError(f"{where}: whole numbers from 0 on are expected, at least one")
+        if not seeds or any(not isinstance(one, int) or isinstance(one, bool) or not 0 <= one <= MOST_WHOLE for one in seeds):
+            raise GridError(f"{where}: whole numbers from 0 to 2^63 - 1 are expected, at least one")
         if len(set(seeds)) < len(seeds):
             raise GridError(f"{where}: a seed stands there twice; each is run once")
         return list(seeds)

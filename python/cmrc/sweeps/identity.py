@@ -30,11 +30,21 @@ def digest_without_version(library: bytes, version: str) -> str:
     return hashlib.sha256(library.replace(text, bytes(64))).hexdigest()
 
 
-def key_of(config: _core.cmrc.Config) -> str:
-    """SHA-256 over the canonical full configuration with its events (without turn order, strictness and paths, which
-    change no result), the program and the files that it names, and the build. Raises what a missing file raises."""
-    parts = [_core.cmrc.run_key(config), _core.cmrc.files_digest(config), build()]
-    return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
+class Keys:
+    """Makes keys. Files that several configurations name are read once."""
+
+    def __init__(self) -> None:
+        self._digests: dict[tuple[str, ...], str] = {(): ""}  # where no files are named, the build has them all
+
+    def of(self, config: _core.cmrc.Config) -> str:
+        """SHA-256 over the canonical full configuration with its events (without turn order, strictness and paths,
+        which change no result), the program and the files that it names, and the build. Raises what a missing file
+        raises."""
+        inputs = tuple(_core.cmrc.inputs_of(config))
+        if inputs not in self._digests:
+            self._digests[inputs] = _core.cmrc.inputs_digest(config)
+        parts = [_core.cmrc.run_key(config), self._digests[inputs], build()]
+        return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
 
 
 def key_of_refused(point: Point) -> str:
@@ -56,21 +66,27 @@ class Run:
     point: Point
     refused: str = ""
     group: str = ""
-    """Runs of one group may share one ideal run."""
+    """Runs of one group may share one ideal run; where runs fork, their beginning comes before it."""
 
     def toml(self) -> str:
         """Its whole configuration."""
         return _config(self.point).to_toml()
 
 
-def run_of(point: Point) -> Run:
+def run_of(point: Point, keys: Keys, fork_at_s: float | None = None) -> Run:
     """A point with its key; one whose configuration is not allowed, or names a file that is not there, is refused."""
     try:
         config = _config(point)
-        group = hashlib.sha256(_core.cmrc.reference_key(config).encode()).hexdigest()
-        return Run(key_of(config), point, group=group)
+        group = _digest(_core.cmrc.reference_key(config))
+        if fork_at_s is not None:
+            group = _digest(_core.cmrc.beginning_of(config, fork_at_s).to_toml()) + group
+        return Run(keys.of(config), point, group=group)
     except (ValueError, OSError, RuntimeError) as error:  # ConfigError, AssemblyError, a layout that is not there
         return Run(key_of_refused(point), point, str(error))
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _config(point: Point) -> _core.cmrc.Config:

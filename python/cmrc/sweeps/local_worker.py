@@ -61,9 +61,13 @@ def main() -> None:
     [parent] = sys.argv[1:]
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the sweep, which ends its workers
     die_with_parent(int(parent))
+    import dask
     import distributed  # noqa: F401 (for the workers to be)
 
     import cmrc.sweeps.work  # noqa: F401
+    from cmrc.sweeps.cluster import QUIET
+
+    dask.config.set(QUIET)
 
     children: dict[int, str] = {}
     told = b""

@@ -162,6 +162,7 @@ class Runner:
         self.batch.append(row_of(run, answer))
         self.status.done += 1
         self.status.failed += answer["status"] == store.FAILED
+        self.status.refused += answer["status"] == store.REFUSED
 
     def _write(self, whole: bool) -> None:
         now = time.monotonic()

@@ -14,7 +14,7 @@ from cmrc.sweeps import store
 from cmrc.sweeps.cluster import Workers
 from cmrc.sweeps.cluster import workers as cluster_of
 from cmrc.sweeps.grid import Point
-from cmrc.sweeps.identity import Run, build, run_of
+from cmrc.sweeps.identity import Keys, Run, build, run_of
 from cmrc.sweeps.runner import Runner, Status, refusal, row_of
 from cmrc.sweeps.store import Folder, SweepError
 from cmrc.sweeps.work import Execute
@@ -73,9 +73,10 @@ class Session:
             if kind is None:
                 self.folder.compact()
 
-    def run(self, points: Iterable[Point]) -> list[str]:
-        """Runs what is not in the folder yet; the keys of all of them. Raises SweepError."""
-        runs = self._planned(list(points))
+    def run(self, points: Iterable[Point], fork_at_s: float | None = None) -> list[str]:
+        """Runs what is not in the folder yet; the keys of all of them. Runs that share their beginning until
+        ``fork_at_s`` come one after the other. Raises SweepError."""
+        runs = self._planned(list(points), fork_at_s)
         there = {row["key"]: row["status"] for row in self.folder.rows(("status",))}
         due = [run for run in runs if run.key not in there]
         refused = [run for run in due if run.refused]
@@ -94,13 +95,14 @@ class Session:
             Runner(self._crew(), self.folder, self.execute, status, self.on_progress).run(due)
         return [run.key for run in runs]
 
-    def _planned(self, points: Sequence[Point]) -> list[Run]:
+    def _planned(self, points: Sequence[Point], fork_at_s: float | None) -> list[Run]:
         """The points with their keys, each once."""
         runs: dict[str, Run] = {}
+        keys = Keys()
         for n, point in enumerate(points):
             if self.on_progress is not None and n % TELL_EVERY == TELL_EVERY - 1:
                 self.on_progress(Status(len(points), 0, 0, planned=n))
-            run = run_of(point)
+            run = run_of(point, keys, fork_at_s)
             runs.setdefault(run.key, run)
         return list(runs.values())
 

@@ -12,6 +12,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
+import numpy as np
+
 from cmrc import _core, files
 from cmrc.errors import Error
 from cmrc.extras import needed
@@ -61,7 +63,10 @@ class Folder:
             raise SweepError(
                 f"{self.path}: has files in it, and is no folder of a sweep; an empty or a new one is expected"
             )
-        self.path.mkdir(parents=True, exist_ok=True)
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise SweepError(f"{self.path}: cannot be made: {error.strerror or error}") from None
         self._lock = self._locked()
         try:
             self.check()
@@ -183,7 +188,8 @@ class Folder:
             with open(fresh, "wb") as file:
                 with parquet.ParquetWriter(file, schema, compression="zstd") as writer:
                     for rows in batches:
-                        writer.write_table(arrow.Table.from_pylist(list(rows), schema=schema))
+                        columns = [_array(arrow, kind, [row[name] for row in rows]) for name, kind in COLUMNS]
+                        writer.write_table(arrow.Table.from_arrays(columns, schema=schema))
                 file.flush()
                 os.fsync(file.fileno())
             os.rename(fresh, path)
@@ -194,6 +200,22 @@ class Folder:
                 f"{path}: cannot be written: {error.strerror or error}. The parts that are there are whole; "
                 "the same command goes on from them"
             ) from None
+
+
+def _array(arrow: Any, kind: str, values: Sequence[Any]) -> Any:
+    """A column; None is null. ``pyarrow.array`` would import pandas, which takes half a second, to look at the list."""
+    there = np.packbits([value is not None for value in values], bitorder="little")
+    if kind in ("string", "binary"):
+        texts = [_bytes(value) for value in values]
+        buffers = [there, np.cumsum([0, *map(len, texts)], dtype=np.int32), b"".join(texts)]
+    else:
+        buffers = [there, np.array([0 if value is None else value for value in values], dtype=kind)]
+    return arrow.Array.from_buffers(getattr(arrow, kind)(), len(values), [arrow.py_buffer(one) for one in buffers])
+
+
+def _bytes(value: str | bytes | None) -> bytes:
+    """A path in a message may hold bytes that are no UTF-8."""
+    return value.encode(errors="backslashreplace") if isinstance(value, str) else value or b""
 
 
 def _sync(folder: Path) -> None:

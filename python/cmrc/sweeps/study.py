@@ -9,7 +9,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from cmrc import arguments
+from cmrc import arguments, saved_result
 from cmrc.sweeps import grid as grids
 from cmrc.sweeps import metrics, store, work
 from cmrc.sweeps.grid import Grid
@@ -63,15 +63,23 @@ class Sweep:
         return {state: states.count(state) for state in (store.DONE, store.REFUSED, store.FAILED)}
 
     def reports(self) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
-        """Every run that was done, with its report (docs/report.md)."""
+        """Every run that was done, with its report (docs/report.md). Raises SweepError for reports of another
+        schema."""
         wanted = {run["key"]: run for run in self.runs if run["status"] == store.DONE}
         for row in self.folder.rows(("report",)):
-            if row["key"] in wanted:
-                yield wanted[row["key"]], store.unpacked(row["report"])
+            if row["key"] not in wanted:
+                continue
+            report = store.unpacked(row["report"])
+            try:
+                saved_result.check_schema(report)
+            except saved_result.SchemaError as error:
+                raise SweepError(f"{self.folder.path}: {error}") from None
+            yield wanted[row["key"]], report
 
     def report(self, seed: int | None = None, **place: Any) -> dict[str, Any]:
         """The report of one run, by its place (``dsps=2``) and seed. Raises KeyError unless exactly one is there."""
-        asked = {grids.full_name(name, name): value for name, value in place.items()}
+        axes = self.axes
+        asked = {name if name in axes else grids.full_name(name, name): value for name, value in place.items()}
         found = [
             run
             for run in self.runs
@@ -221,13 +229,15 @@ def run_grid(
     grid: Grid,
     folder: str | os.PathLike[str],
     place: Place,
-    execute: work.Execute = work.execute,
+    execute: work.Execute | None = None,
     again_failed: bool = False,
     on_progress: Callable[[Status], object] | None = None,
 ) -> Sweep:
     """The same with the function that does a run."""
+    if execute is None:
+        execute = work.execute if grid.fork_at_s is None else work.Forked(grid.fork_at_s)
     with Session(folder, place, execute, again_failed, on_progress) as session:
-        keys = session.run(grid.points())
+        keys = session.run(grid.points(), grid.fork_at_s)
     return Sweep(folder, keys)
 
 

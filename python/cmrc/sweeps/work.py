@@ -13,8 +13,9 @@ from typing import Any
 
 from cmrc import _core
 from cmrc.processes import ended, environment
+from cmrc.simulation import ConfigError
 from cmrc.sweeps import store
-from cmrc.sweeps.identity import build, key_of
+from cmrc.sweeps.identity import Keys, build
 
 Answer = dict[str, Any]
 Execute = Callable[[str, str], Answer]
@@ -25,13 +26,30 @@ def execute(key: str, toml: str) -> Answer:
 
     Raises RuntimeError on a machine whose build or files are not those of the sweep: its results would not be the same.
     """
+    return _answer(key, toml, None)
+
+
+class Forked:
+    """The same for runs that are alike until ``at_s``: what a worker has run until then serves the next one, too. The
+    results are those of whole runs."""
+
+    def __init__(self, at_s: float) -> None:
+        self.at_s = at_s
+
+    def __call__(self, key: str, toml: str) -> Answer:
+        return _answer(key, toml, self.at_s)
+
+
+def _answer(key: str, toml: str, fork_at_s: float | None) -> Answer:
     began = time.monotonic()
     config = _core.cmrc.config(toml=toml, name="run")
     _check(key, config)
     answer: Answer = {"key": key, "status": store.DONE, "message": "", "hash": None, "report": None}
     try:
-        text = _report(config)
+        text = _report(config, fork_at_s)
         answer |= {"report": store.packed(text), "hash": json.loads(text)["hash"]}
+    except ConfigError as error:  # what only the making of the run shows: a label that no program has
+        answer |= {"status": store.REFUSED, "message": str(error)}
     except (ValueError, RuntimeError, OSError, MemoryError) as error:
         answer |= {"status": store.FAILED, "message": f"{type(error).__name__}: {error}"}
     return answer | {"elapsed_s": time.monotonic() - began, "host": socket.gethostname()}
@@ -43,12 +61,10 @@ _same_build: set[str] = set()
 
 def _check(key: str, config: _core.cmrc.Config) -> None:
     """The key says that this worker would make the same run. Where no files are named, one key of a build says it of all."""
-    settings = config.to_dict()
-    files = (settings["machine.programs"], settings["dock.layout"], settings["machine.board"]) != ("", "", "default")
-    if not files and build() in _same_build:
+    if not _core.cmrc.inputs_of(config) and build() in _same_build:
         return
     try:
-        found = key_of(config)
+        found = Keys().of(config)
     except (ValueError, OSError, RuntimeError) as error:
         raise RuntimeError(f"{socket.gethostname()}: the run's files cannot be read here: {error}") from None
     if found != key:
@@ -63,10 +79,13 @@ _references: dict[str, _core.cmrc.Reference] = {}
 """The last ideal runs of this worker: runs that may share one come one after the other."""
 
 
-def _report(config: _core.cmrc.Config) -> str:
+_beginnings: dict[tuple[str, str], _core.cmrc.Simulation] = {}
+"""The last beginning of this worker, by its key and configuration: runs that share one come one after the other."""
+
+
+def _report(config: _core.cmrc.Config, fork_at_s: float | None) -> str:
     group = _core.cmrc.reference_key(config)
-    shared = _references.get(group)
-    simulation = _core.cmrc.Simulation(config) if shared is None else _core.cmrc.Simulation(config, shared)
+    simulation = _made(config, _references.get(group), fork_at_s)
     simulation.run()
     text = simulation.report_json()
     its = simulation.reference()
@@ -74,6 +93,22 @@ def _report(config: _core.cmrc.Config) -> str:
         _references.clear()
         _references[group] = its
     return text
+
+
+def _made(
+    config: _core.cmrc.Config, reference: _core.cmrc.Reference | None, fork_at_s: float | None
+) -> _core.cmrc.Simulation:
+    if fork_at_s is not None:
+        beginning = _core.cmrc.beginning_of(config, fork_at_s)
+        key = (Keys().of(beginning), beginning.to_toml())
+        if key not in _beginnings:
+            _beginnings.clear()
+            made = _core.cmrc.Simulation(beginning)
+            made.run_until(fork_at_s)
+            _beginnings[key] = made
+        if not _beginnings[key].ended:  # a run that has ended before has no future
+            return _beginnings[key].fork_into(config, reference)
+    return _core.cmrc.Simulation(config) if reference is None else _core.cmrc.Simulation(config, reference)
 
 
 class Alone:

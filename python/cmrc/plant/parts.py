@@ -1,0 +1,107 @@
+"""The dock's parts, as they stand in C++ (plant/parameters/config.hpp gives each value's unit and source); they can be
+copied and pickled."""
+
+from __future__ import annotations
+
+import copyreg
+from typing import Any
+
+from cmrc import _core
+
+default_dock = _core.plant.default_dock
+"""``default_dock(agv_count)``: the configuration of docs/plant.md, every value of which may be changed."""
+gantry_dock = _core.plant.gantry_dock
+"""``gantry_dock(agv_count)``: the same dock with a ship-to-shore gantry for a crane."""
+gantry_crane = _core.plant.gantry_crane
+"""Parameters of a ship-to-shore gantry (plant-and-bus.md 1.4)."""
+apply_layout = _core.plant.apply_layout
+"""``apply_layout(config, text, name)``: a layout in TOML into a DockConfig. Raises LayoutError with line and column."""
+load_layout = _core.plant.load_layout
+"""``load_layout(config, path)``: the same from a file. Raises LayoutError, OSError."""
+LayoutError = _core.plant.LayoutError
+"""A layout file that is wrong: where, and what would be right. A ValueError."""
+inverse_kinematics = _core.plant.inverse_kinematics
+"""``inverse_kinematics(crane_parameters, crane_pose)``: the coordinates (7) at which the load hangs plumb there. Raises ValueError out of reach."""
+mover_place = _core.plant.mover_place
+"""``mover_place(mover, seconds)``: x, y in m and their rates in m/s."""
+wind_speed = _core.plant.wind_speed
+"""``wind_speed(wind_parameters, seconds)``: m/s, the mean and the seeded gusts, at an instant or an array of them."""
+Dock = _core.plant.Dock
+"""The dock with the devices that a controller sees: integer codes, times in picoseconds. ``Scene`` is the same in SI units."""
+DockConfig = _core.plant.DockConfig
+"""A dock's configuration."""
+CraneParameters = _core.plant.CraneParameters
+DriveParameters = _core.plant.DriveParameters
+Portal = _core.plant.Portal
+"""Where a crane's legs stand (``CraneParameters.portal``)."""
+CranePose = _core.plant.CranePose
+LandingParameters = _core.plant.LandingParameters
+AgvParameters = _core.plant.AgvParameters
+AgvDrive = _core.plant.AgvDrive
+SensorParameters = _core.plant.SensorParameters
+WindParameters = _core.plant.WindParameters
+ShipMotion = _core.plant.ShipMotion
+Layout = _core.plant.Layout
+Box = _core.plant.Box
+Mover = _core.plant.Mover
+Waypoint = _core.plant.Waypoint
+ContainerPlace = _core.plant.ContainerPlace
+LaneSegment = _core.plant.LaneSegment
+Pose = _core.plant.Pose
+Signal = _core.plant.Signal
+"""The crane at a latch: joints (their names in JOINTS), motor torques N m, codes, sway rad, tip and payload m, tension N (``Scene.signal``)."""
+AgvSignal = _core.plant.AgvSignal
+"""An AGV at a latch: m, rad, m/s (``Scene.agv``)."""
+ContainerStatus = _core.plant.ContainerStatus
+"""A container: state, AGV or -1, centre of its top in m, yaw in rad, mass in kg (``Scene.containers``)."""
+DockEvent = _core.plant.Event
+"""What happened on the dock: time in ps, kind, index, two values (``EventKind`` of plant/dock/dock.hpp says which)."""
+DockState = _core.plant.DockState
+"""A dock's complete state at a latch; opaque (``Scene.snapshot``)."""
+CraneSnapshot = _core.plant.CraneAloneState
+AgvSnapshot = _core.plant.AgvAloneState
+Handover = _core.plant.Handover
+"""Phase of a container's change of hands, whether it is released, attempts (``Scene.handover``)."""
+Switch = _core.plant.Switch
+"""Energy (J) and momentum (kg m/s, kg m2/s) before and after a change between levels, an attach or a detach (``Scene.switches``)."""
+Momentum = _core.plant.Momentum
+Linkage = _core.plant.Linkage
+"""The level-luffing double-link jib as a differential-algebraic system (IDA): place, advance, angles, nose, energy, holding_torque."""
+LinkageParameters = _core.plant.LinkageParameters
+
+
+def _parameters(cls: type, values: dict[str, object]) -> object:
+    made = cls()
+    for name, value in values.items():
+        setattr(made, name, value)
+    return made
+
+
+def _reduce(value: object) -> tuple[Any, ...]:
+    """For ``copy`` and ``pickle``: a class of parameters that is made empty, and what of it can be set."""
+    names = [name for name, member in vars(type(value)).items() if isinstance(member, property) and member.fset is not None]
+    return _parameters, (type(value), {name: getattr(value, name) for name in names})
+
+
+def _reduce_made(value: object) -> tuple[Any, ...]:
+    """The same of one that is made of its values."""
+    return type(value), tuple(getattr(value, name) for name in _MADE_OF[type(value)])
+
+
+_MADE_OF: dict[type, tuple[str, ...]] = {
+    Pose: ("x", "y", "heading"),
+    CranePose: ("s", "x", "y", "z", "yaw"),
+    Box: ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max"),
+    ContainerPlace: ("x", "y", "z", "yaw", "mass"),
+    LaneSegment: ("x", "y", "heading", "length", "curvature", "speed"),
+    Waypoint: ("time", "x", "y"),
+    Mover: ("radius", "height", "path", "repeats"),
+}
+_MADE_EMPTY: tuple[type, ...] = (
+    CraneParameters, DriveParameters, Portal, LandingParameters, AgvParameters, SensorParameters, WindParameters, ShipMotion, Layout, DockConfig,
+    LinkageParameters,
+)  # fmt: skip
+for _class in _MADE_EMPTY:
+    copyreg.pickle(_class, _reduce)
+for _class in _MADE_OF:
+    copyreg.pickle(_class, _reduce_made)

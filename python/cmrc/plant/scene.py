@@ -1,0 +1,112 @@
+"""The whole dock, driven as a controller drives it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cmrc import _core
+from cmrc.plant.arguments import device_code, numbers
+from cmrc.plant.crane import JOINTS, Array
+from cmrc.plant.parts import AgvSignal, ContainerStatus, DockConfig, DockEvent, DockState, Handover, Signal, Switch
+
+
+class Scene:
+    """The whole dock: crane, 0 to 16 AGVs, containers, landing. A controller's devices are its inputs; time goes on by ``step``.
+
+    ``config`` is a ``DockConfig`` (``cmrc.plant.default_dock``), by default that of docs/plant.md with ``agvs`` vehicles.
+    """
+
+    def __init__(self, config: DockConfig | None = None, agvs: int = 1) -> None:
+        self._dock = _core.plant.Dock(_core.plant.default_dock(agvs) if config is None else config)
+        self._time = 0
+
+    @property
+    def time_s(self) -> float:
+        """Virtual time."""
+        return self._time * 1e-12
+
+    def step(self, torques: Sequence[float] | None, dt: float) -> None:
+        """Goes on by ``dt`` seconds, 0 to 60. ``torques`` (motor, N m) become the drives' 12-bit codes; None leaves the drives off, brakes holding.
+
+        A torque that is no finite number faults its drive: the brake holds from then on.
+        """
+        if not 0.0 <= dt <= 60.0:
+            raise ValueError(f"a step must be 0 to 60 s (got {dt})")
+        if torques is not None:
+            torques = numbers(f"torques ({', '.join(JOINTS)})", torques, 5)
+            self._dock.enable_drives(0b11111, self._time)
+            for j, (torque, drive) in enumerate(zip(torques, self._dock.config.crane.drives, strict=True)):
+                if not np.isfinite(torque):
+                    self._dock.fail_drive(j, True, self._time)
+                else:
+                    share = np.clip(torque / drive.maximum_torque, -1.0, 1.0)
+                    self._dock.set_torque_code(j, round(float(share) * 2047), self._time)
+        else:
+            self._dock.enable_drives(0, self._time)
+        self._time += round(dt * 1e12)
+        try:
+            self._dock.advance_to(self._time)
+        finally:
+            self._time = self._dock.time  # less after Ctrl-C
+
+    def drive(self, agv: int, speed: float, front: float, rear: float) -> None:
+        """A set-point into that AGV's FIFO: m/s, steering angles in rad. ``hold`` says how long each is held."""
+        most = 2**31 - 1
+        angles = [device_code(f"{name}, rad,", angle, 1e6, -most, most) for name, angle in (("front", front), ("rear", rear))]
+        self._dock.agv_push(agv, device_code("speed, m/s,", speed, 1e3, -most, most), angles[0], angles[1], self._time)
+
+    def hold(self, agv: int, seconds: float) -> None:
+        """Each set-point of that AGV is held for so long, at least 1 ms."""
+        self._dock.agv_period(agv, device_code("a set-point's time, s,", seconds, 1e6, 0, 2**32 - 1), self._time)
+
+    def lock(self, closed: bool) -> None:
+        """Commands the twist locks; they turn while all four corners are seated."""
+        self._dock.spreader_command(int(closed), self._time)
+
+    def agv(self, index: int) -> AgvSignal:
+        """True pose, speed and steering of an AGV at the last latch."""
+        return self._dock.agv(index)
+
+    def ranges(self, index: int) -> Array:
+        """The range sensor's 180 rays in m, from the right to the left."""
+        return np.array(self._dock.agv_scan(index, self._time)) * 1e-3
+
+    @property
+    def signal(self) -> Signal:
+        """The crane at the last latch: joints, sway, tip, payload, tension."""
+        return self._dock.signal
+
+    @property
+    def containers(self) -> list[ContainerStatus]:
+        """Every container: where it is and who has it."""
+        return self._dock.containers
+
+    @property
+    def handover(self) -> Handover:
+        """Where a container's change of hands stands."""
+        return self._dock.handover
+
+    @property
+    def switches(self) -> list[Switch]:
+        """The books of every change between levels, attach and detach so far."""
+        return self._dock.switches
+
+    @property
+    def events(self) -> list[DockEvent]:
+        """What has happened, in order of time."""
+        return self._dock.events
+
+    def energy(self) -> float:
+        """Crane and payload, J."""
+        return self._dock.energy
+
+    def snapshot(self) -> DockState:
+        """The whole state at the last latch."""
+        return self._dock.snapshot()
+
+    def restore(self, snapshot: DockState) -> None:
+        """Back to a snapshot of a scene of the same config. One taken off the 125-us grid goes back to the latch before it."""
+        self._dock.restore(snapshot)
+        self._time = int(self._dock.time)
