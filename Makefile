@@ -3,7 +3,7 @@ SHELL := /bin/bash
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 
-.PHONY: demo test build setup clean page golden lint vectors arithmetic oracles bench results coverage mutants fuzz trust docs docs-test check
+.PHONY: demo test build setup clean page golden lint vectors arithmetic oracles bench results coverage mutants fuzz trust docs docs-test check wheels
 
 demo: build
 	PYTHONPATH=build/python $(PYTHON) -m cmrc demo --out build/demo
@@ -98,6 +98,11 @@ docs: build
 # What the pages show: their commands run, their printed blocks, figures, citations and pictures are compared.
 docs-test: build
 	$(PYTHON) -m pytest -q -n auto tests/docs
+
+# Wheels and the source distribution into dist/: `make wheels PYTHONS="python3.11 python3.13"`, CPythons that run here.
+PYTHONS := /usr/bin/python3
+wheels: build
+	scripts/wheels $(PYTHONS)
 
 clean:
 	rm -rf build

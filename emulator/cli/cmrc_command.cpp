@@ -1,8 +1,10 @@
-// emulator limits: studies of many runs are commands of the Python package, cmrc, which stands beside this program.
+// emulator limits: studies of many runs are commands of the Python package, cmrc, which stands beside this program. In
+// a wheel the program stands in the package, and what starts it there says where the commands are: CMRC_SCRIPTS.
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <vector>
@@ -13,7 +15,10 @@ namespace cli {
 
 int cmrc_command(const CmrcCommandOptions& options) {
   std::error_code unknown;
-  const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path();
+  const char* scripts = std::getenv("CMRC_SCRIPTS");
+  const std::filesystem::path folder = scripts != nullptr
+                                           ? std::filesystem::path(scripts)
+                                           : std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path();
   const std::string program = (folder / "cmrc").string();
   std::vector<std::string> words = {program, options.name};
   words.insert(words.end(), options.arguments.begin(), options.arguments.end());

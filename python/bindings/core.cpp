@@ -7,13 +7,10 @@ PYBIND11_MODULE(_core, core) {
   bind_isa(core);
   bind_toolchain(core);
   bind_c40(core);
-  bind_bus_model(core);
   bind_plant(core);
-  bind_machine(core);
   bind_debug(core);
   bind_network(core);
   bind_cmrc(core);
-  bind_releases(core);
   bind_why_late(core);
   bind_trace(core);
 }

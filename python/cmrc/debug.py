@@ -14,11 +14,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from types import TracebackType
-from typing import Any
-
-from typing_extensions import Self
+from typing import TYPE_CHECKING, Any
 
 from cmrc import _core, arguments
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 DebugError = _core.debug.DebugError
 """Raised for a command that makes no sense: a ValueError that says what would be right."""

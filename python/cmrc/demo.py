@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from cmrc import files
+from cmrc.commands import signals
 from cmrc.result import Result
 from cmrc.simulation import Setting, Simulation
 
@@ -74,7 +75,7 @@ def _side_by_side(settings: Settings, changes: Sequence[Settings], duration_s: f
         first = Simulation(settings={**jobs[0][0], **QUIET, "duration_s": duration_s})
         reports = [first.run().report]
         _reference = first.reference()
-    with multiprocessing.get_context("fork").Pool(2) as pool:
+    with multiprocessing.get_context("fork").Pool(2, signals.end_quietly) as pool:
         reports += pool.map(_one, jobs[len(reports) :], chunksize=1)
     return reports
 

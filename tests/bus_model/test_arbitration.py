@@ -6,7 +6,7 @@ import random
 import pytest
 from bus_model.clocked_pci import Board, Job, Master, Timing
 from bus_model.clocked_pci import Bus as ClockedBus
-from cmrc._core import bus_model as pci
+from cmrc_test import bus_model as pci
 
 RULES = ["round_robin", "fixed", "two_level", "host_fair"]
 TARGETS = [Timing(2, (3, 0), (1, 0)), Timing(1, (8, 1), (2, 1), 4), Timing(3, (0, 0), (0, 2)), Timing(2, (6, 0), (2, 0), 8)]

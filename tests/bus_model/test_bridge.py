@@ -3,7 +3,7 @@
 import random
 
 import pytest
-from cmrc._core import bus_model as pci
+from cmrc_test import bus_model as pci
 
 LINE_LIMIT = 0x1000
 

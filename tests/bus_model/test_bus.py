@@ -4,7 +4,7 @@ import random
 from itertools import pairwise
 
 import pytest
-from cmrc._core import bus_model as pci
+from cmrc_test import bus_model as pci
 
 
 def config(kind: type, **values: object) -> object:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import pytest
-from cmrc._core import bus_model as pci
+from cmrc_test import bus_model as pci
 
 SIZE = 0x100
 

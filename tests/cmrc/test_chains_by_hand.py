@@ -3,20 +3,20 @@
 import json
 from typing import Any
 
-from cmrc import _core
+from cmrc_test import ledger as ledgers
 
 
-def scene(kept: int = 1000) -> "_core.why_late.Scene":
-    return _core.why_late.Scene(kept)
+def scene(kept: int = 1000) -> ledgers.LedgerInPicoseconds:
+    return ledgers.LedgerInPicoseconds(kept)
 
 
-def told(jobs: "_core.why_late.Scene", now: int, causes: list[list[int]] | None = None) -> dict[str, Any]:
+def told(jobs: ledgers.LedgerInPicoseconds, now: int, causes: list[list[int]] | None = None) -> dict[str, Any]:
     report = json.loads(jobs.report_json(now, causes or []))
     assert report["audit"]["violations"] == []
     return report
 
 
-def usual_pid(jobs: "_core.why_late.Scene", execution: int = 50, bus: int = 10) -> None:
+def usual_pid(jobs: ledgers.LedgerInPicoseconds, execution: int = 50, bus: int = 10) -> None:
     """One PID on time, alone: execution + bus."""
     jobs.refresh(0, 0, 0, 0, [])
     jobs.slot(0, "asleep", 0)

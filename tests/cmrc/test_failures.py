@@ -51,33 +51,6 @@ def test_a_dsp_is_silent_when_its_time_is_over_and_not_at_its_last_refresh(silen
     assert found == [408 + refreshes + 1, 408 + 2 * (refreshes + 1)]
 
 
-def test_signs_of_life_just_before_at_and_after_the_limit() -> None:
-    """Silent is who has given no sign for more than the limit; reset, it has the same time again; then it is dead."""
-    for last, verdict in ((9, [(3, "silent")]), (10, []), (11, [])):
-        liveness = cmrc.Liveness()
-        liveness.sign(3, last)
-        assert liveness.doubtful(20, 10) == (verdict != [])
-        assert liveness.judge(20, 10) == verdict
-    liveness = cmrc.Liveness()
-    liveness.signs(1 << 3 | 1 << 31, 0)
-    assert liveness.judge(10, 10) == [] and liveness.judge(11, 10) == [(3, "silent"), (31, "silent")]
-    liveness.sign(31, 15)  # back after its reset
-    assert liveness.judge(21, 10) == []
-    assert liveness.judge(22, 10) == [(3, "dead")]
-    assert liveness.judge(25, 10) == [] and liveness.judge(26, 10) == [(31, "silent")]
-    assert liveness.judge(100, 10) == [(31, "dead")] and not liveness.doubtful(1000, 10)  # nobody waits for them
-    liveness.signs(1 << 3, 1000)  # a board that was put in
-    assert liveness.judge(1010, 10) == [] and liveness.judge(1011, 10) == [(3, "silent")]
-
-
-def test_one_that_the_host_has_reset_has_the_whole_time_to_come_back() -> None:
-    liveness = cmrc.Liveness()
-    liveness.sign(0, 0)
-    liveness.renewed(0, 8)
-    assert liveness.judge(18, 10) == [] and not liveness.doubtful(18, 10)
-    assert liveness.doubtful(19, 10) and liveness.judge(19, 10) == [(0, "dead")]
-
-
 def test_no_dsp_is_silent_when_there_is_nothing_to_do(tmp_path: Path) -> None:
     """An empty ship: homing, then the servo ends and no block is loaded any more."""
     layout = tmp_path / "layout.toml"

@@ -5,13 +5,14 @@ import json
 import hypothesis.strategies as st
 import pytest
 from cmrc import _core
+from cmrc_test import ledger as ledgers
 from hypothesis import given, settings
 
 OUTCOMES = ("on_time", "late", "unfinished", "never_started", "lost", "dropped")
 
 
-def ledger() -> "_core.cmrc.Ledger":
-    return _core.cmrc.Ledger()
+def ledger() -> ledgers.LedgerInSeconds:
+    return ledgers.LedgerInSeconds()
 
 
 def test_each_class() -> None:

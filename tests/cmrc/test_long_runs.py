@@ -1,43 +1,12 @@
 """A long run's memory is bounded: what is kept coarser is what docs/report.md, Long runs, says, and nothing else changes."""
 
-import random
 import re
 import subprocess
 
 import cmrc
 import numpy as np
 import pytest
-from cmrc._core import cmrc as core
 from locations import BUILD
-
-MS = 10**9  # ps
-
-
-def test_instants_are_kept_as_they_are_while_there_are_few() -> None:
-    instants = core.Instants(kept_max=4, bins_max=100)
-    for ms in (7, 3, 5, 9):
-        instants.add(ms * MS + 1)
-    assert instants.bin_ps == 0
-    assert instants.in_order() == [(ms * MS + 1, 1) for ms in (3, 5, 7, 9)]
-    assert [instants.until(t) for t in (3 * MS, 3 * MS + 1, 8 * MS, 10 * MS)] == [0, 1, 3, 4]
-
-
-def test_many_instants_are_counted_in_bins_that_double() -> None:
-    rng = random.Random(1)
-    instants = core.Instants(kept_max=100, bins_max=64)
-    times = [i * MS // 3 + rng.randrange(MS // 3) for i in range(3 * 1000)]
-    for n, time in enumerate(times, 1):
-        instants.add(time)
-        assert instants.count == n
-    bin_ps = instants.bin_ps
-    assert bin_ps == 16 * MS  # 64 bins of 16 ms hold 1000 ms, 64 of 8 ms do not
-    counts = dict(instants.in_order())
-    assert len(counts) <= 64
-    assert counts == {b * bin_ps: sum(t // bin_ps == b for t in times) for b in range(63)}
-    for edge in range(0, 1000 * MS, bin_ps):
-        assert instants.until(edge) == sum(t < edge for t in times)
-    assert instants.until(max(times)) == len(times)
-
 
 SHORT = {"duration_s": 4.0, "machine.dsps": 1, "machine.cycle_time_factor": 9.0}
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from cmrc import _core
+from cmrc_test import scheduling
 from locations import BUILD
 
 cmrc, plant = _core.cmrc, _core.plant
@@ -21,7 +22,7 @@ def config(seed: int = 1, jitter: bool = True, **settings: Any) -> Any:
 
 
 def clocks(seed: int = 1, jitter: bool = True, **settings: Any) -> dict[str, dict[str, Any]]:
-    return {one["name"]: one for one in cmrc.oscillators(config(seed, jitter, **settings))}
+    return {one["name"]: one for one in scheduling.oscillators(config(seed, jitter, **settings))}
 
 
 def run(seed: int = 1, jitter: bool = True, **settings: Any) -> dict[str, Any]:

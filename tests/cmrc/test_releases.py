@@ -11,6 +11,7 @@ import chain_replay
 import pytest
 import scheduling_replay
 from cmrc import _core
+from cmrc_test import scheduling
 from locations import BUILD
 
 cmrc, plant = _core.cmrc, _core.plant
@@ -97,7 +98,7 @@ def test_the_demand_does_not_fall_when_the_dsps_cannot_follow(tmp_path: Path) ->
 def steps(release: str, ticks: list[tuple[int, int]], number: int = 1, count: int = 4, ends: set[int] | None = None, objects: set[int] | None = None, rests: set[int] | None = None) -> list[tuple[bool, list[int]]]:
     """ticks: (refresh, interval). Blocks end at the refreshes of `ends` (none: before the next refresh)."""
     table = [(tick, interval, tick not in (rests or set()), tick in (objects or set()), ends is None or tick in ends) for tick, interval in ticks]
-    return list(cmrc.release_steps(release, number, count, True, table))
+    return list(scheduling.release_steps(release, number, count, True, table))
 
 
 def loaded(found: list[tuple[bool, list[int]]], ticks: list[tuple[int, int]]) -> list[int]:
@@ -136,9 +137,9 @@ def test_what_did_not_run_owes_nothing() -> None:
 def test_an_object_enters_where_nothing_was_or_nearer_by_a_jump() -> None:
     readings = [30000, 14000, 13990, 13400, 12700, 12690, 30000, 15000, 14999, 14999, 3000]
     #           nothing | enters | closer, closer (590) | 700 nearer: another | closer | gone | at the field's end, out | enters | - | another
-    assert cmrc.objects_entered(readings, 15000) == [False, True, False, False, True, False, False, False, True, False, True]
-    assert cmrc.objects_entered([4000], 15000) == [True]  # there when the first reading is made
-    assert cmrc.objects_entered([4000], 3000) == [False]
+    assert scheduling.objects_entered(readings, 15000) == [False, True, False, False, True, False, False, False, True, False, True]
+    assert scheduling.objects_entered([4000], 15000) == [True]  # there when the first reading is made
+    assert scheduling.objects_entered([4000], 3000) == [False]
 
 
 def test_an_event_releases_at_once_and_waits_for_a_block_that_is_out() -> None:

@@ -1,9 +1,8 @@
 """Equation (7) against the paper's table, and the scheduling rule against the hand-worked tables of plant-and-bus.md 4.8."""
 
 import pytest
-from cmrc import _core
+from cmrc_test import scheduling
 
-cmrc = _core.cmrc
 BASE = {"N_p": 8, "N_t": 64, "N_a": 160, "gamma": 0, "alpha": 24, "beta": 12, "p": 0x4000, "q": 0x2000, "b": 0x100, "a": 0x40}
 
 # (x, y, t, restored, as printed): the rows of paper.md 6, at the first t at which they hold and the last before.
@@ -32,25 +31,25 @@ ROWS = [
 
 @pytest.mark.parametrize(("x", "y", "t", "restored", "printed"), ROWS)
 def test_importance_is_the_papers_table(x: int, y: int, t: int, restored: int, printed: int) -> None:
-    assert cmrc.importance(x, y, t, BASE) == restored
-    assert cmrc.importance(x, y, t, BASE | {"as_printed": True}) == printed
+    assert scheduling.importance(x, y, t, BASE) == restored
+    assert scheduling.importance(x, y, t, BASE | {"as_printed": True}) == printed
 
 
 def test_restored_urgent_values_clear_one_bit_each_in_order() -> None:
-    urgent = [cmrc.importance(x, y, 10**6, BASE) for x, y in
+    urgent = [scheduling.importance(x, y, 10**6, BASE) for x, y in
               [(1, 0), (2, 0), (21, 2), (7, 1), (8, 1), (5, 1), (6, 1), (5, 2), (6, 2), (11, 0), (12, 0), (13, 1), (22, 2)]]  # fmt: skip
     assert urgent == [0xFFFF & ~(1 << bit) for bit in range(13)]
 
 
 def test_gamma_makes_the_servo_due_early() -> None:
-    assert [cmrc.importance(7, 1, t, BASE | {"gamma": 3}) for t in (4, 5)] == [0, 0xFFF7]
+    assert [scheduling.importance(7, 1, t, BASE | {"gamma": 3}) for t in (4, 5)] == [0, 0xFFF7]
 
 
 def test_a_kind_without_a_rank_is_an_error() -> None:
     with pytest.raises(ValueError, match="x = 9, robot class y = 1"):
-        cmrc.importance(9, 1, 0, BASE)
+        scheduling.importance(9, 1, 0, BASE)
     with pytest.raises(ValueError, match="x = 5, robot class y = 0"):
-        cmrc.importance(5, 0, 0, BASE)
+        scheduling.importance(5, 0, 0, BASE)
 
 
 # The tables of 4.8, typed from the document: block:t[:J], * executing. Where the document leaves J out, it is not compared.
@@ -90,7 +89,7 @@ def entry(text: str) -> tuple[str, int, str | None, bool]:
 @pytest.mark.parametrize(("dsps", "table"), [(1, ONE_DSP), (2, TWO_DSPS)])
 def test_tick_tables_of_the_worked_example(dsps: int, table: str) -> None:
     parameters = {"N_p": 4, "N_t": 16, "N_a": 24, "gamma": 1, "alpha": 4, "beta": 2, "p": 0x4000, "q": 0x2000, "b": 0x100, "a": 0x10}
-    machine = cmrc.TickTable(parameters, [
+    machine = scheduling.TickTable(parameters, [
         ("TC", 7, 1, 1, True, ""), ("PID", 8, 1, 1, True, ""), ("TP", 5, 1, 3, False, "IK"), ("IK", 6, 1, 1, False, ""),
         ("ATP", 5, 2, 3, False, "AIK"), ("AIK", 6, 2, 1, False, ""), ("OBS", 21, 2, 2, False, ""),
     ], dsps)  # fmt: skip

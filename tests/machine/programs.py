@@ -3,7 +3,8 @@
 from functools import cache
 from pathlib import Path
 
-from cmrc._core import machine, toolchain
+from cmrc._core import toolchain
+from cmrc_test import machine
 
 INCLUDE = Path(__file__).resolve().parents[2] / "c40_programs" / "include"
 

@@ -1,7 +1,8 @@
 """What a DSP sees through its windows: values, order, time."""
 
 import pytest
-from cmrc._core import machine, plant
+from cmrc._core import plant
+from cmrc_test import machine
 from programs import MS, ON_CHIP, US, assemble, config
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 from cmrc import c40
-from cmrc._core import machine
 from cmrc.network import Network
+from cmrc_test import machine
 from locations import BUILD
 from programs import US, assemble, config
 

@@ -1,7 +1,7 @@
 """A kernel's parameters from shared memory into on-chip RAM, by the processor and by the DMA: why the kernels copy themselves."""
 
 import pytest
-from cmrc._core import machine
+from cmrc_test import machine
 from programs import ON_CHIP, US, assemble, config
 
 FROM, TO = 16, 0x2FF900

@@ -5,7 +5,8 @@ from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import pytest
-from cmrc._core import machine, plant
+from cmrc._core import plant
+from cmrc_test import machine
 from programs import INCLUDE, MS, US, assemble, config
 
 DEVICES = 0x100000  # where the host finds offset 0 of window B

@@ -3,7 +3,7 @@
 from typing import Any
 
 import pytest
-from cmrc._core import machine
+from cmrc_test import machine
 from programs import ON_CHIP, US, assemble, config
 
 STATUS, DATA, REQUEST = 0x11000, 0x11008, 0x11100

@@ -4,7 +4,8 @@ import re
 from collections.abc import Callable
 
 import pytest
-from cmrc._core import machine, plant
+from cmrc._core import plant
+from cmrc_test import machine
 from programs import MS, US, assemble, config
 
 Action = machine.Action

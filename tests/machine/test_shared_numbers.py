@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 from cmrc import _core
-from cmrc._core import machine, plant, toolchain
+from cmrc._core import plant, toolchain
+from cmrc_test import machine
 from locations import ROOT
 from programs import INCLUDE
 

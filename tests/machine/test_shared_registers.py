@@ -3,7 +3,8 @@
 from pathlib import Path
 
 import pytest
-from cmrc._core import machine, toolchain
+from cmrc._core import toolchain
+from cmrc_test import machine
 from programs import HEAD, INCLUDE, ON_CHIP, TAIL, US, assemble, config
 
 SYMBOLS = assemble("").symbols

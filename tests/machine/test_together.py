@@ -4,7 +4,8 @@ import random
 from itertools import pairwise
 
 import pytest
-from cmrc._core import machine, plant
+from cmrc._core import plant
+from cmrc_test import machine
 from programs import MS, US, assemble, config
 
 ROUNDS = 60

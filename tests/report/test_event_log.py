@@ -6,7 +6,7 @@ import struct
 import time
 
 import pytest
-from cmrc._core import report
+from cmrc_test import report
 
 CLAIM, LATCH = 3, 10
 DSP0 = 16

@@ -3,7 +3,7 @@
 import random
 
 import pytest
-from cmrc._core import report
+from cmrc_test import report
 from leaves import check_that_every_value_is_loaded, check_that_other_bytes_are_refused
 
 CLAIM, DSP0 = 3, 16

@@ -5,7 +5,7 @@ import random
 from fractions import Fraction
 
 import pytest
-from cmrc._core import report
+from cmrc_test import report
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -14,7 +14,7 @@ def test_the_container_is_built_by_the_scripts_of_the_tree() -> None:
     steps = [line.split(maxsplit=1) for line in CONTAINER if line and not line.startswith("#")]
     assert {step for step, _ in steps} <= {"FROM", "RUN", "WORKDIR", "COPY", "CMD"}
     assert [rest for step, rest in steps if step == "FROM"] == ["debian:12 AS packages", "packages AS built"]
-    for source in [rest.split()[0] for step, rest in steps if step == "COPY"]:
+    for source in [word for step, rest in steps if step == "COPY" for word in rest.split()[:-1]]:
         assert (ROOT / source).exists(), source
     runs = [rest for step, rest in steps if step == "RUN"]
     assert runs[1:] == ["scripts/setup packages", "scripts/setup", "make build"]

@@ -24,6 +24,13 @@ def status(stop: KeyboardInterrupt) -> int:
     return 128 + (stop.number if isinstance(stop, Ended) else signal.SIGINT)
 
 
+def end_quietly() -> None:
+    """For workers of a pool, as its ``initializer``: a worker ends when its pool does, without a traceback. It would
+    inherit the handlers of ``raised``; Ctrl-C, which reaches each process of the terminal, is the parent's matter."""
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
 @contextmanager
 def raised() -> Iterator[None]:
     """The first of them raises Ended in here; the second ends the process at once. One that is ignored stays ignored,

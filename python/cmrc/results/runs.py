@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from cmrc import files
+from cmrc.commands import signals
 from cmrc.simulation import Reference, Setting, Simulation
 
 Report = dict[str, Any]
@@ -141,7 +142,7 @@ class Laboratory:
         if self.jobs == 1 or len(batches) < 2:
             yield from map(_batch, batches)
             return
-        with multiprocessing.Pool(min(self.jobs, len(batches))) as pool:
+        with multiprocessing.Pool(min(self.jobs, len(batches)), signals.end_quietly) as pool:
             yield from pool.imap_unordered(_batch, batches)
 
     def _known(self, run: Run) -> list[Report] | None:

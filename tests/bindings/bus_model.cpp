@@ -1,4 +1,4 @@
-// cmrc._core.bus_model: a bus with plain masters, bridges and memories, for tests and for looking at PCI alone.
+// A bus with plain masters, bridges and memories.
 #include "bus_model/bus.hpp"
 
 #include <pybind11/stl.h>
@@ -12,7 +12,7 @@
 #include "bus_model/audit.hpp"
 #include "bus_model/bridge.hpp"
 #include "bus_model/bus_bridge.hpp"
-#include "python/bindings/bindings.hpp"
+#include "tests/bindings/bindings.hpp"
 
 namespace {
 
@@ -312,8 +312,8 @@ void bind_records(py::module_& m) {
 
 }  // namespace
 
-void bind_bus_model(py::module_& core) {
-  py::module_ m = core.def_submodule(
+void bind_bus_model(py::module_& test) {
+  py::module_ m = test.def_submodule(
       "bus_model", "PCI: transactions, arbitration, targets, bridges, statistics. All times are bus clocks.");
   bind_configs(m);
   bind_records(m);

@@ -1,5 +1,4 @@
-// cmrc._core.machine: several DSPs on their buses with a host that follows a script; for tests and experiments with the
-// machine alone.
+// Several DSPs on their buses with a host that follows a script.
 #include "machine/machine.hpp"
 
 #include <pybind11/stl.h>
@@ -14,7 +13,7 @@
 #include "c40/chip.hpp"
 #include "machine/chip_stop.hpp"
 #include "plant/dock/dock.hpp"
-#include "python/bindings/bindings.hpp"
+#include "tests/bindings/bindings.hpp"
 #include "toolchain/objects/image.hpp"
 
 namespace {
@@ -199,18 +198,6 @@ void bind_config(py::module_& m) {
       .def_readonly("words_lost", &SlotStatistics::words_lost);
 }
 
-void bind_clock(py::module_& m) {
-  py::class_<Clock>(m, "Clock", "A rational clock; instants are integer picoseconds (ruling 1).")
-      .def(
-          py::init([](std::int64_t num, std::int64_t den, std::int64_t phase) { return Clock{num, den, Time{phase}}; }),
-          py::arg("num"), py::arg("den") = 1, py::arg("phase") = 0)
-      .def("at", [](const Clock& clock, Ticks tick) { return clock.at(tick).count(); })
-      .def("tick_at_or_before",
-           [](const Clock& clock, std::int64_t time) { return clock.tick_at_or_before(Time{time}); })
-      .def("tick_at_or_after",
-           [](const Clock& clock, std::int64_t time) { return clock.tick_at_or_after(Time{time}); });
-}
-
 /// Every reason that has a name: which are all, or chip.cpp would not compile.
 void bind_stops(py::module_& m) {
   py::dict meanings;
@@ -223,10 +210,9 @@ void bind_stops(py::module_& m) {
 
 }  // namespace
 
-void bind_machine(py::module_& core) {
-  py::module_ m = core.def_submodule(
+void bind_machine(py::module_& test) {
+  py::module_ m = test.def_submodule(
       "machine", "DSPs, buses, shared memory and devices in one virtual time. Times are integer picoseconds.");
-  bind_clock(m);
   bind_actions(m);
   bind_config(m);
   bind_stops(m);

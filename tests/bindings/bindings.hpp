@@ -1,0 +1,11 @@
+#pragma once
+// Parts of the emulator that tests drive one by one: each file adds a submodule to cmrc_test. No wheel has them.
+#include <pybind11/pybind11.h>
+
+namespace py = pybind11;
+
+void bind_bus_model(py::module_& test);
+void bind_ledger(py::module_& test);
+void bind_machine(py::module_& test);
+void bind_report(py::module_& test);
+void bind_scheduling(py::module_& test);
