@@ -32,7 +32,7 @@ frame = sweep.to_frame("misses", "tasks.pid.response_ps.p99")
 print(frame.groupby(["machine.dsps", "future"])["misses"].mean().unstack())
 
 # %% A picture: the share of the servo's deadlines that were missed.
-from matplotlib.figure import Figure  # noqa: E402 (cells import what they need)
+from matplotlib.figure import Figure
 
 figure = Figure(figsize=(7, 4), layout="constrained")
 plot.grid(sweep, figure.subplots(), x="machine.dsps", lines="future", metric="f_p_missed")

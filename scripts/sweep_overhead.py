@@ -39,7 +39,7 @@ def measured(commands: Sequence[Sequence[str]]) -> tuple[float, float]:
     """Wall-clock and processor time of commands side by side, with all processes that they start."""
     began, before = time.monotonic(), resource.getrusage(resource.RUSAGE_CHILDREN)
     processes = [subprocess.Popen([sys.executable, "-c", *command]) for command in commands]
-    if any([process.wait() for process in processes]):
+    if sum(process.wait() != 0 for process in processes):
         sys.exit("a command has failed")
     wall = time.monotonic() - began
     while True:  # workers that have outlived who started them are this process's now

@@ -29,7 +29,8 @@ from cmrc.snapshots import SnapshotError
 from cmrc.table import Table
 
 if _TYPE_CHECKING:
-    from cmrc import studies, sweeps
+    from cmrc import studies as studies
+    from cmrc import sweeps as sweeps
     from cmrc.studies import Comparison, Limits, compare, limits
     from cmrc.sweeps import search, sweep
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cmrc import _core, arguments, files
+from cmrc.errors import Error
 from cmrc.table import Table
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ _LARGEST = 1 << 32  # bytes of one member, unpacked: a damaged file asks for no 
 _LARGEST_REPORT = 1 << 29
 
 
-class SchemaError(ValueError):
+class SchemaError(Error, ValueError):
     """A report of another schema: its keys do not mean what they mean here."""
 
 
@@ -111,8 +112,10 @@ def check_schema(report: Mapping[str, Any]) -> None:
     if isinstance(found, int) and found > max(SCHEMA_VERSIONS):
         what = "a cmrc as new as its writer reads it"
     else:
-        what = "the run is to be made again, its settings stand under \"configuration\" (cmrc.run(settings=...))"
-    raise SchemaError(f"the report has schema version {found}{by}; cmrc {_core.cmrc.emulator_version} reads {known}: {what}")
+        what = 'the run is to be made again, its settings stand under "configuration" (cmrc.run(settings=...))'
+    raise SchemaError(
+        f"the report has schema version {found}{by}; cmrc {_core.cmrc.emulator_version} reads {known}: {what}"
+    )
 
 
 def checked_report(report: Any) -> dict[str, Any]:

@@ -69,14 +69,14 @@ def grid(sweep: Sweep, axes: Axes, x: str | None = None, lines: str | None = Non
 def _axes_of(
     sweep: Sweep, summary: Sequence[tuple[dict[str, Any], Spread]], x: str | None, lines: str | None
 ) -> tuple[str, str | None]:
-    from cmrc.sweeps.grid import full_name
+    from cmrc.sweeps.grid import axis_name
 
     if not summary:
         raise ValueError("grid: the sweep has no runs")
     values = {name: len({repr(place.get(name)) for place, _ in summary}) for name in sweep.axes}
     varied = sorted((name for name in values if values[name] > 1), key=lambda name: -values[name])
-    x = full_name(x, "x") if x is not None else next((name for name in varied if name != lines), next(iter(values), ""))
-    lines = full_name(lines, "lines") if lines is not None else next((name for name in varied if name != x), None)
+    x = axis_name(x, "x") if x is not None else next((name for name in varied if name != lines), next(iter(values), ""))
+    lines = axis_name(lines, "lines") if lines is not None else next((name for name in varied if name != x), None)
     for name in (x, lines):
         if name is not None and name not in values:
             raise ValueError(f"grid: {name or 'nothing'} is no axis of the sweep; {', '.join(values) or 'none'} are")

@@ -11,7 +11,7 @@ from cmrc import _core, c40, network, plant
 
 ENDS = c40.assemble(" .text\nstart: idle\n")
 NAMED = ["AssemblyError", "CannotOpen", "CoffError", "ConfigError", "DebugError", "GridError", "LayoutError", "LinkError", "MemoryMapError", "NetworkError",
-         "PageError", "RomError", "SameFile", "SnapshotError", "SweepError"]
+         "PageError", "RomError", "SameFile", "SchemaError", "SnapshotError", "SweepError"]
 
 
 def named_errors() -> dict[str, type]:

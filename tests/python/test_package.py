@@ -12,7 +12,11 @@ import pytest
 import tomllib
 from locations import BUILD, ROOT
 
-HEAVY = ("pandas", "pyarrow", "matplotlib", "dask", "distributed", "optuna", "duckdb", "mujoco")
+HEAVY = (
+    *("pandas", "pyarrow", "matplotlib", "dask", "distributed", "optuna", "duckdb", "mujoco", "gymnasium"),
+    *("cmrc.sweeps", "cmrc.studies", "subprocess"),
+)
+"""What who makes one run does not wait for."""
 
 
 def test_the_import_brings_no_heavy_package() -> None:
@@ -20,6 +24,14 @@ def test_the_import_brings_no_heavy_package() -> None:
     env = {"PYTHONPATH": str(Path(cmrc.__file__).parent.parent)}
     done = subprocess.run([sys.executable, "-c", code], env=env, capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
+
+
+def test_what_is_imported_later_is_there_all_the_same() -> None:
+    assert set(cmrc.__all__) <= set(dir(cmrc)) and all(hasattr(cmrc, name) for name in cmrc.__all__)
+    assert cmrc.sweep is cmrc.sweeps.sweep and cmrc.limits is cmrc.studies.limits
+    with pytest.raises(AttributeError, match="module 'cmrc' has no attribute 'sweeep'"):
+        cmrc.sweeep  # type: ignore[attr-defined]  # noqa: B018
+    assert set(cmrc.plant.__all__) <= set(dir(cmrc.plant)) and cmrc.plant.CraneEnv.__name__ == "CraneEnv"
 
 
 def test_stubs_stand_beside_the_extension() -> None:

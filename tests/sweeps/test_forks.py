@@ -109,7 +109,10 @@ def test_a_fork_into_another_run_is_refused() -> None:
     beginning = _core.cmrc.Simulation(config)
     beginning.run_until(0.05)
     for other, says in (
-        ({"settings": {"run.duration_s": 0.1, "machine.dsps": 2}}, "begins otherwise: .machine. dsps = 2, here dsps = 4"),
+        (
+            {"settings": {"run.duration_s": 0.1, "machine.dsps": 2}},
+            "begins otherwise: .machine. dsps = 2, here dsps = 4",
+        ),
         (
             {"settings": {"run.duration_s": 0.1}, "events": [{"at_s": 0.04, "action": "fail", "dsp": 1}]},
             "begins otherwise",

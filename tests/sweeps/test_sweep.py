@@ -100,7 +100,9 @@ def test_the_key_is_over_the_files_and_not_their_names(tmp_path: Path) -> None:
     from cmrc.sweeps.identity import Keys, run_of
 
     def key(board: Path) -> str:
-        return run_of(next(grid.made({"fixed": {"duration_s": 0.03, "machine.board": str(board)}}).points()), Keys()).key
+        return run_of(
+            next(grid.made({"fixed": {"duration_s": 0.03, "machine.board": str(board)}}).points()), Keys()
+        ).key
 
     one, same, other = (tmp_path / name for name in ("one.toml", "same.toml", "other.toml"))
     text = (ROOT / "tests" / "peripherals" / "data" / "faults" / "timing-board.toml").read_text()
@@ -250,7 +252,11 @@ def test_tls_options_are_passed_on(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     made = [openssl, "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-keyout", key, "-out", certificate]
     subprocess.run([*made, "-days", "2", "-subj", "/CN=localhost"], check=True, capture_output=True)
     both = {"tls_ca_file": certificate, "require_encryption": True}
-    own = {f"tls_{role}_{kind}": path for role in ("scheduler", "worker") for kind, path in (("cert", certificate), ("key", key))}
+    own = {
+        f"tls_{role}_{kind}": path
+        for role in ("scheduler", "worker")
+        for kind, path in (("cert", certificate), ("key", key))
+    }
     mine = {**both, "tls_client_cert": certificate, "tls_client_key": key}
     options = {"processes": False, "protocol": "tls", "host": "127.0.0.1", "dashboard_address": "127.0.0.1:0"}
     monkeypatch.setattr(cluster, "CONNECT_S", 10.0)
@@ -261,7 +267,12 @@ def test_tls_options_are_passed_on(tmp_path: Path, monkeypatch: pytest.MonkeyPat
         with pytest.raises(SweepError, match="no cluster answers there"):
             sweep(grid_of_one, tmp_path / "s", address=safe.scheduler_address)
         with pytest.raises(SweepError, match=r"security.tls_client_key: .*none.key is no file"):
-            sweep(grid_of_one, tmp_path / "s", address=safe.scheduler_address, security={**mine, "tls_client_key": str(tmp_path / "none.key")})
+            sweep(
+                grid_of_one,
+                tmp_path / "s",
+                address=safe.scheduler_address,
+                security={**mine, "tls_client_key": str(tmp_path / "none.key")},
+            )
         found = sweep(grid_of_one, tmp_path / "s", address=safe.scheduler_address, security=mine)
     assert found.counts() == {"done": 1, "refused": 0, "failed": 0}
 

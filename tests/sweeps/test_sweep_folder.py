@@ -111,7 +111,9 @@ def test_reports_of_another_schema_are_refused_by_name(schema: int, says: str, t
         folder.write([row(1, report=store.packed({"schema_version": schema, "emulator_version": "0.0.7"}))])
     sweep = Sweep(tmp_path / "s")
     assert len(sweep) == 1  # what ran is known
-    with pytest.raises(SweepError, match=f"s: the report has schema version {schema}, written by emulator 0.0.7.*{says}"):
+    with pytest.raises(
+        SweepError, match=f"s: the report has schema version {schema}, written by emulator 0.0.7.*{says}"
+    ):
         sweep.text()
 
 

@@ -506,7 +506,8 @@ std::unique_ptr<Simulation> Simulation::fork_into(const Config& whole, std::shar
   const Parts& p = *parts_;
   const std::string own = key_of(p.given_config), asked = key_of(beginning_of(whole, p.now()));
   if (own != asked)
-    throw ConfigError(fmt::format("fork: the run that is asked for begins otherwise: {}", first_other_line(asked, own)));
+    throw ConfigError(
+        fmt::format("fork: the run that is asked for begins otherwise: {}", first_other_line(asked, own)));
   if (ended()) throw ConfigError(fmt::format("fork: the run has ended at {} s", report::seconds(p.now())));
   std::unique_ptr<Simulation> made = fork();
   Parts& other = *made->parts_;

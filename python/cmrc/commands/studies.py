@@ -56,7 +56,7 @@ def _configured(given: argparse.Namespace) -> _core.cmrc.Config:
             ("dock.layout", values["dock.layout"]),
         ):
             if path and path != "default":
-                roles.reads(role, path)
+                roles.reads(role, str(path))
         roles.writes("--json", given.json)
         output("--json", given.json)
     return made
@@ -72,11 +72,11 @@ def _limits(commands: Commands) -> None:
 
 
 def _do_limits(given: argparse.Namespace) -> int:
-    grids = [
+    cycles, dsps, servo = (
         None if text is None else numbers(text, option)
         for text, option in ((given.cycles, "--cycles"), (given.dsps_grid, "--dsps-grid"), (given.servo, "--servo"))
-    ]
-    scans = studies.scans_of(_configured(given), *grids, errors=given.errors)
+    )
+    scans = studies.scans_of(_configured(given), cycles, dsps, servo, given.errors)
     status = 0
     with ProgressLine("cmrc limits") as line:
         try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from cmrc import _core
 from cmrc.plant.arguments import assign, numbers
@@ -38,8 +39,8 @@ class Agv:
     def __init__(self, config: Mapping[str, object] | None = None, **keywords: object) -> None:
         given: dict[str, Any] = {**(config or {}), **keywords}
         start = Pose(*numbers("start (x, y, heading)", given.pop("start", (0.0, 0.0, 0.0)), 3))
-        numbers = [given.pop("load_mass", 0.0), given.pop("load_inertia", 0.0), given.pop("tolerance", 1e-8)]
-        load_mass, load_inertia, tolerance = numbers("load_mass, load_inertia and tolerance", numbers, 3)
+        loads = [given.pop("load_mass", 0.0), given.pop("load_inertia", 0.0), given.pop("tolerance", 1e-8)]
+        load_mass, load_inertia, tolerance = numbers("load_mass, load_inertia and tolerance", loads, 3)
         parameters = AgvParameters()
         drive = given.pop("drive", "steered")
         if drive not in ("steered", "differential"):
@@ -55,7 +56,9 @@ class Agv:
     def state(self) -> AgvStatus:
         """The present state (a copy)."""
         x, y, heading, speed, side, yaw_rate, front, rear, force = self._core.y
-        return AgvStatus(self._core.time * 1e-12, x, y, heading, speed, side, yaw_rate, front, rear, force, self._core.standing)
+        return AgvStatus(
+            self._core.time * 1e-12, x, y, heading, speed, side, yaw_rate, front, rear, force, self._core.standing
+        )
 
     def step(self, speed: float, front: float, rear: float, dt: float, turn: float = 0.0) -> None:
         """Goes on by ``dt`` seconds, 0 to 60, with this set-point held: m/s, steering angles in rad; ``turn`` in rad/s for differential drive.

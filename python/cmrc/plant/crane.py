@@ -135,7 +135,7 @@ class Crane:
         if options["model"] not in ("sway", "rigid"):
             raise ValueError(f'model must be "sway" (L1) or "rigid" (L0), not {options["model"]!r}')
         if options["integrator"] not in INTEGRATORS:
-            raise ValueError(f'integrator must be one of {", ".join(INTEGRATORS)}, not {options["integrator"]!r}')
+            raise ValueError(f"integrator must be one of {', '.join(INTEGRATORS)}, not {options['integrator']!r}")
         sensors = _core.plant.SensorParameters()
         assign(sensors, "the sensors", {"seed": options["seed"]})
         if options["sway_noise"] is not None:
@@ -144,7 +144,9 @@ class Crane:
         wind.seed = sensors.seed
         assign(wind, "the wind", options["wind"])
         load_mass, load_inertia, rated_load, tolerance = numbers(
-            "load_mass, load_inertia, rated_load and tolerance", [options[name] for name in ("load_mass", "load_inertia", "rated_load", "tolerance")], 4
+            "load_mass, load_inertia, rated_load and tolerance",
+            [options[name] for name in ("load_mass", "load_inertia", "rated_load", "tolerance")],
+            4,
         )
         if not isinstance(options["order"], int):
             raise TypeError(f"order must be 3, 4 or 5, not {options['order']!r}")
@@ -171,7 +173,12 @@ class Crane:
         c = self._core
         return CraneState(c.time * 1e-12, np.array(c.q), np.array(c.qd), np.array(c.torque))
 
-    def reset(self, q: Sequence[float] | Array, qd: Sequence[float] | Array = (0.0,) * 7, torques: Sequence[float] | Array = (0.0,) * 5) -> None:
+    def reset(
+        self,
+        q: Sequence[float] | Array,
+        qd: Sequence[float] | Array = (0.0,) * 7,
+        torques: Sequence[float] | Array = (0.0,) * 5,
+    ) -> None:
         """Time zero, at these coordinates, speeds and motor torques (N m), faults cleared. Raises ValueError beyond the joints' limits or a drive's largest torque."""
         self._core.reset(numbers("q", q, 7), numbers("qd", qd, 7), numbers("torques", torques, 5))
 

@@ -74,7 +74,9 @@ class CraneEnv(_Environment):  # type: ignore[misc]
         """Five shares of ``crane.maximum_torques``: a Box of gymnasium, or one with low, high, shape, dtype, contains and sample."""
         self.observation_space = _Box(least, most, shape=(17,), dtype=np.float64)
 
-    def reset(self, *, seed: int | None = None, options: Mapping[str, float] | None = None) -> tuple[Array, dict[str, float]]:
+    def reset(
+        self, *, seed: int | None = None, options: Mapping[str, float] | None = None
+    ) -> tuple[Array, dict[str, float]]:
         """Back to the start, the sway angles within ``options["sway"]`` rad of plumb, drawn from ``seed``; without one the draws go on, at first those of seed 0."""
         if unknown := sorted(set(options or {}) - {"sway"}):
             raise ValueError(f'reset has the option "sway", not {unknown}')

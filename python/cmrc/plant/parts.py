@@ -79,7 +79,9 @@ def _parameters(cls: type, values: dict[str, object]) -> object:
 
 def _reduce(value: object) -> tuple[Any, ...]:
     """For ``copy`` and ``pickle``: a class of parameters that is made empty, and what of it can be set."""
-    names = [name for name, member in vars(type(value)).items() if isinstance(member, property) and member.fset is not None]
+    names = [
+        name for name, member in vars(type(value)).items() if isinstance(member, property) and member.fset is not None
+    ]
     return _parameters, (type(value), {name: getattr(value, name) for name in names})
 
 

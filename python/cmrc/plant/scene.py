@@ -54,7 +54,9 @@ class Scene:
     def drive(self, agv: int, speed: float, front: float, rear: float) -> None:
         """A set-point into that AGV's FIFO: m/s, steering angles in rad. ``hold`` says how long each is held."""
         most = 2**31 - 1
-        angles = [device_code(f"{name}, rad,", angle, 1e6, -most, most) for name, angle in (("front", front), ("rear", rear))]
+        angles = [
+            device_code(f"{name}, rad,", angle, 1e6, -most, most) for name, angle in (("front", front), ("rear", rear))
+        ]
         self._dock.agv_push(agv, device_code("speed, m/s,", speed, 1e3, -most, most), angles[0], angles[1], self._time)
 
     def hold(self, agv: int, seconds: float) -> None:

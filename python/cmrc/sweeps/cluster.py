@@ -157,7 +157,7 @@ def workers(address: str | None, count: int | None, security: Mapping[str, Any] 
 def _greet(address: str, security: Any) -> None:
     """A cluster says who it is within CONNECT_S. Dask's client waits for ever for whoever accepts and says nothing.
     Raises OSError, ValueError, TypeError."""
-    from distributed.comm import connect
+    connect: Any = needed("distributed.comm", "sweep", "cmrc.sweep").connect
 
     async def greeted() -> None:
         try:

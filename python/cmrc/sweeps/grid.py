@@ -144,6 +144,11 @@ def full_name(key: str, where: str) -> str:
     )
 
 
+def axis_name(key: str, where: str) -> str:
+    """The axis of that name, or of the setting with that last part. Raises GridError with the nearest one."""
+    return key if key == FUTURE else full_name(key, where)
+
+
 class _Reader:
     def __init__(self, tables: Mapping[str, Any], name: str, folder: Path | None) -> None:
         self.tables, self.name, self.folder = tables, name, folder
@@ -290,7 +295,9 @@ class _Reader:
         if not isinstance(at_s, (int, float)) or isinstance(at_s, bool) or not 0 < at_s < math.inf:
             raise GridError("fork.at_s: an instant of the runs in s, above 0, is expected")
         if len(futures) < 2:
-            raise GridError("fork: runs share their beginnings where [[futures]] tell them apart; at least two are expected")
+            raise GridError(
+                "fork: runs share their beginnings where [[futures]] tell them apart; at least two are expected"
+            )
         for n, events in enumerate(futures.values()):
             for i, event in enumerate(events):
                 begins = event.get("at_s")
@@ -407,7 +414,9 @@ def _seeds(seeds: Any, first: Any, has_first: bool) -> list[int]:
     if isinstance(seeds, (list, tuple)):
         if has_first:
             raise GridError("repeats.first: goes with a number of seeds, not with a list of them")
-        if not seeds or any(not isinstance(one, int) or isinstance(one, bool) or not 0 <= one <= MOST_WHOLE for one in seeds):
+        if not seeds or any(
+            not isinstance(one, int) or isinstance(one, bool) or not 0 <= one <= MOST_WHOLE for one in seeds
+        ):
             raise GridError(f"{where}: whole numbers from 0 to 2^63 - 1 are expected, at least one")
         if len(set(seeds)) < len(seeds):
             raise GridError(f"{where}: a seed stands there twice; each is run once")

@@ -78,8 +78,7 @@ class Sweep:
 
     def report(self, seed: int | None = None, **place: Any) -> dict[str, Any]:
         """The report of one run, by its place (``dsps=2``) and seed. Raises KeyError unless exactly one is there."""
-        axes = self.axes
-        asked = {name if name in axes else grids.full_name(name, name): value for name, value in place.items()}
+        asked = {grids.axis_name(name, name): value for name, value in place.items()}
         found = [
             run
             for run in self.runs
