@@ -52,8 +52,8 @@ def _configured(given: argparse.Namespace) -> _core.cmrc.Config:
         values, roles = made.to_dict(), files.FileRoles()
         for role, path in (
             ("--config", given.config),
-            ("machine.board", values["machine.board"]),
-            ("dock.layout", values["dock.layout"]),
+            ("machine.board", str(values["machine.board"])),
+            ("dock.layout", str(values["dock.layout"])),
         ):
             if path and path != "default":
                 roles.reads(role, path)
@@ -72,11 +72,11 @@ def _limits(commands: Commands) -> None:
 
 
 def _do_limits(given: argparse.Namespace) -> int:
-    grids = [
+    cycles, dsps, servo = (
         None if text is None else numbers(text, option)
         for text, option in ((given.cycles, "--cycles"), (given.dsps_grid, "--dsps-grid"), (given.servo, "--servo"))
-    ]
-    scans = studies.scans_of(_configured(given), *grids, errors=given.errors)
+    )
+    scans = studies.scans_of(_configured(given), cycles, dsps, servo, given.errors)
     status = 0
     with ProgressLine("cmrc limits") as line:
         try:
