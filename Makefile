@@ -3,7 +3,7 @@ SHELL := /bin/bash
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 
-.PHONY: demo test build setup clean page golden lint vectors arithmetic oracles bench results coverage mutants fuzz trust docs docs-test check wheels
+.PHONY: demo test build setup clean page golden lint vectors arithmetic oracles bench results coverage mutants fuzz trust docs docs-test check tidy wheels
 
 demo: build
 	PYTHONPATH=build/python $(PYTHON) -m cmrc demo --out build/demo
@@ -89,6 +89,11 @@ lint:
 check:
 	@scripts/setup dev
 	@scripts/check
+
+# clang-tidy over what build/ compiles, half an hour of one core; `scripts/tidy PATH ...` for a part (.clang-tidy).
+tidy: build
+	@scripts/setup dev
+	scripts/tidy
 
 # The site, build-docs/html/index.html: Sphinx in an environment of its own, Doxygen for the C++. Warnings are errors; no page loads anything
 # from elsewhere.

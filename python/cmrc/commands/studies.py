@@ -52,8 +52,8 @@ def _configured(given: argparse.Namespace) -> _core.cmrc.Config:
         values, roles = made.to_dict(), files.FileRoles()
         for role, path in (
             ("--config", given.config),
-            ("machine.board", values["machine.board"]),
-            ("dock.layout", values["dock.layout"]),
+            ("machine.board", str(values["machine.board"])),
+            ("dock.layout", str(values["dock.layout"])),
         ):
             if path and path != "default":
                 roles.reads(role, str(path))
