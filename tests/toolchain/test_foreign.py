@@ -27,12 +27,12 @@ def test_public_sources_assemble_as_the_page_says(name: str) -> None:
 
 @pytest.mark.campaign
 def test_programs_of_gcc_print_what_the_page_says() -> None:
-    if not (ROOT / "build-foreign" / "gcc").exists():
-        pytest.skip("scripts/foreign gcc --from FOLDER has not been run here: no GCC 2.95 for the C4x")
+    if not ((ROOT / "build-foreign" / "gcc").exists() or (ROOT / "build-gcc-c4x" / "cc1").exists()):
+        pytest.skip("neither scripts/gcc_c4x nor scripts/foreign gcc --from FOLDER has been run here")
     done = subprocess.run([sys.executable, ROOT / "scripts" / "foreign", "gcc"], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     page = (ROOT / "docs" / "from-c.md").read_text()
-    counted = re.findall(r"(\d+ of \d+) ", done.stdout)
+    counted = re.findall(r"(\d+ of \d+) (?:programs|with)", done.stdout)
     assert len(counted) == 2 and all(count in page for count in counted), done.stdout
 
 
@@ -99,3 +99,43 @@ def test_ready_made_programs_are_linked_run_and_compared(tmp_path: Path, capsys:
     assert foreign_gcc.report(tmp_path) == 1
     printed = capsys.readouterr().out
     assert "1 of 1 ready-made programs" in printed and "'H', not 'J'" in printed and "hello.s:8" in printed
+
+
+CC1 = """#!/usr/bin/env python3
+import sys
+if "-version" in sys.argv:
+    sys.exit("GNU C version {version}.6 (c4x-unknown-coff)")
+text = open(sys.argv[sys.argv.index("-o") - 1]).read()
+if "-E" not in sys.argv:
+    text = {program!r}
+    if "-fno-branch-count-reg" in sys.argv:
+        text = text.replace("72,ar2", "{right},ar2")
+open(sys.argv[sys.argv.index("-o") + 1], "w").write(text)
+"""
+
+
+@pytest.mark.skipif(BUILD != ROOT / "build", reason="the script takes the emulator of build/")
+@pytest.mark.parametrize(
+    ("version", "right", "flags", "explained"),
+    [("3.4", 73, "-O2 -funroll-loops", True), ("3.4", 74, "-O2 -funroll-loops", False), ("3.4", 73, "-O2", False), ("2.95", 73, "-O2 -funroll-loops", False)],
+)
+def test_unrolling_explains_a_difference_only_of_gcc_3_4_and_only_if_the_program_is_right_without_the_loop_counter(
+    tmp_path: Path, version: str, right: int, flags: str, explained: bool
+) -> None:
+    cc1 = tmp_path / "cc1"
+    cc1.write_text(CC1.format(version=version, program=HELLO, right=right))
+    cc1.chmod(0o755)
+    source = tmp_path / "hello.c"
+    source.write_text("a stand-in for C\n")
+    compiler = foreign_gcc.Compiler(cc1, None)
+    assert compiler.version() == version
+    why = foreign_gcc.of_unrolling(compiler, source, [], flags, "I\n", tmp_path)
+    assert why == (foreign_gcc.OF_UNROLLING if explained else None)
+
+
+def test_the_compilers_own_errors_are_explained_and_others_are_not() -> None:
+    count = foreign_gcc.Count()
+    count.refuse("a", foreign_gcc.Refused("a.c:1: error: insn does not satisfy its constraints:"))
+    count.refuse("b", foreign_gcc.Refused("b.s:2: error: 'ldx' is no instruction"))
+    assert count.explained.total() == 1 and count.others == ("b: b.s:2: error: 'ldx' is no instruction",)
+    assert count.line("programs").startswith("  0 of 2 programs\n    1 not: GCC 3.4 stops")

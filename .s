@@ -1,0 +1,6 @@
+	.file	""
+	.version	40
+
+	.data
+data_sec:
+	.end
