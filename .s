@@ -1,6 +1,0 @@
-	.file	""
-	.version	40
-
-	.data
-data_sec:
-	.end
