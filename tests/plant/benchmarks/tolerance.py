@@ -1,14 +1,14 @@
 """Error against cost of the crane by itself, by order and tolerance: what the default of ``Crane`` and ``CraneEnv`` is chosen by (docs/plant.md).
 
 python tests/plant/benchmarks/tolerance.py            # the table of errors, the same on every machine
-python tests/plant/benchmarks/tolerance.py --speed    # steps of CraneEnv per second of processor time, beside MuJoCo on a comparable tree
+python tests/plant/benchmarks/tolerance.py --speed    # processor time, beside MuJoCo on a comparable tree
 """
 
 import argparse
 import time
 
 import numpy as np
-from cmrc.plant import ACTUATED, Crane, CraneEnv
+from cmrc.plant import ACTUATED, Agv, Crane, CraneEnv
 
 STEP, STEPS = 0.01, 1000
 HOME = (0.0, 12.0, 16.0, 14.0, 0.0)
@@ -85,6 +85,48 @@ def mujoco_steps_per_second(repeat: int = 5) -> float:
     return STEPS / best
 
 
+def seconds_of(work, repeat: int = 5) -> float:
+    """Least processor time of several, s."""
+    least = np.inf
+    for _ in range(repeat):
+        start = time.process_time()
+        work()
+        least = min(least, time.process_time() - start)
+    return least
+
+
+def million_steps_of_crane(steps: int = 20_000) -> float:
+    """Processor time of a million steps of 1 ms with torques that change by 1 % at each, s; each step a call from Python."""
+    crane, torques = Crane(), np.array([40.0, 60.0, -30.0, 50.0, 5.0])
+
+    def work() -> None:
+        for n in range(steps):
+            crane.step(torques * (1.0 + 0.01 * (n % 2)), 1e-3)
+
+    return seconds_of(work) * 1e6 / steps
+
+
+def million_steps_of_mujoco(steps: int = 20_000) -> float:
+    """The same of MuJoCo's tree, RK4."""
+    import mujoco
+
+    model = mujoco.MjModel.from_xml_string(TREE)
+    data, torques = mujoco.MjData(model), np.array([40.0, 60.0, -30.0, 50.0, 5.0])
+
+    def work() -> None:
+        for n in range(steps):
+            data.ctrl[:] = torques * (1.0 + 0.01 * (n % 2))
+            mujoco.mj_step(model, data)
+
+    return seconds_of(work) * 1e6 / steps
+
+
+def second_of_agv(seconds: float = 20.0) -> float:
+    """Processor time of a simulated second of an AGV that drives a curve, ms."""
+    agv = Agv()
+    return seconds_of(lambda: agv.step(1.0, 0.1, -0.05, seconds)) / seconds * 1e3
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--speed", action="store_true", help="measure the steps per second of processor time")
@@ -97,6 +139,8 @@ def main() -> None:
             print(f"CraneEnv, order {order}, tolerance {tolerance:.0e}: {steps_per_second(shares, order=order, tolerance=tolerance):.0f} steps/s")
     print(f"CraneEnv as it stands: {steps_per_second(shares):.0f} steps/s")
     print(f"MuJoCo: {mujoco_steps_per_second():.0f} steps/s")
+    print(f"a million steps of 1 ms, other torques at each: Crane {million_steps_of_crane():.1f} s, MuJoCo {million_steps_of_mujoco():.1f} s")
+    print(f"a simulated second of an AGV: {second_of_agv():.2f} ms")
 
 
 if __name__ == "__main__":
