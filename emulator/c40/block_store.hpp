@@ -40,7 +40,8 @@ class ExactAddresses {
   bool contains(Address pc) const {
     return entries_[pc % entries_.size()].known && entries_[pc % entries_.size()].pc == pc;
   }
-  /// \param only_outside because of an access to a register or the like: as long as it makes one
+  /// \param only_outside the instruction left the chip by its access, to a register for example. Once the access stays
+  ///   inside, the address is forgotten (stayed_inside).
   void add(Address pc, bool only_outside) { entries_[pc % entries_.size()] = {pc, true, only_outside}; }
   void remove(Address pc) { entries_[pc % entries_.size()] = {}; }
   /// It was executed, and a block could have done it.

@@ -196,8 +196,9 @@ class Chip {
   /// an edge; of RESET the chip knows nothing: who resets it calls reset() or boot(). Throws std::invalid_argument for
   /// RESET.
   void set_pin(Pin pin, bool level, Cycles at);
-  /// Who is told what the chip drives the pins to of which the bits are set in `outputs`; null: nobody. A chip that is
-  /// held drives nothing.
+  /// The listener is told the levels to which the chip drives its pins; null: no listener. A chip that is held drives
+  /// no pin.
+  /// \param outputs the pins of interest, bit n is pin n
   /// \param inputs pins that others drive: a program that makes outputs of them is a fault
   void watch_pins(PinListener* listener, unsigned outputs, unsigned inputs);
   /// The level at pin TCLKn.

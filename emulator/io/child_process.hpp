@@ -9,8 +9,8 @@ namespace io {
 /// One piece of work in a child process, which ends with this object or with its parent.
 class ChildProcess {
  public:
-  /// Deaf to signals that end its parent: at a terminal they come to both. \throws std::runtime_error when there is no
-  /// process to be had
+  /// The child ignores the signals that end its parent: a terminal sends them to both.
+  /// \throws std::runtime_error when the system gives no process
   explicit ChildProcess(const std::function<std::string()>& work);
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;

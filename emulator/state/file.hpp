@@ -10,7 +10,7 @@
 
 namespace state {
 
-/// Of the envelope and of the lists together: to be raised when a list comes to mean something else under the same
+/// The version of the file's envelope and of all lists. It is raised when a list changes its meaning and keeps its
 /// names.
 inline constexpr unsigned version = 2;
 

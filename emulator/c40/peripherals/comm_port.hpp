@@ -76,8 +76,7 @@ struct CommPort {
 
   /// Ports 0, 1, 2 begin with the token.
   static constexpr bool token_after_reset(int port) { return port < 3; }
-  /// The state after reset: FIFOs empty, not halted, the token as the port's number says, whatever the neighbour
-  /// thinks.
+  /// The state after reset: FIFOs empty, not halted. The port's number alone decides whether the port has the token.
   void reset(int port);
   /// CPCR.
   Word control() const;

@@ -29,8 +29,8 @@ class RunObserver : public machine::Observer, public HostListener {
  public:
   /// \param samples_max of a summary, up to which its percentiles are exact
   RunObserver(const Words& words, Ledger& ledger, report::EventLog& log, std::size_t samples_max);
-  /// The offsets of PID's five errors in the crane's area, and of its stage: the errors are none before that is
-  /// `servoing`.
+  /// Takes PID's five errors from the crane's area while PID's stage is `servoing`; at other stages the words are no
+  /// errors. `errors` and `stage` are offsets.
   void watch_errors(Word errors, Word stage, Word servoing) {
     errors_ = errors, stage_ = stage, servoing_stage_ = servoing;
   }

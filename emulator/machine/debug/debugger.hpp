@@ -56,7 +56,7 @@ struct Trigger {
            log == other.log && enabled == other.enabled;
   }
 
-  /// The happening that comes of instructions themselves: one breaks a rule of the manual.
+  /// The name of a happening that an instruction causes by breaking a rule of the manual.
   static constexpr std::string_view rules = "rule";
   bool of_rules() const { return kind == Kind::happening && name == rules; }
   /// Its chip runs by single instructions.
