@@ -50,6 +50,16 @@ def test_what_a_crane_knew_of_its_state_is_forgotten_with_its_load():
     assert crane.acceleration().tobytes() == fresh.acceleration().tobytes() != heavy.tobytes()
 
 
+@pytest.mark.parametrize("order", [3, 4, 5])
+def test_a_crane_that_has_moved_before_moves_as_a_fresh_one(order):
+    used, fresh = (plant.Crane(load_mass=20e3, order=order) for _ in range(2))
+    used.step([0.0, 500.0, 3300.0, 2400.0, 1.0], 0.237)
+    for crane in (used, fresh):
+        crane.reset(REST)
+        crane.step([0.0, 400.0, 3300.0, 2400.0, 1.0], 0.02)
+    assert pickle.dumps(used.state) == pickle.dumps(fresh.state)
+
+
 def test_a_snapshot_of_another_size_is_refused():
     with pytest.raises(ValueError, match="bytes"):
         core.CraneAloneState.__setstate__(core.CraneAloneState.__new__(core.CraneAloneState), b"short")
