@@ -106,7 +106,7 @@ def test_ldp_takes_an_address_or_with_gnu_a_page() -> None:
         ("trap 32", "a trap number is 0 to 31"),
         ("br 1000000h", "an address of the C3x is 0 to 0FFFFFFh"),
         ("ldp 1000000h", "a page of the C3x is 0 to 255"),
-        ("ldp 300000h,r0", "'ldp' takes an address, and DP, AR0 to AR7 or nothing after it"),
+        ("ldp 300000h,r0", "'ldp' loads DP or AR0 to AR7, not r0"),
         ("ldf ie,r0", "ie holds no float; only R0 to R7 do"),
         ("ldi start,ar0\nstart: nop", "an address has 24 bits"),
     ],

@@ -66,6 +66,7 @@ MISTAKES = [
     (" .word ''\n", "one to four characters"),
     (" .word 'ab\n", "one to four characters"),
     (" EQU 5\n", "'EQU'"),
+    ('x .usect "ram",R0\n', ":1:16: error: the register R0 cannot be part of an expression: a number or a symbol is needed"),
 ]
 
 
