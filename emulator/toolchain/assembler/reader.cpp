@@ -94,10 +94,13 @@ void Reader::read_text(std::string_view text, const std::string& name, const std
   new_block();
   int number = 0;
   text = text.substr(0, text.find('\x1A'));  // where DOS ends a file
+  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // today's editors put it before UTF-8
+  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
   while (!text.empty() && !stopped()) {
     const auto end = text.find('\n');
     auto line = text.substr(0, end);
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    if (line.starts_with('\f')) line.remove_prefix(1);  // a new page of the listing, as old editors mark it
     ++number;
     if (line.size() > longest_line)
       report(SourceLine{file, number, std::string(line.substr(0, 80)), nullptr},
