@@ -256,6 +256,19 @@ def test_split_mode_serves_both_directions() -> None:
     assert low(chip, "R2") == 1  # AUX TCC
 
 
+def test_an_auxiliary_half_works_while_the_primary_one_is_in_reset() -> None:
+    chip, _ = idle_chip()
+    chip.run(20)
+    auxiliary_alone = 1 << 14 | 4 << 15 | 3 << 24 | 1 << 4
+    channel(chip, 1, auxiliary_alone, source=BLOCK0, source_index=1, counter=10, destination=BLOCK1, destination_index=1, auxiliary_counter=2)
+    for word in (900, 901):
+        chip.run(10)
+        chip.deliver(4, word)
+    chip.run(40)
+    assert [chip.peek(BLOCK1 + i) for i in range(3)] == [900, 901, 0]
+    assert not chip.port(4)["output"]
+
+
 def test_a_full_output_fifo_holds_the_channel_and_lets_others_pass() -> None:
     chip, _ = idle_chip()
     copy(chip, 0, BLOCK0, 0x100042, 20, RUN | STOP_AT_END, destination_index=0)
