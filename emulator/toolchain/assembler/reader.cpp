@@ -93,7 +93,7 @@ void Reader::read_text(std::string_view text, const std::string& name, const std
   const std::size_t outer_conditionals = conditionals_.size();
   new_block();
   int number = 0;
-  text = text.substr(0, text.find('\x1A'));  // where DOS ends a file
+  text = text.substr(0, text.find('\x1A'));                     // where DOS ends a file
   constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // today's editors put it before UTF-8
   if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
   while (!text.empty() && !stopped()) {

@@ -354,10 +354,11 @@ Word encode_ldp(const HalfSyntax& half, const EncodeContext& context) {
   const bool is_ti = context.dialect == Dialect::ti, is_c3x = context.cpu == isa::Cpu::c3x;
   // A game of 1994 has LDP x,R6. Its source does not tell whether TI's assembler then loaded R6 or DP.
   if (names_register && is_ti && reg != isa::Register::DP && !to_address_register)
-    throw LineError{half.operands[1].offset,
-                    fmt::format("'ldp' loads DP or AR0 to AR7, not {0}, and what TI's assembler made of {0} is not known; "
-                                "'ldp x' loads DP, 'ldiu hi16(x),{0}' loads {0}",
-                                isa::name(reg))};
+    throw LineError{
+        half.operands[1].offset,
+        fmt::format("'ldp' loads DP or AR0 to AR7, not {0}, and what TI's assembler made of {0} is not known; "
+                    "'ldp x' loads DP, 'ldiu hi16(x),{0}' loads {0}",
+                    isa::name(reg))};
   if (count == 0 || count > 2 || (count == 2 && !names_register) ||
       (reg != isa::Register::DP && !(to_address_register && is_ti)))
     throw LineError{

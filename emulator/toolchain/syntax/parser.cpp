@@ -256,7 +256,8 @@ Expression Parser::primary_expression() {
   }
   if (peek() == '(') return call(lower(name), at);
   if (register_called(name) || expansion_called(name))
-    throw LineError{at, fmt::format("the register {} cannot be part of an expression: a number or a symbol is needed", name)};
+    throw LineError{
+        at, fmt::format("the register {} cannot be part of an expression: a number or a symbol is needed", name)};
   return Expression{Expression::Kind::symbol, {}, std::move(name), {}, at};
 }
 
