@@ -127,21 +127,25 @@ def test_texts_and_numbers_of_every_kind_come_back(tmp_path: Path) -> None:
     assert second == row(2**62, report=b"\x00\xff")
 
 
+def said_by(program: str) -> str:
+    """What a Python of its own prints, which finds this folder's modules, too."""
+    path = os.pathsep.join([str(BUILD / "python"), str(Path(__file__).parent), str(Path(__file__).parents[1])])
+    return subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+
+
 def test_a_part_is_written_without_pandas(tmp_path: Path) -> None:
     program = (
         "import sys\nfrom test_sweep_folder import row\nfrom cmrc.sweeps.store import Folder\n"
         f"with Folder({str(tmp_path / 's')!r}) as folder:\n    folder.write([row(1)])\n    print(len(list(folder.rows())))\n"
         "print('pandas' in sys.modules)"
     )
-    path = os.pathsep.join([str(BUILD / "python"), str(Path(__file__).parent), str(Path(__file__).parents[1])])
-    done = subprocess.run(
-        [sys.executable, "-c", program],
-        env={**os.environ, "PYTHONPATH": path},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert done.stdout.split() == ["1", "False"]
+    assert said_by(program).split() == ["1", "False"]
 
 
 def test_a_damaged_part_is_named(tmp_path: Path) -> None:
@@ -153,9 +157,8 @@ def test_a_damaged_part_is_named(tmp_path: Path) -> None:
 
 
 FULL = """
-import resource, signal, sys
+import resource, signal
 from pathlib import Path
-sys.path.insert(0, {tests!r})
 from test_sweep_folder import row, keys
 from cmrc.sweeps.store import Folder
 from cmrc.sweeps import SweepError
@@ -173,16 +176,8 @@ with Folder({path!r}) as folder:
 
 def test_a_full_disk_is_an_error_and_loses_nothing(tmp_path: Path) -> None:
     """A limit on the size of files stands for the disk: the write fails half-way."""
-    program = FULL.format(tests=str(Path(__file__).parent), path=str(tmp_path / "s"))
-    path = os.pathsep.join([str(BUILD / "python"), str(Path(__file__).parents[1])])
-    done = subprocess.run(
-        [sys.executable, "-c", program],
-        env={**os.environ, "PYTHONPATH": path},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    said, after = done.stdout.splitlines()
+    program = FULL.format(path=str(tmp_path / "s"))
+    said, after = said_by(program).splitlines()
     assert "part-000002.parquet: cannot be written" in said and "goes on from them" in said
     assert after == "[1] ['lock', 'part-000001.parquet', 'sweep.json']"
 
