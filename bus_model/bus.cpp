@@ -10,8 +10,7 @@ namespace pci {
 
 namespace {
 
-constexpr Clocks subtractive_clocks = 4;            // no DEVSEL# by then: master abort
-constexpr Clocks discard_clocks = Clocks{1} << 15;  // a target forgets a delayed read that nobody fetches
+constexpr Clocks subtractive_clocks = 4;  // no DEVSEL# by then: master abort
 constexpr unsigned nobody = Arbiter::nobody;
 
 }  // namespace

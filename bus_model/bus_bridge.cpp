@@ -7,7 +7,6 @@ namespace pci {
 
 namespace {
 
-constexpr Clocks discard_clocks = Clocks{1} << 15;  // an answer that nobody fetches is thrown away
 constexpr std::size_t longest_burst = 64;
 
 MasterConfig master_of(const BusBridgeConfig& config, const char* what) {

@@ -11,6 +11,8 @@ using Address = std::uint32_t;  ///< of a 32-bit word, not of a byte
 using Clocks = std::int64_t;
 
 inline constexpr Clocks never = INT64_MAX;
+/// A delayed read whose answer nobody fetches for so long is forgotten (PCI 2.1).
+inline constexpr Clocks discard_clocks = Clocks{1} << 15;
 
 enum class Arbitration : std::uint8_t {
   round_robin,  ///< the next master after the last owner

@@ -14,26 +14,25 @@
 namespace cli {
 namespace {
 
-using debugger::dap::Json;
-
 /// A key of `launch` that is a text, or several.
-std::vector<std::string> texts_of(const Json& arguments, const char* key) {
+std::vector<std::string> texts_of(const debugger::dap::Json& arguments, const char* key) {
   const auto found = arguments.find(key);
   if (found == arguments.end() || found->is_null()) return {};
   if (found->is_string()) return {found->get<std::string>()};
-  if (found->is_array() && std::all_of(found->begin(), found->end(), [](const Json& one) { return one.is_string(); }))
+  if (found->is_array() &&
+      std::all_of(found->begin(), found->end(), [](const debugger::dap::Json& one) { return one.is_string(); }))
     return found->get<std::vector<std::string>>();
   throw InputError(fmt::format("launch: {}: a text, or a list of texts, is expected", key));
 }
 
-std::optional<std::string> text_of(const Json& arguments, const char* key) {
+std::optional<std::string> text_of(const debugger::dap::Json& arguments, const char* key) {
   const std::vector<std::string> all = texts_of(arguments, key);
   if (all.size() > 1) throw InputError(fmt::format("launch: {}: one text is expected", key));
   return all.empty() ? std::nullopt : std::optional(all.front());
 }
 
 template <class Number>
-std::optional<Number> number_of(const Json& arguments, const char* key) {
+std::optional<Number> number_of(const debugger::dap::Json& arguments, const char* key) {
   const auto found = arguments.find(key);
   if (found == arguments.end() || found->is_null()) return std::nullopt;
   if (!found->is_number()) throw InputError(fmt::format("launch: {}: a number is expected", key));
@@ -41,7 +40,7 @@ std::optional<Number> number_of(const Json& arguments, const char* key) {
 }
 
 /// The keys mean what the options of `emulator debug` do.
-DebugOptions options_of(const Json& arguments) {
+DebugOptions options_of(const debugger::dap::Json& arguments) {
   DebugOptions options;
   ExecOptions& exec = options.exec;
   exec.programs = texts_of(arguments, "program");
@@ -69,7 +68,7 @@ DebugOptions options_of(const Json& arguments) {
   return options;
 }
 
-debugger::dap::Launched launch(const Json& arguments) {
+debugger::dap::Launched launch(const debugger::dap::Json& arguments) {
   auto target = std::make_shared<DebugTarget>(debug_target(options_of(arguments)));
   return {target, target->debuggee.get()};
 }

@@ -24,7 +24,7 @@ using Json = nlohmann::ordered_json;
 using machine::ChipStatus;
 using machine::Network;
 
-struct Dump {
+struct NetworkDump {
   std::size_t chip = 0;
   c40::Address address = 0, count = 0;
 };
@@ -54,11 +54,11 @@ class Watched {
 };
 
 /// CHIP:ADDRESS:COUNT
-Dump parse_dump(const std::string& text, const Network& network) {
+NetworkDump parse_dump(const std::string& text, const Network& network) {
   const std::size_t first = text.find(':'), last = text.rfind(':');
   if (first == last)
     throw InputError(fmt::format("--dump: \"{}\" is not CHIP:ADDRESS:COUNT, which a network needs", text));
-  Dump dump;
+  NetworkDump dump;
   dump.chip = parse_address(std::string_view(text).substr(0, first), nullptr, "--dump, CHIP");
   if (dump.chip >= network.chip_count())
     throw InputError(
@@ -71,7 +71,7 @@ Dump parse_dump(const std::string& text, const Network& network) {
   return dump;
 }
 
-std::vector<c40::Word> words_of(const Network& network, const Dump& dump) {
+std::vector<c40::Word> words_of(const Network& network, const NetworkDump& dump) {
   std::vector<c40::Word> words;
   for (c40::Address i = 0; i < dump.count; ++i) {
     try {
@@ -105,7 +105,7 @@ std::string sentence(const Network& network, const machine::NetworkStop& stop, b
 
 double microseconds(machine::Time time) { return static_cast<double>(time.count()) * 1e-6; }
 
-void print_text(const Network& network, const machine::NetworkStop& stop, const std::vector<Dump>& dumps,
+void print_text(const Network& network, const machine::NetworkStop& stop, const std::vector<NetworkDump>& dumps,
                 const Watched& watched, bool peripherals, bool asked) {
   io::print("stop: {}: {} ({:.3f} us)\n", name(stop.reason), sentence(network, stop, asked), microseconds(stop.time));
   for (std::size_t n = 0; n < network.chip_count(); ++n) {
@@ -139,7 +139,7 @@ void print_text(const Network& network, const machine::NetworkStop& stop, const 
   }
   for (const machine::NetworkEvent& event : network.events())
     if (!is_common(event.kind)) io::print("event {}\n", network.text(event));
-  for (const Dump& dump : dumps) {
+  for (const NetworkDump& dump : dumps) {
     const std::vector<c40::Word> words = words_of(network, dump);
     for (std::size_t i = 0; i < words.size(); ++i) {
       if (i % 8 == 0) io::print("{}chip {} {:08X}:", i == 0 ? "" : "\n", dump.chip, dump.address + i);
@@ -167,7 +167,7 @@ Json chip_json(const Network& network, std::size_t n) {
   return out;
 }
 
-void print_json(const Network& network, const machine::NetworkStop& stop, const std::vector<Dump>& dumps,
+void print_json(const Network& network, const machine::NetworkStop& stop, const std::vector<NetworkDump>& dumps,
                 const Watched& watched, bool peripherals, bool asked, const BoardConsole& front) {
   Json root = {
       {"stop",
@@ -206,7 +206,7 @@ void print_json(const Network& network, const machine::NetworkStop& stop, const 
   root["events"] = Json::array();
   for (const machine::NetworkEvent& event : network.events()) root["events"].push_back(network.text(event));
   root["dumps"] = Json::array();
-  for (const Dump& dump : dumps)
+  for (const NetworkDump& dump : dumps)
     root["dumps"].push_back({{"chip", dump.chip}, {"address", dump.address}, {"words", words_of(network, dump)}});
   front.add_to(root);
   io::print("{}\n", root.dump(2, ' ', true, Json::error_handler_t::replace));
@@ -258,7 +258,7 @@ int exec_network(const ExecOptions& options) {
     throw InputError("--load-at: only a .hex file needs it; other programs say where they stand");
   Network network(described(options), options.turn_order);
   place_in_chips(network, options);
-  std::vector<Dump> dumps;
+  std::vector<NetworkDump> dumps;
   for (const std::string& text : options.dumps)
     words_of(network, dumps.emplace_back(parse_dump(text, network)));  // refuses bad ranges before the run
   for (const std::string& text : options.actions) network.schedule(action_of(text, network));

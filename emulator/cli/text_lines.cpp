@@ -77,7 +77,7 @@ class XzSource : public TextLines::Source {
   bool ended_ = false;
 };
 
-std::unique_ptr<TextLines::Source> open(const std::string& path) {
+std::unique_ptr<TextLines::Source> open_source(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) throw InputError(fmt::format("{}: no such file", path));
   if (std::filesystem::is_directory(path, error))
@@ -92,7 +92,7 @@ std::unique_ptr<TextLines::Source> open(const std::string& path) {
 
 }  // namespace
 
-TextLines::TextLines(std::string path) : path_(std::move(path)), source_(open(path_)), buffer_(buffer_size) {}
+TextLines::TextLines(std::string path) : path_(std::move(path)), source_(open_source(path_)), buffer_(buffer_size) {}
 TextLines::~TextLines() = default;
 
 bool TextLines::next(std::string& line) {

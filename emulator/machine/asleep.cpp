@@ -10,7 +10,6 @@
 namespace machine {
 namespace {
 
-constexpr c40::Cycles no_cycle = std::numeric_limits<c40::Cycles>::max();
 constexpr unsigned first_dma_bit = 25;  // of IIE
 constexpr std::array<unsigned, c40::timer_count> timer_bits{0, 31};
 

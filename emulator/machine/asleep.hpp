@@ -1,11 +1,15 @@
 #pragma once
 /// What could still wake a processor that has nothing to do: in IDLE, or in a branch to itself. The same for one chip
 /// alone and for a network, in which links may bring more.
+#include <limits>
 #include <string>
 
 #include "c40/chip.hpp"
 
 namespace machine {
+
+/// Later than every cycle.
+inline constexpr c40::Cycles no_cycle = std::numeric_limits<c40::Cycles>::max();
 
 /// The next interrupt by a timer of its own that is enabled (IIE); the greatest number if none is to come.
 c40::Cycles next_timer_interrupt(const c40::Chip& chip);

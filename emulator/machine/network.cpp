@@ -6,6 +6,7 @@
 #include <span>
 
 #include "io/stop.hpp"
+#include "machine/asleep.hpp"
 #include "machine/network_parts.hpp"
 #include "machine/program_end.hpp"
 
@@ -16,9 +17,7 @@ using c40::Chip;
 using c40::Cycles;
 using c40::Word;
 
-namespace {
-constexpr Cycles no_cycle = std::numeric_limits<Cycles>::max();
-}  // namespace
+namespace {}  // namespace
 
 // ---- building ----
 

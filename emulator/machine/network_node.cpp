@@ -18,7 +18,6 @@ using c40::StopInfo;
 using c40::Word;
 
 namespace {
-constexpr Cycles no_cycle = std::numeric_limits<Cycles>::max();
 
 /// A timer of its own could interrupt it.
 bool awaits_timer(const Chip& chip) { return next_timer_interrupt(chip) != no_cycle; }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "report/json_values.hpp"
 #include "report/text_table.hpp"
 
 namespace report {
@@ -22,8 +23,6 @@ std::optional<double> mean_of(const std::vector<CycleReport>& cycles, std::optio
 }
 
 std::string shown(const std::optional<double>& value) { return value ? fmt::format("{:.6g}", *value) : "-"; }
-
-Json optional(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
 }  // namespace
 
@@ -122,9 +121,9 @@ std::string to_json(const Comparison& comparison) {
   for (const Comparison::Row& row : comparison.rows)
     root["metrics"][row.run.name] = {{"unit", row.run.unit},
                                      {"measures", row.run.effort ? "effort" : "quality"},
-                                     {"run", optional(row.run.value)},
-                                     {"ideal", optional(row.ideal)},
-                                     {"difference", optional(row.difference())}};
+                                     {"run", or_null(row.run.value)},
+                                     {"ideal", or_null(row.ideal)},
+                                     {"difference", or_null(row.difference())}};
   return root.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -1,5 +1,6 @@
 // RunReport as JSON: docs/report.md is the schema. A change of a key's meaning raises schema_version.
 #include "report/errors_json.hpp"
+#include "report/json_values.hpp"
 #include "report/measures_json.hpp"
 #include "report/version.hpp"
 
@@ -80,11 +81,6 @@ Json task(const TaskReport& of) {
           {"why_late", why_late(of.why_late)}};
 }
 
-template <class Value>
-Json optional(const std::optional<Value>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
 Json optional_ps(const std::optional<Time>& time) { return time ? Json(time->count()) : Json(nullptr); }
 
 Json miss(const MissReport& of, const std::vector<TaskReport>& kinds) {
@@ -112,13 +108,13 @@ Json miss(const MissReport& of, const std::vector<TaskReport>& kinds) {
           {"release_ps", of.released.count()},
           {"deadline_ps", optional_ps(of.deadline)},
           {"end_ps", of.end.count()},
-          {"lateness_ps", optional(of.lateness)},
-          {"usual_ps", optional(of.usual)},
+          {"lateness_ps", or_null(of.lateness)},
+          {"usual_ps", or_null(of.usual)},
           {"unavoidable_ps", optional_ps(of.unavoidable)},
           {"parts_ps", shares(of.parts)},
           {"behind", std::move(behind)},
           {"runs", std::move(runs)},
-          {"previous", optional(of.previous)}};
+          {"previous", or_null(of.previous)}};
 }
 
 Json dsp(const DspReport& of) {

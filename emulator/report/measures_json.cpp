@@ -1,14 +1,11 @@
 #include "report/measures_json.hpp"
 
+#include "report/json_values.hpp"
+
 namespace report {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-template <class Value>
-Json optional(const std::optional<Value>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
 
 Json deviation(const Deviation& of) { return {{"rms", of.rms}, {"peak", of.peak}, {"end", of.end}}; }
 
@@ -25,7 +22,7 @@ Json deviations(const std::vector<JointDeviation>& list, bool path) {
 Json own(const std::vector<OwnMeasure>& list) {
   Json object = Json::object();
   for (const OwnMeasure& of : list)
-    object[of.name] = {{"unit", of.unit}, {"rms", optional(of.rms)}, {"peak", optional(of.peak)}};
+    object[of.name] = {{"unit", of.unit}, {"rms", or_null(of.rms)}, {"peak", or_null(of.peak)}};
   return object;
 }
 
@@ -35,11 +32,11 @@ Json demand(const Demand& of) {
           {"not_demanded", of.not_demanded},
           {"extra", of.extra},
           {"misses", of.misses},
-          {"missed_share", optional(of.missed())},
+          {"missed_share", or_null(of.missed())},
           {"finished", of.finished},
-          {"demanded_hz", optional(of.demanded_hz)},
-          {"realised_hz", optional(of.realised_hz)},
-          {"realised_worst_hz", optional(of.worst_hz)}};
+          {"demanded_hz", or_null(of.demanded_hz)},
+          {"realised_hz", or_null(of.realised_hz)},
+          {"realised_worst_hz", or_null(of.worst_hz)}};
 }
 
 Json errors(const Errors& of) {
@@ -50,7 +47,7 @@ Json errors(const Errors& of) {
       {"load_of_doing_nothing", of.doing_nothing_m > 0 ? Json(of.load.rms / of.doing_nothing_m) : Json(nullptr)},
       {"joints", deviations(of.joints, true)},
       {"sway", deviations(of.sway, false)},
-      {"residual_sway_rad", optional(of.residual_sway_rad)},
+      {"residual_sway_rad", or_null(of.residual_sway_rad)},
       {"agvs", deviations(of.agvs, false)},
       {"lag", Json::object()},
       {"demand", Json::object()}};
@@ -78,8 +75,8 @@ void add_measures(const RunReport& report, Json& root) {
   }
   root["starved_intervals"] = Json::object();
   for (const Starved& of : report.starved) root["starved_intervals"][of.robot] = of.intervals;
-  root["control_cost"] = {{"cost_m2s", optional(report.control_cost.cost())},
-                          {"error_m2s", optional(report.control_cost.error_m2s)},
+  root["control_cost"] = {{"cost_m2s", or_null(report.control_cost.cost())},
+                          {"error_m2s", or_null(report.control_cost.error_m2s)},
                           {"drive_s", report.control_cost.drive_s},
                           {"rho_m2", report.control_cost.rho_m2}};
   root["pid_error"] = own(report.pid_error);

@@ -14,6 +14,8 @@
 
 namespace plant {
 
+inline constexpr double degree = std::numbers::pi / 180.0;  // in radians
+
 struct SinCos {
   double sin, cos;
 };

@@ -16,8 +16,6 @@
 namespace plant {
 namespace {
 
-constexpr double degree = std::numbers::pi / 180.0;
-
 [[noreturn]] void refuse(const toml::source_region& at, const std::string& name, const std::string& what) {
   throw LayoutError(fmt::format("{}:{}:{}: {}", name, at.begin.line, at.begin.column, what));
 }

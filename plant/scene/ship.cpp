@@ -9,8 +9,6 @@
 namespace plant {
 namespace {
 
-constexpr double degree = std::numbers::pi / 180.0;
-
 struct Wave {
   double size, period;  // m or rad, s
 };

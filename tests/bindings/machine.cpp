@@ -28,7 +28,7 @@ struct ScriptedHost final : HostProgram {
     std::vector<Word> words;
     unsigned read;
   };
-  Time next_wake() const override { return done < steps.size() && !waiting ? Time{steps[done].time} : never; }
+  Time next_wake() const override { return done < steps.size() && !waiting ? Time{steps[done].time} : machine::never; }
   void wake(Time, HostPort& port) override {
     const Step& step = steps[done++];
     if (!step.words.empty()) port.write(step.offset, step.words);

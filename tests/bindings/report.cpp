@@ -21,7 +21,7 @@ report::Event make_event(std::int64_t time_ps, unsigned component, unsigned kind
 }
 
 /// Keeps what it hears, for tests of the order.
-class Recorder final : public report::EventSink {
+class LineRecorder final : public report::EventSink {
  public:
   void event(const report::Event& event) override { lines.push_back(report::to_text(event)); }
   std::vector<std::string> lines;
@@ -65,9 +65,9 @@ void bind_report(py::module_& test) {
       "time_ps"_a, "component"_a, "kind"_a, "arguments"_a, "One line of the event trace.");
 
   py::class_<report::EventSink>(room, "EventSink", "Receives events in their final order.");
-  py::class_<Recorder, report::EventSink>(room, "Recorder", "Hears a log's events in their final order.")
+  py::class_<LineRecorder, report::EventSink>(room, "Recorder", "Hears a log's events in their final order.")
       .def(py::init<>())
-      .def_readonly("lines", &Recorder::lines);
+      .def_readonly("lines", &LineRecorder::lines);
 
   py::class_<report::EventLog> event_log(room, "EventLog", "Orders and hashes events.");
   bind_state<report::EventLog>(event_log);

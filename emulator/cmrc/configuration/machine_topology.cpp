@@ -14,12 +14,12 @@ namespace {
 
 using machine::Topology;
 
-struct Preset {
+struct TopologyRow {
   std::string_view buses, host, boards, shared_memory, drives, sensors, comm_port;
 };
 
 // In the order of TopologyPreset.
-constexpr Preset presets_of_topology[] = {
+constexpr TopologyRow presets_of_topology[] = {
     {"A B", "A", "A B", "A", "B", "B", "B"},
     {"A B", "A B", "A B", "A", "B", "B", "B"},
     {"A B", "A", "A B", "A", "B", "A", "A"},
@@ -44,7 +44,7 @@ class Reader {
 
   Topology read() {
     const Config::Topology& own = config_.topology;
-    const Preset& preset = presets_of_topology[static_cast<std::size_t>(config_.bus.topology)];
+    const TopologyRow& preset = presets_of_topology[static_cast<std::size_t>(config_.bus.topology)];
     const auto chosen = [](const std::string& given, std::string_view otherwise) {
       return given.empty() ? std::string{otherwise} : given;
     };

@@ -65,9 +65,9 @@ const TimedAction& action_named(const std::string& name, const Origin& origin) {
 }
 
 /// Takes the fields of one event one by one; what is left over is unknown.
-class Fields {
+class EventFields {
  public:
-  Fields(const std::map<std::string, Field>& fields, const Origin& where) : fields_(fields), where_(where) {}
+  EventFields(const std::map<std::string, Field>& fields, const Origin& where) : fields_(fields), where_(where) {}
 
   /// Before any field is missed: a field that is written wrong is named as it is written.
   void all_known() const {
@@ -229,7 +229,7 @@ bool befalls_machine(const TimedEvent& event) {
 }
 
 TimedEvent timed_event(const std::map<std::string, Field>& given, const Origin& where) {
-  Fields fields(given, where);
+  EventFields fields(given, where);
   fields.all_known();
   TimedEvent event;
   event.origin = where;

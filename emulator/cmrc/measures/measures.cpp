@@ -60,7 +60,7 @@ report::Errors measure(const Measured& run, const Course& ideal, const JobsByRob
   errors.to = run.to;
   const auto names = plant::joint_names(run.dock.crane.machine);
   const auto weights = levers(run.dock.crane);
-  Progress progress(run.course, ideal, 0, from, run.to);
+  WorkProgress progress(run.course, ideal, 0, from, run.to);
 
   Sampled load, nothing, alpha, beta;
   std::array<Sampled, plant::joint_count> error, path;
@@ -106,7 +106,7 @@ report::Errors measure(const Measured& run, const Course& ideal, const JobsByRob
   for (std::size_t agv = 0; agv < agvs.size(); ++agv)
     errors.agvs.push_back({"agv " + std::to_string(agv), "m", agvs[agv].told(), {}});
   for (Robot robot = 0; robot <= static_cast<Robot>(run.dock.agv_count); ++robot) {
-    const Progress of(run.course, ideal, robot, from, run.to);
+    const WorkProgress of(run.course, ideal, robot, from, run.to);
     if (of.any()) errors.lags.push_back(of.lag(robot == 0 ? "crane" : "agv " + std::to_string(robot - 1)));
   }
   add_demand(run, ideal, demanded, errors);

@@ -25,7 +25,7 @@ std::vector<Milestone> milestones_of(const Course& course, Robot robot, Time fro
 
 }  // namespace
 
-Progress::Progress(const Course& run, const Course& ideal, Robot robot, Time from, Time to)
+WorkProgress::WorkProgress(const Course& run, const Course& ideal, Robot robot, Time from, Time to)
     : to_(to), itself_(&run == &ideal) {
   way_.push_back({from, 0});
   std::map<std::uint64_t, double> places;
@@ -40,7 +40,7 @@ Progress::Progress(const Course& run, const Course& ideal, Robot robot, Time fro
   }
 }
 
-Time Progress::ideal_time(Time time) {
+Time WorkProgress::ideal_time(Time time) {
   if (itself_) return time;
   while (next_ < knots_.size() && knots_[next_].at <= time) ++next_;
   const Knot& last = knots_[next_ - 1];
@@ -56,9 +56,9 @@ Time Progress::ideal_time(Time time) {
   return way_[below].at + Time{std::llround((done - static_cast<double>(below)) * static_cast<double>(span.count()))};
 }
 
-report::Lag Progress::lag(std::string name) const {
+report::Lag WorkProgress::lag(std::string name) const {
   report::Lag lag{std::move(name), 0, 0};
-  Progress again = *this;
+  WorkProgress again = *this;
   again.next_ = 1;
   // Between two knots the lag has its extremes at their ends.
   const auto look = [&](Time time) {

@@ -9,10 +9,10 @@
 namespace cmrc {
 
 /// Where a run's robot stood on the ideal run's way, and when the ideal run stood there.
-class Progress {
+class WorkProgress {
  public:
   /// \param from, to the window that is measured
-  Progress(const Course& run, const Course& ideal, Robot robot, Time from, Time to);
+  WorkProgress(const Course& run, const Course& ideal, Robot robot, Time from, Time to);
 
   /// The robot does something in the ideal run.
   bool any() const { return way_.size() > 1; }

@@ -14,10 +14,6 @@
 namespace cmrc {
 namespace {
 
-bool has(const std::vector<unsigned>& list, unsigned number) {
-  return std::find(list.begin(), list.end(), number) != list.end();
-}
-
 /// Everything that check() asks of a table; an error names the row's place.
 class Checker {
  public:

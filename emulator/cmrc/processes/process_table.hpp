@@ -2,6 +2,7 @@
 // What the dock does, as data: processes and sub-processes, the steps of each, what each demands of and consents to the
 // others when it ends (paper section 3, plant-and-bus.md 4.4 items 13 to 18). The rows built in are
 // emulator/cmrc/processes/processes.toml; docs/processes.md explains them.
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -13,6 +14,10 @@
 #include "cmrc/tasks/user_tasks.hpp"
 
 namespace cmrc {
+
+inline bool has(const std::vector<unsigned>& list, unsigned number) {
+  return std::find(list.begin(), list.end(), number) != list.end();
+}
 
 enum class Robots : std::uint8_t { none, crane, agv };
 /// What a process's time counts as in the account of cycles.

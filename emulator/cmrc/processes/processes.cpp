@@ -11,10 +11,6 @@
 namespace cmrc {
 namespace {
 
-bool has(const std::vector<unsigned>& list, unsigned number) {
-  return std::find(list.begin(), list.end(), number) != list.end();
-}
-
 Robot robot_of(const Process& process, std::optional<unsigned> agv) {
   return process.robot == Robots::agv ? agv.value() + 1 : 0;
 }

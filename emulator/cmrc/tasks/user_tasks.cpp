@@ -17,9 +17,9 @@ constexpr std::array<std::int64_t, 11> taken_kinds = {1, 2, 5, 6, 7, 8, 11, 12, 
 constexpr std::size_t most_parameters = 32;
 
 /// Takes fields by name, and says which are left over.
-class Fields {
+class TaskFields {
  public:
-  Fields(const std::map<std::string, Field>& fields, const Origin& where) : fields_(fields), where_(where) {}
+  TaskFields(const std::map<std::string, Field>& fields, const Origin& where) : fields_(fields), where_(where) {}
 
   const Field* find(const std::string& name) {
     const auto found = fields_.find(name);
@@ -89,7 +89,7 @@ UserTask user_task(const std::map<std::string, Field>& given, const Origin& wher
   static constexpr std::string_view known[] = {
       "name",        "program",      "kind",     "importance", "importance_waiting", "due_refreshes", "period_ms",
       "deadline_ms", "heartbeat_ms", "argument", "dsp"};
-  Fields fields(given, where);
+  TaskFields fields(given, where);
   fields.all_known(known);
   UserTask task;
   task.origin = where;

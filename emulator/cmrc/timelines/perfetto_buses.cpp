@@ -11,7 +11,7 @@ namespace cmrc {
 namespace {
 
 using report::Time;
-constexpr Time period = std::chrono::milliseconds{1};
+constexpr Time bus_sample_period = std::chrono::milliseconds{1};
 
 std::string_view name(pci::Attempt::Kind kind) {
   switch (kind) {
@@ -51,9 +51,9 @@ void PerfettoBuses::tell(Bus& bus, std::int64_t millisecond) {
     master.told = clocks;
   };
   for (Master& master : bus.masters) {
-    count(master, period * bus.millisecond, master.clocks);
+    count(master, bus_sample_period * bus.millisecond, master.clocks);
     master.clocks = 0;
-    if (millisecond > bus.millisecond + 1) count(master, period * (bus.millisecond + 1), 0);
+    if (millisecond > bus.millisecond + 1) count(master, bus_sample_period * (bus.millisecond + 1), 0);
   }
   bus.millisecond = millisecond;
 }
@@ -62,9 +62,9 @@ void PerfettoBuses::on_bus(machine::BusId id, const pci::Attempt& attempt, const
   Bus& bus = buses_.at(static_cast<std::size_t>(id));
   const pci::Clocks until = attempt.last + 1;
   for (pci::Clocks at = attempt.frame; at < until;) {
-    const std::int64_t millisecond = clock.at(at) / period;
+    const std::int64_t millisecond = clock.at(at) / bus_sample_period;
     tell(bus, millisecond);
-    const pci::Clocks next = std::min(until, clock.tick_at_or_after(period * (millisecond + 1)));
+    const pci::Clocks next = std::min(until, clock.tick_at_or_after(bus_sample_period * (millisecond + 1)));
     bus.masters.at(attempt.master).clocks += next - at;
     at = next;
   }

@@ -8,8 +8,8 @@
 namespace cmrc {
 namespace {
 
-constexpr report::Time period = std::chrono::milliseconds{20};
-static_assert(period % plant::latch_period == report::Time{});
+constexpr report::Time plant_sample_period = std::chrono::milliseconds{20};
+static_assert(plant_sample_period % plant::latch_period == report::Time{});
 
 }  // namespace
 
@@ -39,7 +39,7 @@ void PerfettoPlant::tell(double value, report::Time now) {
 }
 
 void PerfettoPlant::latched(const plant::Dock& dock, report::Time now) {
-  if (now % period != report::Time{} || !window_.contains(now)) return;
+  if (now % plant_sample_period != report::Time{} || !window_.contains(now)) return;
   next_ = 0;
   const plant::Place place = dock.place();
   for (const double q : place.q) tell(q, now);

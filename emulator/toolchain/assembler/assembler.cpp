@@ -12,8 +12,6 @@
 namespace toolchain {
 namespace {
 
-constexpr std::size_t most_errors = 1000;
-
 /// In the order of the source: files as they first occur, then lines.
 void sort(std::vector<Diagnostic>& diagnostics) {
   std::vector<std::string> files;

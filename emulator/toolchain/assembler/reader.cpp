@@ -15,7 +15,6 @@ namespace {
 
 constexpr std::size_t deepest_include = 64;
 constexpr std::size_t lines_between_looks = 4096;  // whether the assembly is to be stopped
-constexpr std::size_t most_errors = 1000;
 constexpr std::size_t longest_line = 1 << 16;
 constexpr std::int64_t most_lines = 1'000'000;  // Reached by macros that call themselves, not by programs.
 

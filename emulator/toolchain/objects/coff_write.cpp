@@ -15,7 +15,7 @@ namespace {
 
 using namespace coff;
 
-class Bytes {
+class FileBytes {
  public:
   void little(std::uint32_t value, std::size_t size) {
     for (std::size_t i = 0; i < size; ++i) out_.push_back(static_cast<std::byte>(value >> (8 * i)));
@@ -235,7 +235,7 @@ class CoffWriter {
 
   const Object& object_;
   bool v2_;
-  Bytes out_;
+  FileBytes out_;
   std::string strings_;
   std::vector<std::vector<LineEntry>> lines_;  ///< By section.
   std::vector<std::uint32_t> symbol_numbers_;

@@ -82,21 +82,21 @@ Rounded round_magnitude(Real magnitude, int fraction_bits) {
   return {significand, exponent};
 }
 
-struct Format {
+struct FloatFormat {
   int exponent_bits;
   int fraction_bits;
   int least_exponent() const { return -(1 << (exponent_bits - 1)) + 1; }
   int greatest_exponent() const { return (1 << (exponent_bits - 1)) - 1; }
 };
 
-std::uint64_t pack(Format format, int exponent, bool negative, std::int64_t fraction) {
+std::uint64_t pack(FloatFormat format, int exponent, bool negative, std::int64_t fraction) {
   const std::uint64_t exponent_field = static_cast<std::uint64_t>(exponent) & ((1U << format.exponent_bits) - 1);
   return exponent_field << (format.fraction_bits + 1) | std::uint64_t{negative} << format.fraction_bits |
          static_cast<std::uint64_t>(fraction);
 }
 
 /// Below the least exponent: the least number of that sign, or 0, whichever is nearer.
-std::uint64_t tiny(Format format, Real magnitude, bool negative) {
+std::uint64_t tiny(FloatFormat format, Real magnitude, bool negative) {
   const double least =
       std::ldexp(1.0 + (negative ? std::ldexp(1.0, -format.fraction_bits) : 0.0), format.least_exponent());
   const double half = least / 2;
@@ -105,7 +105,7 @@ std::uint64_t tiny(Format format, Real magnitude, bool negative) {
   return pack(format, format.least_exponent(), negative, negative ? (std::int64_t{1} << format.fraction_bits) - 1 : 0);
 }
 
-std::optional<std::uint64_t> convert(Format format, Real value) {
+std::optional<std::uint64_t> convert(FloatFormat format, Real value) {
   const bool negative = std::signbit(value.nearest);
   const Real magnitude = negative ? -value : value;
   if (magnitude.nearest == 0) return pack(format, format.least_exponent() - 1, false, 0);

@@ -11,7 +11,6 @@
 namespace toolchain {
 namespace {
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
 /// The line without its comment: from ';' outside quotes, or all of it if it starts with '*'; for GNU as also if its

@@ -14,6 +14,8 @@
 
 namespace toolchain {
 
+inline bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
 /// An operand as written. What it means depends on the instruction.
 struct OperandSyntax {
   enum class Kind : std::uint8_t { reg, expansion, direct, indirect, expression } kind = Kind::expression;
