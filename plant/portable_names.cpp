@@ -5,6 +5,7 @@
 
 extern "C" {
 
+#pragma GCC visibility push(default)  // tests/plant/test_same_bits.py calls them in the module
 double cmrc_libm_acos(double x) { return Sleef_cinz_acosd1_u10purec(x); }
 float cmrc_libm_acosf(float x) { return Sleef_cinz_acosf1_u10purec(x); }
 double cmrc_libm_asin(double x) { return Sleef_cinz_asind1_u10purec(x); }
@@ -16,8 +17,9 @@ void cmrc_libm_sincos(double x, double* sin, double* cos) {
   *sin = both.sin;
   *cos = both.cos;
 }
+#pragma GCC visibility pop
 
 // ODE's archive refers to these two as if they lay in the same file, which in a shared module they do not.
-[[gnu::visibility("hidden")]] std::FILE* cmrc_libc_stderr = stderr;
-[[gnu::visibility("hidden")]] std::FILE* cmrc_libc_stdout = stdout;
+std::FILE* cmrc_libc_stderr = stderr;
+std::FILE* cmrc_libc_stdout = stdout;
 }
