@@ -35,8 +35,7 @@ class EventText : public c40::PeripheralSink {
 }  // namespace
 
 int exec(const ExecOptions& options) {
-  if (!options.roms.empty() && !options.boot) throw InputError("--rom: needs --boot ADDRESS or --boot reset");
-  if (options.rom_width && options.roms.empty()) throw InputError("--rom-width: needs --rom FILE@ADDRESS");
+  require_boot_for_roms(options);
   if (options.trace_labels && !options.trace) throw InputError("--trace-labels: needs --trace FILE");
   if (options.programs.size() > 1 || options.network || options.topology || !options.links.empty() ||
       !options.nets.empty())

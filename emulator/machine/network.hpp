@@ -74,6 +74,7 @@ struct NetworkChip {
   /// ROM, which takes its program from whichever port brings it one; `program` says only what is expected to come
   /// (symbols, lines, ends) and may be null.
   bool boot = false;
+  bool is_in_rom = false;  ///< it boots what the board's ROMs hold: `program` only lends its symbols, lines and ends
   /// Behind windows of its board, besides the board's own.
   std::vector<BoardDevices::Place> devices{};
 };
