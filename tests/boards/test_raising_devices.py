@@ -91,7 +91,7 @@ def test_what_a_member_raises_comes_out_of_a_run_and_a_mended_device_goes_on(tmp
     whole = MAKERS[maker](Fragile(), board(tmp_path))
     whole[1]()
     device = Fragile()
-    runner, run, chip = MAKERS[maker](device, board(tmp_path))
+    _runner, run, chip = MAKERS[maker](device, board(tmp_path))
     device.raising = member
     for _ in range(2):
         with pytest.raises(RuntimeError, match=f"{member} is broken") as caught:
