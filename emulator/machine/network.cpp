@@ -44,6 +44,7 @@ Network::Network(NetworkDescription description, std::uint64_t turn_order)
   for (auto& node : nodes_) load(*node);
   take_part();
   for (auto& net : nets_) net->start();
+  made_ = true;
   const auto given = std::move(d.actions);
   for (const NetworkAction& action : given) schedule(action);
 }

@@ -58,7 +58,7 @@ void Network::Node::pin_changes(c40::Pin pin, bool level, Time now) {
     if (!level || status == ChipStatus::held) network.schedule({.kind = kind, .time = now, .target = number});
     return;
   }
-  come_to(now);
+  if (network.made_) come_to(now);  // the levels at the start are there before any instruction
   chip.set_pin(pin, level, first_cycle(now));
   wake_up();
   changed();
