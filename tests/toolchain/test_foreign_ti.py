@@ -59,6 +59,20 @@ def test_every_source_assembles_and_every_object_is_tis_but_for_how_ldp_is_writt
     assert f"{objects} objects, {int(words):,} words" in page and f"{as_ldp} words" in page
 
 
+@pytest.mark.skipif(not all((ROOT / "build-foreign" / name).is_dir() for name in ("helios", "cps", "cruisin", "ti")), reason="scripts/foreign has not been run for all four here")
+def test_the_page_has_the_directives_of_all_four_collections_and_all_are_known() -> None:
+    done = subprocess.run([sys.executable, ROOT / "scripts" / "foreign", "directives"], capture_output=True, text=True, check=False)
+    page = (ROOT / "docs" / "assembler.md").read_text()
+    assert done.returncode == 0 and f"<!-- directives -->\n{done.stdout}<!-- end -->" in page
+    for name in re.findall(r"^\| `(\.\w+)`", done.stdout, re.MULTILINE):
+        try:
+            c40.assemble(f"\t{name} ((\n")
+        except c40.AssemblyError as told:  # of its operands
+            assert not any("no directive is called" in str(found["message"]) for found in told.diagnostics), name
+    with pytest.raises(c40.AssemblyError, match="no directive is called"):
+        c40.assemble("\t.nonsense ((\n")
+
+
 @here
 @pytest.mark.parametrize("library", [*STACKED, *IN_REGISTERS])
 def test_tis_mathematics_runs_here(library: str, tmp_path: Path) -> None:

@@ -25,6 +25,7 @@ SAME = [
     (" nop\n\x1a", " nop\n"),
     (" nop\x1a\x1a\nthis is behind the end of the file", " nop\n"),
     (" .regalias\n ldf f3,f1\n", " ldf r3,r1\n"),
+    (" .const\nx: .word 7\n", ' .sect ".const"\nx: .word 7\n'),  # MACS.EQU:49 of a game of 1994
     ("\ufeffx: nop\n b x\n", "x: nop\n b x\n"),  # the byte order mark of UTF-8
     ("x: nop\n\f b x\n\f\n", "x: nop\n b x\n"),
     # As a boot EPROM of the Hydra board, built by TI's tools, has it beside its source.

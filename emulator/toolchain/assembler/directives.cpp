@@ -13,6 +13,7 @@ const std::map<std::string, Reader::Directive, std::less<>>& Reader::directives(
       // Sections
       {".text", &Reader::directive_section_text},
       {".data", &Reader::directive_section_data},
+      {".const", &Reader::directive_section_const},
       {".bss", &Reader::directive_bss},
       {".sect", &Reader::directive_sect},
       {".section", &Reader::directive_sect},
@@ -157,6 +158,11 @@ void Reader::directive_section_text(Statement& s) {
 void Reader::directive_section_data(Statement& s) {
   s.parser.expect_end();
   select_section(s, ".data", Program::Load::loaded, s.operation_offset);
+}
+
+void Reader::directive_section_const(Statement& s) {
+  s.parser.expect_end();
+  select_section(s, ".const", Program::Load::loaded, s.operation_offset);
 }
 
 void Reader::directive_sect(Statement& s) {
