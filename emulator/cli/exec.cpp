@@ -80,6 +80,8 @@ int exec(const ExecOptions& options) {
   machine::LoneDevices devices(around, chip);
   machine::IgnoredAccesses ignored(chosen.ignored);
   Surroundings surroundings{{}, front, devices, ignored};
+  if (boot && machine::reset_source(boot->board) == machine::ResetSource::memory)
+    surroundings.stream = machine::boot_address(boot->board);
   if (boot && boot->port) surroundings.feeder.emplace(chip, *boot->port, stream_for(image, *boot));
   const io::StopBySignal signals;
   const Outcome outcome = run(chip, image, until, options, surroundings);

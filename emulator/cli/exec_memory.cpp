@@ -6,6 +6,7 @@
 #include <span>
 
 #include "cli/program.hpp"
+#include "io/print.hpp"
 #include "machine/board_reserved.hpp"
 #include "machine/boot.hpp"
 #include "toolchain/objects/rom_file.hpp"
@@ -120,6 +121,10 @@ std::vector<machine::BoardDescription::Contents> rom_contents(const ExecOptions&
   for (const std::string& given : options.roms) {
     const auto [file, address] = file_at(given, "--rom", image);
     std::vector<Word> words = toolchain::read_rom_words(file, options.rom_width, "--rom-width");
+    const auto said = toolchain::boot_width(toolchain::read_rom(file));
+    if (said && options.rom_width && *said != *options.rom_width)
+      io::print(stderr, "--rom {}: warning: its first word says {} bits, as to a boot loader, and --rom-width {}\n",
+                file, *said, *options.rom_width);
     const Placed here{address, address + std::uint64_t{words.size()}, file};
     for (const Placed& other : placed)
       if (here.begin < other.end && other.begin < here.end)
