@@ -255,7 +255,8 @@ void BoardConsole::add_to(nlohmann::ordered_json& root) const {
   if (empty()) return;
   using Json = nlohmann::ordered_json;
   const bool one = boards_.size() == 1;
-  Json leds = Json::array(), sent = Json::array(), inputs = Json::array(), consoles = Json::array(), missing = Json::array();
+  Json leds = Json::array(), sent = Json::array(), inputs = Json::array(), consoles = Json::array(),
+       missing = Json::array();
   for (const auto& [chip, devices] : boards_) {
     if (devices == nullptr) continue;
     const auto entry = [&, &chip = chip](const std::string& device) {
