@@ -202,7 +202,17 @@ void Reader::directive_usect(Statement& s) {
   const std::size_t offset = p.offset();
   const std::string section_name = p.name_or_quoted("the section's name");
   p.expect(",");
-  const Address size = known_size(p, "the size");
+  p.skip_blanks();
+  const std::size_t size_offset = p.offset();
+  Address size = 0;
+  if (const auto reg = reading_.dialect == Dialect::ti ? p.lone_register() : std::nullopt) {
+    size = static_cast<Address>(*reg);
+    parser_warnings_.push_back(
+        {size_offset, fmt::format("{} is a register: its number, {}, is taken as the size; a number is expected",
+                                  isa::name(*reg), size)});
+  } else {
+    size = known_size(p, "the size");
+  }
   const int section = program_.section(section_name, Program::Load::reserved, offset);
   const Address alignment = alignment_of_reserved(p, section);
   p.expect_end();
