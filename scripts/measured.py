@@ -13,6 +13,7 @@ from types import ModuleType
 from typing import Any
 
 from cmrc import c40
+from cmrc._core import toolchain
 
 ROOT = Path(__file__).resolve().parent.parent
 MEASURED = ROOT / "c40_programs" / "published" / "measured.asm"
@@ -36,6 +37,13 @@ def script(name: str) -> ModuleType:
         sys.modules[name] = module
         loader.exec_module(module)
     return sys.modules[name]
+
+
+def script_module(name: str) -> ModuleType:
+    """A module beside this one."""
+    if str(ROOT / "scripts") not in sys.path:
+        sys.path.insert(0, str(ROOT / "scripts"))
+    return importlib.import_module(name)
 
 
 # ---- the Fourier transform
@@ -298,3 +306,67 @@ def qcdsp_kernel(source: Path, kernel: Kernel) -> Work:
         operations += texts[pc]
         stepped.run(1)
     return Work(chip.cycles, operations)
+
+
+@dataclass(frozen=True)
+class TiRoutine:
+    """A routine of TI's run-time library: its source, what it is, and the cycles that TI's comment says."""
+
+    name: str
+    source: str
+    what: str
+    said: str
+
+
+TI_ROUTINES = (
+    TiRoutine("INV_F40", "invf.asm", "1 / x", "10"),
+    TiRoutine("DIV_F40", "divf.asm", "x / y", "18"),
+    TiRoutine("DIV_I40", "divi.asm", "integer division, signed", "31-62"),
+    TiRoutine("DIV_U40", "divu.asm", "integer division, unsigned", "31-65"),
+    TiRoutine("MOD_I40", "modi.asm", "remainder, signed", "31-62"),
+    TiRoutine("MOD_U40", "modu.asm", "remainder, unsigned", "31-60"),
+)
+
+
+def ti_library(archive: Path) -> c40.Program:
+    """The routines' sources of rts.src, assembled without -mi, so with RPTS, as the counts suppose, and linked."""
+    objects = []
+    for name, text in script_module("foreign_ti").members(archive.read_bytes()):
+        if name in {routine.source for routine in TI_ROUTINES}:
+            objects.append(toolchain.assemble_object(text.decode("latin-1"), name))
+    return toolchain.link(objects)[0]
+
+
+def ti_cycles(program: c40.Program, routine: TiRoutine) -> tuple[int, int]:
+    """The fewest and the most cycles over operands of every size, from the first instruction to the return; results are checked. Before each the routine has run once, so it stands in the cache."""
+    chip = c40.Processor(program, board="flat")
+    counts = []
+    for left, right in ti_operands(routine.name):
+        for again in range(2):
+            chip.registers["SP"], chip.memory[STACK] = STACK, BACK
+            if routine.name.endswith("_F40"):
+                chip.floats["R0"], chip.floats["R1"] = left, right
+            else:
+                chip.registers["R0"], chip.registers["R1"] = int(left) & 0xFFFFFFFF, int(right) & 0xFFFFFFFF
+            chip.pc = routine.name
+            before = chip.cycles
+            assert chip.run(1000, until=BACK).reason == "until"
+            if again:
+                counts.append(chip.cycles - before)
+        if routine.name.endswith("_F40"):
+            expected = 1 / left if routine.name == "INV_F40" else left / right
+            assert abs(chip.floats["R0"] / expected - 1) < 2e-7, (routine.name, left, right)
+        else:
+            quotient = abs(int(left)) // abs(int(right)) * (1 if (left < 0) == (right < 0) else -1)
+            value = quotient if routine.name.startswith("DIV") else int(left) - quotient * int(right)
+            assert chip.registers["R0"] & 0xFFFFFFFF == value & 0xFFFFFFFF, (routine.name, left, right)
+    return min(counts), max(counts)
+
+
+def ti_operands(name: str) -> list[tuple[float, float]]:
+    """Floats, and integers whose quotients have 1 to 31 bits; of signed routines both signs, of unsigned ones dividends of 32 bits, too, which go a way of their own. Not a dividend that is smaller than the divisor."""
+    if name.endswith("_F40"):
+        return [(x, y) for x in (1.0, 3.0, -7.25, 1e6) for y in (1.0, 3.0, -0.7, 1e-3)]
+    signed = "_I" in name
+    signs = ((1, 1), (-1, 1), (1, -1), (-1, -1)) if signed else ((1, 1),)
+    return [(a * dividend, b * divisor) for dividend in (1 << 30, (1 << 31) - 1, 12345, 7, *(() if signed else (1 << 31, (1 << 32) - 1))) for divisor in (1, 3, 1000, 1 << 20) if divisor <= dividend for a, b in signs]

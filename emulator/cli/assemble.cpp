@@ -100,7 +100,7 @@ int link(const LinkOptions& options) {
   toolchain::MemoryMap map =
       options.memory_map ? toolchain::read_memory_map(*options.memory_map) : toolchain::MemoryMap::standard();
   if (options.entry) map.entry = *options.entry;
-  if (options.c_model) map.loader_sets_values = toolchain::c_model(*options.c_model).value();
+  if (options.c_model) map.is_c = true, map.loader_sets_values = toolchain::c_model(*options.c_model).value();
   const toolchain::Linked linked = toolchain::link_files(files, map);
   print_warnings(linked.image);
   write(toolchain::executable_of(linked.image), options.version, options.output, options.map_output, linked.map);

@@ -238,6 +238,9 @@ std::string BoardConsole::text() const {
         for (std::size_t n = 0; n < std::min(sent->size(), most_words); ++n) out += fmt::format(" {:08X}", (*sent)[n]);
         out += sent->size() > most_words ? " ...\n" : "\n";
       }
+      for (const auto& request : device->not_modelled())
+        out += fmt::format("{} {}: asked for and not modelled: {} (first at cycle {})\n", machine::name(described.kind),
+                           called(chip, described.name), request.what, request.cycle);
       if (described.input)
         out += fmt::format("input of {}: {}, sha256 {}\n", called(chip, described.name), described.input->source,
                            described.input->sha256);
@@ -252,7 +255,8 @@ void BoardConsole::add_to(nlohmann::ordered_json& root) const {
   if (empty()) return;
   using Json = nlohmann::ordered_json;
   const bool one = boards_.size() == 1;
-  Json leds = Json::array(), sent = Json::array(), inputs = Json::array(), consoles = Json::array();
+  Json leds = Json::array(), sent = Json::array(), inputs = Json::array(), consoles = Json::array(),
+       missing = Json::array();
   for (const auto& [chip, devices] : boards_) {
     if (devices == nullptr) continue;
     const auto entry = [&, &chip = chip](const std::string& device) {
@@ -272,6 +276,11 @@ void BoardConsole::add_to(nlohmann::ordered_json& root) const {
         out["words"] = *device->sent();
         sent.push_back(std::move(out));
       }
+      for (const auto& request : device->not_modelled()) {
+        Json out = entry(described.name);
+        out["what"] = request.what, out["cycle"] = request.cycle;
+        missing.push_back(std::move(out));
+      }
       if (described.input) {
         Json out = entry(described.name);
         out["source"] = described.input->source, out["sha256"] = described.input->sha256;
@@ -283,6 +292,7 @@ void BoardConsole::add_to(nlohmann::ordered_json& root) const {
   root["leds"] = std::move(leds);
   root["sent"] = std::move(sent);
   root["inputs"] = std::move(inputs);
+  if (!missing.empty()) root["not_modelled"] = std::move(missing);
   root["hash"] = hash_;
 }
 

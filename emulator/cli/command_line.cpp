@@ -180,6 +180,32 @@ void declare_devices(CLI::App& app, ExecOptions& options) {
       ->allow_extra_args(false);
 }
 
+/// What a chip's memory holds at the start, how it starts and where it has ended: of exec and of the debugger.
+void declare_memory(CLI::App& app, ExecOptions& options) {
+  app.add_option("--until", options.until,
+                 "Stop before the instruction there, or when a word of memory holds a value; of several, at the first")
+      ->type_name("[CHIP:]SYMBOL|ADDRESS[==WORD]")
+      ->allow_extra_args(false);
+  app.add_option("--boot", options.boot,
+                 "From reset, by the boot ROM's loader: the program comes through port 0 to 5, or stands as a stream "
+                 "at ADDRESS; or as the board's [pins] say")
+      ->type_name("PORT|ADDRESS|reset");
+  app.add_option("--rom", options.roms,
+                 "Contents of a ROM for --boot, from a word address on: Intel hex, S-records or bytes. PROGRAM may "
+                 "then be left out; given, it lends its names")
+      ->type_name("FILE@ADDRESS")
+      ->allow_extra_args(false);
+  app.add_option("--rom-width", options.rom_width, "Of these ROMs, in bits, where their first bytes do not say it")
+      ->check(CLI::IsMember({8, 16, 32}));
+  app.add_option("--load", options.loads,
+                 "Also load words, the lowest byte first, from a file of bytes, Intel hex or S-records")
+      ->type_name("FILE@[CHIP:]ADDRESS")
+      ->allow_extra_args(false);
+  app.add_option("--poke", options.pokes, "Write a word before the start")
+      ->type_name("[CHIP:]ADDRESS=WORD")
+      ->allow_extra_args(false);
+}
+
 void declare_exec(CLI::App& app, ExecOptions& options) {
   app.add_option("PROGRAM", options.programs,
                  "COFF executable, .asm, .s or .hex; of several, one for each chip of a network (docs/networks.md)");
@@ -187,10 +213,6 @@ void declare_exec(CLI::App& app, ExecOptions& options) {
       ->type_name("DIR")
       ->allow_extra_args(false);
   declare_dialect(app, options.dialect);
-  app.add_option("--until", options.until,
-                 "Stop before the instruction there, or when a word of memory holds a value; of several, at the first")
-      ->type_name("[CHIP:]SYMBOL|ADDRESS[==WORD]")
-      ->allow_extra_args(false);
   CLI::Option* most = app.add_option("--max-cycles", options.max_cycles,
                                      "Give up after so many cycles, with exit status 1 (default 100000000)")
                           ->check(CLI::PositiveNumber);
@@ -229,27 +251,10 @@ void declare_exec(CLI::App& app, ExecOptions& options) {
       ->type_name("SEED");
   app.add_option("--load-at", options.load_at, "Where a .hex file stands and starts")->type_name("ADDRESS");
   app.add_option("--entry", options.entry, "Start here instead of at the program's entry")->type_name("SYMBOL|ADDRESS");
-  app.add_option("--boot", options.boot,
-                 "From reset, by the boot ROM's loader: the program comes through port 0 to 5, or stands as a stream "
-                 "at ADDRESS; or as the board's [pins] say")
-      ->type_name("PORT|ADDRESS|reset");
-  app.add_option("--rom", options.roms,
-                 "Contents of a ROM for --boot, from a word address on: Intel hex, S-records or bytes. PROGRAM may "
-                 "then be left out; given, it lends its names")
-      ->type_name("FILE@ADDRESS")
-      ->allow_extra_args(false);
-  app.add_option("--rom-width", options.rom_width, "Of these ROMs, in bits, where their first bytes do not say it")
-      ->check(CLI::IsMember({8, 16, 32}));
-  app.add_option("--load", options.loads,
-                 "Also load words, the lowest byte first, from a file of bytes, Intel hex or S-records")
-      ->type_name("FILE@[CHIP:]ADDRESS")
-      ->allow_extra_args(false);
+  declare_memory(app, options);
   declare_devices(app, options);
   app.add_option("--device-output", options.device_outputs, "Write what a console, FIFO or mailbox has sent")
       ->type_name("NAME=FILE")
-      ->allow_extra_args(false);
-  app.add_option("--poke", options.pokes, "Write a word before the start")
-      ->type_name("[CHIP:]ADDRESS=WORD")
       ->allow_extra_args(false);
   app.add_flag("--peripherals", options.peripherals,
                "Print the peripheral registers that differ from reset, and what the FIFOs hold");
@@ -298,6 +303,7 @@ void declare_debug(CLI::App& app, DebugOptions& options) {
       ->allow_extra_args(false);
   declare_dialect(app, exec.dialect);
   app.add_option("--load-at", exec.load_at, "Where a .hex file stands and starts")->type_name("ADDRESS");
+  declare_memory(app, exec);
   declare_devices(app, exec);
   app.add_option("--entry", exec.entry, "Start here instead of at the program's entry")->type_name("SYMBOL|ADDRESS");
   app.add_option("--board", exec.boards, "default, flat or a board file; of a network one for all or one for each chip")

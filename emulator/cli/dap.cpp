@@ -54,6 +54,12 @@ DebugOptions options_of(const debugger::dap::Json& arguments) {
   exec.dialect = text_of(arguments, "dialect");
   exec.entry = text_of(arguments, "entry");
   exec.load_at = text_of(arguments, "loadAt");
+  exec.until = texts_of(arguments, "until");
+  exec.boot = text_of(arguments, "boot");
+  exec.roms = texts_of(arguments, "rom");
+  exec.rom_width = number_of<unsigned>(arguments, "romWidth");
+  exec.loads = texts_of(arguments, "load");
+  exec.pokes = texts_of(arguments, "poke");
   exec.console_input = text_of(arguments, "consoleInput");
   exec.device_inputs = texts_of(arguments, "deviceInput");
   exec.device_scripts = texts_of(arguments, "deviceScript");

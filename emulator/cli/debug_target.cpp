@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/exec_memory.hpp"
 #include "cli/network_arguments.hpp"
 #include "cli/settings.hpp"
 #include "cli/snapshots.hpp"
@@ -11,7 +12,7 @@
 namespace cli {
 namespace {
 
-bool is_network(const ExecOptions& exec) { return !exec.programs.empty() || exec.network; }
+bool is_network(const ExecOptions& exec) { return !exec.programs.empty() || exec.network || exec.boot; }
 
 DebugTarget network_of(const DebugOptions& options) {
   const RunOptions& run = options.run;
@@ -22,8 +23,12 @@ DebugTarget network_of(const DebugOptions& options) {
   if (options.exec.console_input == "-" || options.exec.console_input == "live")
     throw InputError("debug: --console-input: a file is expected; standard input is the debugger's");
   if (options.exec.console_record) throw InputError("debug: --console-record: exec writes it");
+  require_boot_for_roms(options.exec);
+  if (options.exec.network && options.exec.boot)
+    throw InputError("--boot: of a --network file, boot = true of a [[chip]] says it");
   DebugTarget target;
   target.network = std::make_unique<machine::Network>(described(options.exec));
+  place_in_chips(*target.network, options.exec);
   for (const std::string& text : options.exec.actions) target.network->schedule(action_of(text, *target.network));
   target.debuggee = std::make_unique<machine::debug::NetworkDebuggee>(*target.network);
   return target;
@@ -35,11 +40,12 @@ DebugTarget dock_of(const DebugOptions& options) {
     throw InputError(
         "debug: --console-input, --device-input and --device-script are of programs and networks; give a PROGRAM or "
         "--network");
+  require_boot_for_roms(exec);
   if (!exec.links.empty() || !exec.nets.empty() || !exec.actions.empty() || exec.entry || exec.load_at ||
-      exec.memory_max || exec.boards.size() > 1)
+      exec.memory_max || exec.boards.size() > 1 || !exec.loads.empty() || !exec.pokes.empty() || !exec.until.empty())
     throw InputError(
-        "debug: --link, --net, --action, --entry, --load-at and --memory-max are of programs and networks; give a "
-        "PROGRAM or --network");
+        "debug: --link, --net, --action, --entry, --load-at, --load, --poke, --until and --memory-max are of programs "
+        "and networks; give a PROGRAM or --network");
   RunOptions run = options.run;
   if (!exec.boards.empty()) run.board = exec.boards.front();
   run.topology = exec.topology;

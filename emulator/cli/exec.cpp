@@ -35,8 +35,7 @@ class EventText : public c40::PeripheralSink {
 }  // namespace
 
 int exec(const ExecOptions& options) {
-  if (!options.roms.empty() && !options.boot) throw InputError("--rom: needs --boot ADDRESS or --boot reset");
-  if (options.rom_width && options.roms.empty()) throw InputError("--rom-width: needs --rom FILE@ADDRESS");
+  require_boot_for_roms(options);
   if (options.trace_labels && !options.trace) throw InputError("--trace-labels: needs --trace FILE");
   if (options.programs.size() > 1 || options.network || options.topology || !options.links.empty() ||
       !options.nets.empty())
@@ -81,6 +80,8 @@ int exec(const ExecOptions& options) {
   machine::LoneDevices devices(around, chip);
   machine::IgnoredAccesses ignored(chosen.ignored);
   Surroundings surroundings{{}, front, devices, ignored};
+  if (boot && machine::reset_source(boot->board) == machine::ResetSource::memory)
+    surroundings.stream = machine::boot_address(boot->board);
   if (boot && boot->port) surroundings.feeder.emplace(chip, *boot->port, stream_for(image, *boot));
   const io::StopBySignal signals;
   const Outcome outcome = run(chip, image, until, options, surroundings);

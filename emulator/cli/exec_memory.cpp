@@ -6,6 +6,7 @@
 #include <span>
 
 #include "cli/program.hpp"
+#include "io/print.hpp"
 #include "machine/board_reserved.hpp"
 #include "machine/boot.hpp"
 #include "toolchain/objects/rom_file.hpp"
@@ -50,33 +51,12 @@ void write_words(c40::Chip& chip, Address address, std::span<const Word> words, 
   }
 }
 
-/// The ROMs as they are; what of them is booted is for the pins to say.
-void place_roms(c40::Chip& chip, const ExecOptions& options, const Image& image) {
-  struct Placed {
-    std::uint64_t begin, end;
-    std::string file;
-  };
-  std::vector<Placed> placed;
-  for (const std::string& given : options.roms) {
-    const auto [file, address] = file_at(given, "--rom", &image);
-    const auto bytes = toolchain::read_rom(file);
-    const auto width = options.rom_width ? options.rom_width : toolchain::boot_width(bytes);
-    if (!width)
-      throw InputError(fmt::format(
-          "--rom {}: its first word is not 8, 16 or 32, so it does not say how wide it is; --rom-width is expected",
-          file));
-    const std::vector<Word> words = toolchain::rom_words(bytes, *width);
-    const Placed here{address, address + std::uint64_t{words.size()}, file};
-    for (const Placed& other : placed)
-      if (here.begin < other.end && other.begin < here.end)
-        throw InputError(fmt::format("--rom {}: its words {:08X}h to {:08X}h overlap those of {}, {:08X}h to {:08X}h",
-                                     file, here.begin, here.end - 1, other.file, other.begin, other.end - 1));
-    placed.push_back(here);
-    write_words(chip, address, words, "--rom " + file);
-  }
-}
-
 }  // namespace
+
+void require_boot_for_roms(const ExecOptions& options) {
+  if (!options.roms.empty() && !options.boot) throw InputError("--rom: needs --boot ADDRESS or --boot reset");
+  if (options.rom_width && options.roms.empty()) throw InputError("--rom-width: needs --rom FILE@ADDRESS");
+}
 
 std::optional<Boot> parse_boot(const ExecOptions& options, const machine::BoardDescription& given) {
   if (!options.boot) return std::nullopt;
@@ -131,6 +111,31 @@ std::pair<std::string, Address> file_at(const std::string& text, std::string_vie
   return {text.substr(0, at), parse_address(std::string_view(text).substr(at + 1), image, what)};
 }
 
+std::vector<machine::BoardDescription::Contents> rom_contents(const ExecOptions& options, const Image* image) {
+  struct Placed {
+    std::uint64_t begin, end;
+    std::string file;
+  };
+  std::vector<Placed> placed;
+  std::vector<machine::BoardDescription::Contents> contents;
+  for (const std::string& given : options.roms) {
+    const auto [file, address] = file_at(given, "--rom", image);
+    std::vector<Word> words = toolchain::read_rom_words(file, options.rom_width, "--rom-width");
+    const auto said = toolchain::boot_width(toolchain::read_rom(file));
+    if (said && options.rom_width && *said != *options.rom_width)
+      io::print(stderr, "--rom {}: warning: its first word says {} bits, as to a boot loader, and --rom-width {}\n",
+                file, *said, *options.rom_width);
+    const Placed here{address, address + std::uint64_t{words.size()}, file};
+    for (const Placed& other : placed)
+      if (here.begin < other.end && other.begin < here.end)
+        throw InputError(fmt::format("--rom {}: its words {:08X}h to {:08X}h overlap those of {}, {:08X}h to {:08X}h",
+                                     file, here.begin, here.end - 1, other.file, other.begin, other.end - 1));
+    placed.push_back(here);
+    contents.push_back({address, std::move(words)});
+  }
+  return contents;
+}
+
 bool boots_rom(const ExecOptions& options, const machine::BoardDescription& board) {
   return !options.roms.empty() || (!board.contents.empty() && options.boot);
 }
@@ -145,7 +150,7 @@ void prepare(c40::Chip& chip, const ExecOptions& options, const Image& image, co
     return;
   }
   if (boots_rom(options, board) && !boot->port)
-    place_roms(chip, options, image);
+    for (const auto& [base, words] : rom_contents(options, &image)) write_words(chip, base, words, "--rom");
   else if (!options.roms.empty())
     throw InputError("--rom: with --boot PORT the program comes through the port; --boot ADDRESS or reset is expected");
   else if (!boot->port)
@@ -161,7 +166,7 @@ void place_additions(c40::Chip& chip, std::span<const std::string> loads, std::s
                      const Image* image) {
   for (const std::string& given : loads) {
     const auto [file, address] = file_at(given, "--load", image);
-    write_words(chip, address, toolchain::rom_words(toolchain::read_rom(file), 32), "--load " + file);
+    write_words(chip, address, toolchain::read_rom_words(file, 32, "--load"), "--load " + file);
   }
   for (const std::string& given : pokes) {
     const std::size_t equals = given.find('=');

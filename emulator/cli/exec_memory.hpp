@@ -18,6 +18,8 @@ struct Boot {
   std::optional<int> port;  ///< that brings the program
 };
 
+/// That --rom stands with --boot, and --rom-width with --rom. \throws InputError
+void require_boot_for_roms(const ExecOptions& options);
 /// --boot PORT, ADDRESS or reset. \throws InputError
 std::optional<Boot> parse_boot(const ExecOptions& options, const machine::BoardDescription& given);
 /// What a boot loader takes from a port, or finds in memory. \throws InputError
@@ -27,6 +29,10 @@ std::vector<toolchain::Word> stream_for(const toolchain::Image& image, const Boo
 std::pair<std::string, toolchain::Address> file_at(const std::string& text, std::string_view what,
                                                    const toolchain::Image* image);
 
+/// What the ROMs of --rom hold, as it is; what of it is booted is for the pins to say. \throws InputError where two
+/// overlap
+std::vector<machine::BoardDescription::Contents> rom_contents(const ExecOptions& options,
+                                                              const toolchain::Image* image);
 /// Whether a ROM is booted: one that is given, or one of the board's.
 bool boots_rom(const ExecOptions& options, const machine::BoardDescription& board);
 /// Fills the memories, and lets the chip stand before its first instruction. \throws InputError

@@ -212,24 +212,6 @@ void print_json(const Network& network, const machine::NetworkStop& stop, const 
   io::print("{}\n", root.dump(2, ' ', true, Json::error_handler_t::replace));
 }
 
-/// --load FILE@CHIP:ADDRESS and --poke CHIP:ADDRESS=WORD: into the chips' own memories.
-void place_in_chips(Network& network, const ExecOptions& options) {
-  const auto place = [&](std::string_view what, std::string_view text, const std::string& file, const char* form) {
-    const ChipText given = chip_text(text, network.chip_count(), what);
-    if (!given.chip)
-      throw InputError(fmt::format("{}: \"{}{}\" is not {}, which a network needs", what, file, text, form));
-    const std::vector<std::string> one{file + std::string(given.rest)}, none;
-    const bool loads = !file.empty();
-    place_additions(network.chip(*given.chip), loads ? one : none, loads ? none : one, &network.program(*given.chip));
-  };
-  for (const std::string& text : options.loads) {
-    const std::size_t at = text.rfind('@') == std::string::npos ? 0 : text.rfind('@') + 1;
-    if (at < 2) throw InputError(fmt::format("--load: \"{}\" is not FILE@CHIP:ADDRESS, which a network needs", text));
-    place("--load", std::string_view(text).substr(at), text.substr(0, at), "FILE@CHIP:ADDRESS");
-  }
-  for (const std::string& text : options.pokes) place("--poke", text, "", "CHIP:ADDRESS=WORD");
-}
-
 /// The instant that --cycles or --max-cycles of chip 0 means.
 machine::Time end_of(const Network& network, const ExecOptions& options) {
   constexpr double most_seconds = 9e6;  // of 64 bits of picoseconds

@@ -79,7 +79,8 @@ class Run final : private machine::ChipRunner {
     if (chip_.cycle() >= limit_)
       return asked_
                  ? ends({"limit", fmt::format("the {} cycles of --cycles have passed, at {:08X}h", limit_, chip_.pc())})
-                 : ends({"limit", fmt::format("--max-cycles {} reached at {:08X}h", limit_, chip_.pc()), run_failed});
+                 : ends({"limit", fmt::format("--max-cycles {} reached at {:08X}h{}", limit_, chip_.pc(), booting()),
+                         run_failed});
     if (!machine::sleeps_for_ever(chip_) || may_be_woken()) return true;
     if (machine::awaits_dma(chip_)) return dma_wait();
     return ends({"idle", fmt::format("IDLE at {:08X}h, and no interrupt is to come{}", chip_.pc() - 1,
@@ -113,13 +114,12 @@ class Run final : private machine::ChipRunner {
 
   bool window_access(const c40::ExternalAccess& access) override {
     if (around_.devices.serve(access) || around_.ignored.serve(chip_, access)) return true;
-    return ends(
-        {"external_access",
-         fmt::format(
-             "{}{} at {:08X}h from PC {:08X}h: that is a bus window, and no [[device]] of the board file is behind it",
-             access.channel < 0 ? "" : fmt::format("DMA channel {}: ", access.channel), access.write ? "write" : "read",
-             access.address, chip_.pc()),
-         run_failed});
+    return ends({"external_access",
+                 fmt::format("{}{} at {:08X}h from PC {:08X}h: that is a bus window, and no [[device]] of the board "
+                             "file is behind it{}",
+                             access.channel < 0 ? "" : fmt::format("DMA channel {}: ", access.channel),
+                             access.write ? "write" : "read", access.address, chip_.pc(), booting()),
+                 run_failed});
   }
 
   bool port_access(const c40::PortAccess& access) override { return port_wait(access); }
@@ -139,7 +139,13 @@ class Run final : private machine::ChipRunner {
 
   /// Whether the loader of the boot ROM is what stopped, and where its stream stands.
   std::string booting() const {
-    if (!around_.feeder || chip_.pc() >= c40::rom_words) return "";
+    if (chip_.pc() >= c40::rom_words) return "";
+    if (around_.stream)
+      return fmt::format(
+          "; this is the boot loader, which reads the stream at {:08X}h: a whole one is expected, in memory of the "
+          "width that its first word says",
+          *around_.stream);
+    if (!around_.feeder) return "";
     return fmt::format("; this is the boot loader, which has got {} of {} words of its stream through port {}",
                        around_.feeder->sent(), around_.feeder->size(), around_.feeder->port());
   }

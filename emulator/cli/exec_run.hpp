@@ -36,6 +36,7 @@ struct Surroundings {
   BoardConsole& front;
   machine::LoneDevices& devices;
   machine::IgnoredAccesses& ignored;
+  std::optional<toolchain::Address> stream{};  ///< where the boot loader reads, if it reads memory
 };
 
 /// Stops at a branch to itself, at an IDLE that nothing can end, and where `until` or --cycles say.

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "cli/board_front.hpp"
+#include "cli/exec_memory.hpp"
 #include "cli/program.hpp"
 #include "machine/network_file.hpp"
 
@@ -40,6 +41,21 @@ void set_until(machine::NetworkDescription& network, const std::string& text) {
   if (!set) throw InputError(fmt::format("--until {}: every chip has an end already", text));
 }
 
+/// --boot and --rom: the one chip starts as its pins say.
+void set_boot(machine::NetworkChip& chip, const ExecOptions& options) {
+  const std::optional<Boot> boot = parse_boot(options, chip.board);
+  if (boot->port)
+    throw InputError(
+        "--boot PORT: nobody sends the program here; --boot ADDRESS or reset is expected, or --network with boot = "
+        "true of a [[chip]] and a link to it");
+  chip.is_in_rom = boots_rom(options, chip.board);
+  if (chip.program == nullptr && !chip.is_in_rom)
+    throw InputError("--boot: a PROGRAM, or a ROM to boot (--rom, or region.file of the board), is expected");
+  for (auto& rom : rom_contents(options, chip.program.get())) chip.board.contents.push_back(std::move(rom));
+  chip.board.board = boot->board;
+  chip.board.has_pins = chip.boot = true;
+}
+
 machine::NetworkDescription read_description(const ExecOptions& options) {
   if (options.network) {
     if (!options.programs.empty() || !options.links.empty() || !options.nets.empty() || options.topology ||
@@ -53,7 +69,7 @@ machine::NetworkDescription read_description(const ExecOptions& options) {
     });
   }
   machine::NetworkDescription network;
-  std::size_t chips = options.programs.size();
+  std::size_t chips = options.boot ? std::max(options.programs.size(), std::size_t{1}) : options.programs.size();
   if (options.topology) {
     try {
       chips = machine::set_topology(network, *options.topology);
@@ -80,11 +96,15 @@ machine::NetworkDescription read_description(const ExecOptions& options) {
   std::vector<std::string> names;
   for (std::size_t n = 0; n < chips; ++n) {
     machine::NetworkChip chip;
-    chip.program = images[images.size() == 1 ? 0 : n];
+    if (!images.empty()) chip.program = images[images.size() == 1 ? 0 : n];
     if (!boards.empty()) chip.board = boards[boards.size() == 1 ? 0 : n];
     if (options.entry) chip.entry = parse_address(*options.entry, chip.program.get(), "--entry");
     network.chips.push_back(std::move(chip));
     names.push_back(fmt::format("{}", n));
+  }
+  if (options.boot) {
+    if (chips != 1) throw InputError(fmt::format("--boot: one chip boots so, and {} are given", chips));
+    set_boot(network.chips.front(), options);
   }
   for (const std::string& text : options.until) set_until(network, text);
   for (const std::string& link : options.links) network.links.push_back(machine::parse_link(link, names));
@@ -102,6 +122,24 @@ machine::NetworkDescription described(const ExecOptions& options) {
                         &network.chips[n].board);
   add_inputs(boards, options);
   return network;
+}
+
+void place_in_chips(machine::Network& network, const ExecOptions& options) {
+  const auto place = [&](std::string_view what, std::string_view text, const std::string& file, const char* form) {
+    const ChipText given = chip_text(text, network.chip_count(), what);
+    if (!given.chip && network.chip_count() > 1)
+      throw InputError(fmt::format("{}: \"{}{}\" is not {}, which a network needs", what, file, text, form));
+    const std::size_t chip = given.chip.value_or(0);
+    const std::vector<std::string> one{file + std::string(given.rest)}, none;
+    const bool loads = !file.empty();
+    place_additions(network.chip(chip), loads ? one : none, loads ? none : one, &network.program(chip));
+  };
+  for (const std::string& text : options.loads) {
+    const std::size_t at = text.rfind('@') == std::string::npos ? 0 : text.rfind('@') + 1;
+    if (at < 2) throw InputError(fmt::format("--load: \"{}\" is not FILE@CHIP:ADDRESS, which a network needs", text));
+    place("--load", std::string_view(text).substr(at), text.substr(0, at), "FILE@CHIP:ADDRESS");
+  }
+  for (const std::string& text : options.pokes) place("--poke", text, "", "CHIP:ADDRESS=WORD");
 }
 
 machine::NetworkAction action_of(const std::string& text, const machine::Network& network) {

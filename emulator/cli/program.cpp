@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "cli/options.hpp"
-#include "io/input_file.hpp"
+#include "io/text_form.hpp"
 #include "toolchain/assembler/assembler.hpp"
 #include "toolchain/linker/linker.hpp"
 #include "toolchain/objects/coff.hpp"
@@ -21,7 +21,7 @@ using toolchain::Image;
 using toolchain::Word;
 
 Image read_hex(const std::string& path, Address load_at) {
-  std::istringstream in(io::read_file<InputError>(path, "a file with a word per line"));
+  std::istringstream in(io::read_text<InputError>(path, "a file with a word per line"));
   std::vector<Word> words;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {

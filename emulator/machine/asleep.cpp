@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "c40/float40.hpp"
 #include "c40/peripherals/timer.hpp"
 
 namespace machine {
@@ -39,8 +40,14 @@ bool awaits_dma(const c40::Chip& chip) {
   });
 }
 
+bool awaits_timer(const c40::Chip& chip) { return next_timer_interrupt(chip) != no_cycle; }
+
+bool can_interrupt(const c40::Chip& chip) {
+  return chip.idle() || (chip.register_value(isa::Register::ST) & c40::st::GIE) != 0;
+}
+
 bool sleeps_for_ever(const c40::Chip& chip) {
-  if (!chip.idle() || chip.dma_busy() || next_timer_interrupt(chip) != no_cycle) return false;
+  if (!chip.idle() || chip.dma_busy() || awaits_timer(chip)) return false;
   return !awaits_dma(chip) || next_dma_tick(chip) == no_cycle;
 }
 

@@ -17,6 +17,10 @@ c40::Cycles next_timer_interrupt(const c40::Chip& chip);
 c40::Cycles next_dma_tick(const c40::Chip& chip);
 /// A DMA channel that waits would interrupt it in the end (IIE, TCC).
 bool awaits_dma(const c40::Chip& chip);
+/// A timer of its own could interrupt it.
+bool awaits_timer(const c40::Chip& chip);
+/// GIE is set; IDLE sets it.
+bool can_interrupt(const c40::Chip& chip);
 /// In IDLE, and nothing on the chip will wake it.
 bool sleeps_for_ever(const c40::Chip& chip);
 /// "; DMA channel 3 waits for a word in input FIFO 3 (read of 00100071h) since cycle 40": channels that are still

@@ -101,6 +101,12 @@ class BoardDevice {
   virtual const std::vector<c40::Word>* sent() const { return nullptr; }
   /// What the other side sends; null: it has none.
   virtual HostScript* host() { return nullptr; }
+  /// What a program has asked of it that it does not do, for the report.
+  struct NotModelled {
+    std::string_view what;
+    c40::Cycles cycle = 0;  ///< of the first time
+  };
+  virtual std::vector<NotModelled> not_modelled() const { return {}; }
   /// Whether its state can be listed; else why not, as the end of a sentence.
   virtual std::optional<std::string> stateless() const { return std::nullopt; }
   virtual void list_state(state::Visitor& list) = 0;

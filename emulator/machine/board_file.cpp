@@ -10,7 +10,7 @@
 
 #include "c40/memory.hpp"
 #include "c40/timing_parameters.hpp"
-#include "io/input_file.hpp"
+#include "io/text_form.hpp"
 #include "machine/board_reserved.hpp"
 #include "machine/board_toml.hpp"
 #include "machine/boot.hpp"
@@ -197,13 +197,11 @@ class BoardReader {
       toml_.fail(file, fmt::format("region.file of {}: a window holds nothing by itself", region.name));
     const std::string path = beside_board(toml_, toml_.text(file, "region.file"));
     try {
-      const auto bytes = toolchain::read_rom(path);
-      std::optional<unsigned> bits = toolchain::boot_width(bytes);
+      std::optional<unsigned> bits;
       if (width != nullptr) bits = toml_.word(*width, "region.width", 32);
-      if (!bits || (*bits != 8 && *bits != 16 && *bits != 32))
-        toml_.fail(width != nullptr ? *width : file,
-                   fmt::format("region.width of {}: 8, 16 or 32 is expected; the file does not say it", region.name));
-      std::vector<c40::Word> words = toolchain::rom_words(bytes, *bits);
+      if (bits && *bits != 8 && *bits != 16 && *bits != 32)
+        toml_.fail(*width, fmt::format("region.width of {}: 8, 16 or 32 is expected", region.name));
+      std::vector<c40::Word> words = toolchain::read_rom_words(path, bits, "region.width");
       if (words.size() > region.words)
         toml_.fail(file, fmt::format("region.file of {}: {} words do not go into {}", region.name, words.size(),
                                      region.words));
@@ -301,7 +299,7 @@ BoardDescription read_board(const std::string& name, BoardFiles files) {
   if (name == "flat") return {.board = c40::Board::flat()};
   if (!name.ends_with(".toml"))
     throw BoardError(fmt::format("there is no board \"{}\"; default, flat and files that end in .toml are", name));
-  const std::string text = io::read_file<BoardError>(name, "a board file (docs/boards.md)");
+  const std::string text = io::read_text<BoardError>(name, "a board file (docs/boards.md)");
   try {
     return BoardReader(name, files).read(io::parse_toml(text, name));
   } catch (const toml::parse_error& error) {

@@ -2,7 +2,7 @@
 #include <filesystem>
 
 #include "c40/board.hpp"
-#include "io/input_file.hpp"
+#include "io/text_form.hpp"
 #include "machine/board_toml.hpp"
 #include "state/sha256.hpp"
 
@@ -191,8 +191,10 @@ DeviceInput read_device_input(const std::string& path, DeviceKind kind, bool scr
   const std::string expected = script                        ? "a host script (docs/boards.md)"
                                : kind == DeviceKind::console ? "what is typed at the console"
                                                              : "a file of words in hexadecimal";
-  return device_input(io::read_file<HostScriptError>(path, expected), std::filesystem::path(path).filename().string(),
-                      kind, script);
+  const bool characters = !script && kind == DeviceKind::console;  // any bytes, as they were typed
+  return device_input(
+      characters ? io::read_file<HostScriptError>(path, expected) : io::read_text<HostScriptError>(path, expected),
+      std::filesystem::path(path).filename().string(), kind, script);
 }
 
 std::string beside_board(const BoardToml& toml, const std::string& given) {

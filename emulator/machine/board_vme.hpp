@@ -7,9 +7,10 @@
 /// that is named notes a VMEbus time-out in BESR (bits 4 and 5); its pin stays low until the program writes 0 to both.
 ///
 /// Inaccuracies: nothing that a register starts happens (block transfers, interrupts on the VMEbus, the timer of
-/// SS0CR0, a system reset), nor are interrupts of others handed on. Values after reset are 0 but for ICR5; the header
-/// does not say them. How a board hands the bus error to a C40, which has no pin for it, is the board's own: the pin
-/// is a choice of this model, and so is that BESR is cleared by writing it.
+/// SS0CR0, a system reset), nor are interrupts of others handed on. A program that asks for it is reported
+/// (not_modelled). Values after reset are 0 but for ICR5; the header does not say them. How a board hands the bus error
+/// to a C40, which has no pin for it, is the board's own: the pin is a choice of this model, and so is that BESR is
+/// cleared by writing it.
 #include <array>
 
 #include "machine/board_device.hpp"
@@ -27,28 +28,51 @@ class Vic068a final : public BoardDevice, public BusErrorStatus {
   void write(c40::Address number, c40::Word value, c40::Cycles now) override;
   bool interrupts() const override { return (held_[besr] & (vme_timeout | vme_error)) != 0; }
   void note_timeout(bool /*write*/) override { held_[besr] |= vme_timeout | vme_error; }
-  void list_state(state::Visitor& list) override { list("held", held_); }
+  std::vector<NotModelled> not_modelled() const override;
+  void list_state(state::Visitor& list) override {
+    list("held", held_);
+    list("asked", asked_);
+  }
 
  private:
+  enum class Request : std::uint8_t { interrupts, vme_interrupt, timer, block_transfer, system_reset, count };
+  /// What a value asks for in a register.
+  static std::optional<Request> request_of(std::size_t number, std::uint8_t value);
+
   static constexpr std::size_t icr5 = 0x1D, besr = 0x2E;
   static constexpr std::uint8_t vme_timeout = 0x10, vme_error = 0x20;
 
   unsigned shift_;
   std::array<std::uint8_t, registers> held_{};
+  /// For each request the cycle of the first time; never_asked: there was none.
+  static constexpr c40::Cycles never_asked = -1;
+  std::array<c40::Cycles, static_cast<std::size_t>(Request::count)> asked_ = [] {
+    std::array<c40::Cycles, static_cast<std::size_t>(Request::count)> none{};
+    none.fill(never_asked);
+    return none;
+  }();
 };
 
 class VmeSpace final : public BoardDevice {
  public:
   explicit VmeSpace(const DeviceDescription& described) : bus_error_(described.bus_error) {}
-  c40::Word read(c40::Address, c40::Cycles) override { return note(false), nothing; }
-  void write(c40::Address, c40::Word, c40::Cycles) override { note(true); }
+  c40::Word read(c40::Address, c40::Cycles now) override { return note(false, now), nothing; }
+  void write(c40::Address, c40::Word, c40::Cycles now) override { note(true, now); }
+  std::vector<NotModelled> not_modelled() const override {
+    if (first_ < 0) return {};
+    return {{"access to the VMEbus, on which no module is", first_}};
+  }
   /// Who notes it.
   void tell(BusErrorStatus* vic) { vic_ = vic; }
-  void list_state(state::Visitor& list) override { list("errors", errors_); }
+  void list_state(state::Visitor& list) override {
+    list("errors", errors_);
+    list("first", first_);
+  }
 
  private:
   static constexpr c40::Word nothing = 0xFFFFFFFF;  ///< a bus that nobody drives
-  void note(bool write) {
+  void note(bool write, c40::Cycles now) {
+    if (first_ < 0) first_ = now;
     if (!bus_error_) return;
     ++errors_;
     if (vic_ != nullptr) vic_->note_timeout(write);
@@ -56,6 +80,7 @@ class VmeSpace final : public BoardDevice {
   bool bus_error_;
   BusErrorStatus* vic_ = nullptr;
   std::uint64_t errors_ = 0;
+  c40::Cycles first_ = -1;  ///< access
 };
 
 }  // namespace machine

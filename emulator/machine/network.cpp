@@ -17,8 +17,6 @@ using c40::Chip;
 using c40::Cycles;
 using c40::Word;
 
-namespace {}  // namespace
-
 // ---- building ----
 
 Network::Network(NetworkDescription description, std::uint64_t turn_order)
@@ -43,6 +41,7 @@ Network::Network(NetworkDescription description, std::uint64_t turn_order)
   for (auto& node : nodes_) load(*node);
   take_part();
   for (auto& net : nets_) net->start();
+  made_ = true;
   const auto given = std::move(d.actions);
   for (const NetworkAction& action : given) schedule(action);
 }
@@ -137,13 +136,21 @@ void Network::load(Node& node) {
   toolchain::require_c40(image, fmt::format("chip {}", node.number));
   node.chip.reset();
   const c40::Board& board = node.description.board.board;
-  for (const auto& [base, words] : node.description.board.contents) node.chip.write_block(base, words);
+  for (const auto& [base, words] : node.description.board.contents) {
+    try {
+      node.chip.write_block(base, words);
+    } catch (const std::out_of_range& error) {
+      throw NetworkError(fmt::format("chip {}: {} words of a ROM at {:08X}h do not lie in memory: {}", node.number,
+                                     words.size(), base, error.what()));
+    }
+  }
   const bool from_ports = node.description.boot && reset_source(board) == ResetSource::ports;
-  const bool has_stream = image.sections.empty() && !node.description.board.contents.empty();  // in a ROM of the board
+  const bool has_stream =
+      node.description.is_in_rom || (image.sections.empty() && !node.description.board.contents.empty());
   if (node.description.boot && !from_ports && reset_source(board) == ResetSource::memory && !has_stream)
     return load_stream(node, image, board);
   for (const toolchain::Image::Section& section : image.sections) {
-    if (!section.loaded || from_ports) continue;
+    if (!section.loaded || from_ports || node.description.is_in_rom) continue;
     try {
       node.chip.write_block(section.address, section.words);
     } catch (const std::out_of_range&) {

@@ -74,6 +74,7 @@ struct NetworkChip {
   /// ROM, which takes its program from whichever port brings it one; `program` says only what is expected to come
   /// (symbols, lines, ends) and may be null.
   bool boot = false;
+  bool is_in_rom = false;  ///< it boots what the board's ROMs hold: `program` only lends its symbols, lines and ends
   /// Behind windows of its board, besides the board's own.
   std::vector<BoardDevices::Place> devices{};
 };
@@ -370,6 +371,7 @@ class Network {
   Time changed_{0};  ///< the last thing on a link that was no mere exchange of the token, change of a pin, or action
   std::size_t moving_ = 0;  ///< a chip that was not at rest when last looked at
   Time ends_at_ = never;    ///< of a network that is quiet: when all have come to rest
+  bool made_ = false;       ///< The constructor is through: its chips may go on.
   bool records_words_ = false;
   MemoryListener memory_listener_;
 };

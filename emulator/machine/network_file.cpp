@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <map>
 
-#include "io/input_file.hpp"
+#include "io/text_form.hpp"
 #include "io/toml.hpp"
 
 namespace machine {
@@ -293,7 +293,7 @@ class NetworkReader {
 }  // namespace
 
 NetworkDescription read_network(const std::string& path, const ProgramReader& read_program) {
-  const std::string text = io::read_file<NetworkError>(path, "a network file (docs/networks.md)");
+  const std::string text = io::read_text<NetworkError>(path, "a network file (docs/networks.md)");
   try {
     return NetworkReader(path, read_program).read(io::parse_toml(text, path));
   } catch (const toml::parse_error& error) {

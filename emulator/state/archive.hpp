@@ -40,8 +40,11 @@ class Saver : public Visitor {
 
 class Loader : public Visitor {
  public:
-  explicit Loader(std::string_view text) : rest_(text) {}
+  /// \param puts_back what an object was before a load that failed
+  explicit Loader(std::string_view text, bool puts_back = false) : rest_(text), puts_back_(puts_back) {}
   bool loads() const override { return true; }
+  /// What takes a state from elsewhere, and refuses this one too, stays as it is: all else is put back.
+  bool puts_back() const { return puts_back_; }
   /// \throws StateError when something is left
   void end() const;
 
@@ -54,6 +57,7 @@ class Loader : public Visitor {
  private:
   [[noreturn]] void refuse_here(const std::string& what) const;
   std::string_view rest_;
+  bool puts_back_;
   std::vector<std::string_view> path_;
 };
 
@@ -110,8 +114,9 @@ void load_or_leave(T& object, std::string_view text) {
   const std::string before = save(object);
   try {
     load(object, text);
-  } catch (const StateError&) {
-    load(object, before);
+  } catch (...) {  // a device of Python's raises anything
+    Loader loader(before, true);
+    object.list_state(loader);
     throw;
   }
 }

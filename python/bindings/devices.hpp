@@ -9,6 +9,7 @@
 #include "machine/board_devices.hpp"
 #include "machine/host_script.hpp"
 #include "python/bindings/bindings.hpp"
+#include "state/archive.hpp"
 
 /// Calls a cmrc.devices.Attached. Whatever that raises goes through to who runs the chip.
 class PythonDevice final : public machine::BoardDevice {
@@ -51,7 +52,13 @@ class PythonDevice final : public machine::BoardDevice {
     std::string bytes;
     if (!list.loads()) bytes = attached_.attr("save")().cast<std::string>();
     list("state", bytes);
-    if (list.loads()) attached_.attr("load")(py::bytes(bytes));
+    if (!list.loads()) return;
+    const auto* loader = dynamic_cast<const state::Loader*>(&list);
+    try {
+      attached_.attr("load")(py::bytes(bytes));
+    } catch (const py::error_already_set&) {
+      if (loader == nullptr || !loader->puts_back()) throw;
+    }
   }
 
   /// The device at its place.
@@ -72,7 +79,8 @@ class PythonDevice final : public machine::BoardDevice {
   bool acts_;
 };
 
-/// console, led_changes, type, send and sent of what has devices. \param devices_of may give null: there are none
+/// console, led_changes, not_modelled, type, send and sent of what has devices. \param devices_of may give null: there
+/// are none
 template <class Class, class DevicesOf>
 void bind_devices(Class& bound, DevicesOf devices_of) {
   using T = typename Class::type;
@@ -101,6 +109,16 @@ void bind_devices(Class& bound, DevicesOf devices_of) {
             return changes;
           },
           "(name, cycle, value) of each change of an LED.")
+      .def_property_readonly(
+          "not_modelled",
+          [all](T& object) {
+            py::list requests;
+            for (const auto& [described, device] : all(object).places())
+              for (const auto& request : device->not_modelled())
+                requests.append(py::make_tuple(described.name, request.cycle, std::string(request.what)));
+            return requests;
+          },
+          "(name, cycle, what) of what programs asked of devices that these do not do.")
       .def(
           "send",
           [all, add](T& object, const std::string& name, const std::vector<c40::Word>& words) {

@@ -143,11 +143,7 @@ void bind_toolchain(py::module_& core) {
   m.def(
       "rom_words",
       [](const std::filesystem::path& path, std::optional<unsigned> width) {
-        const auto bytes = toolchain::read_rom(path);
-        if (!width) width = toolchain::boot_width(bytes);
-        if (!width || (*width != 8 && *width != 16 && *width != 32))
-          throw py::value_error("width: 8, 16 or 32 is expected; " + path.string() + " does not say it");
-        return toolchain::rom_words(bytes, *width);
+        return toolchain::read_rom_words(path, width, "width");
       },
       py::arg("path"), py::arg("width") = py::none(), "What an EPROM holds, as memory of that width has it.");
   python::register_error<toolchain::MemoryMapError>(m, "MemoryMapError", PyExc_ValueError);

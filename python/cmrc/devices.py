@@ -176,6 +176,11 @@ class Front:
         """(name, cycle, value) of each change of an LED of the board file."""
         return list(self._core.led_changes)
 
+    @property
+    def not_modelled(self) -> list[tuple[str, int, str]]:
+        """(name, cycle, what) of what the program asked of a device of the board file that the device does not do: what, and the first time."""
+        return list(self._core.not_modelled)
+
     def send(self, name: str, words: Sequence[int]) -> None:
         """Words that a FIFO or mailbox of the board file brings to the program, behind those that wait. Raises ValueError for an unknown name, with those that there are."""
         given = [arguments.whole(f"words[{n}]", word, "a 32-bit word") for n, word in enumerate(arguments.items("words", words, "a list of words"))]

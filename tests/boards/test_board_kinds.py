@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from board_parts import END, START, assembled, board, device, emulator, enabled, low, vector
-from cmrc.c40 import Processor
+from cmrc.c40 import Processor, assemble_file
 from cmrc.network import Network
 
 # Takes a word by interrupt, adds one, sends it back.
@@ -124,6 +124,39 @@ def test_a_bridge_keeps_registers_and_notes_accesses_to_nobody(tmp_path: Path, a
     assert (low(processor, "R7") | low(processor, "R8"), low(processor, "R2")) in {(status, interrupts), (0, interrupts)} and processor.cycles > 640
     if not interrupts:
         assert low(processor, "R7") == 0
+
+
+REQUESTS = [
+    # register, value, what the report says that it asks for
+    (0x02, 0x83, None),  # disabled
+    (0x02, 0x03, "interrupts, of which it hands none on"),
+    (0x12, 0x00, "interrupts, of which it hands none on"),
+    (0x13, 0x00, None),  # a vector, not a control register
+    (0x20, 0x20, None),  # without bit 0 a request is taken back
+    (0x20, 0x21, "an interrupt on the VMEbus"),
+    (0x30, 0x3F, None),
+    (0x30, 0x80, "the timer of SS0CR0"),
+    (0x35, 0x1F, None),
+    (0x35, 0x40, "a block transfer"),
+    (0x38, 0xF0, "a system reset"),
+]
+
+
+@pytest.mark.parametrize(("register", "value", "what"), REQUESTS)
+def test_what_a_bridge_is_asked_for_and_does_not_do_is_told(tmp_path: Path, register: int, value: int, what: str | None) -> None:
+    path = board(tmp_path, device("vic068a", name="VIC", pin="NMI"))
+    (tmp_path / "p.asm").write_text(START + f"        ldi 0{value:x}h,r0\n        sti r0,*+ar2(0{register:x}h)\n        sti r0,*+ar2(0{register:x}h)\n" + END)
+    told = emulator("exec", tmp_path / "p.asm", "--board", path).stdout
+    found = json.loads(emulator("exec", tmp_path / "p.asm", "--board", path, "--json").stdout).get("not_modelled", [])
+    processor = finished(assemble_file(tmp_path / "p.asm"), path)
+    network = Network([tmp_path / "p.asm"], boards=str(path), until="done")
+    network.run()
+    if what is None:
+        assert "not modelled" not in told and found == [] and processor.not_modelled == network.chips[0].not_modelled == []
+    else:
+        assert told.count("not modelled") == 1 and f"vic068a VIC: asked for and not modelled: {what} (first at cycle {found[0]['cycle']})" in told
+        assert [(one["name"], one["cycle"], one["what"]) for one in found] == processor.not_modelled == network.chips[0].not_modelled
+        assert processor.fork().not_modelled == processor.not_modelled
 
 
 def test_one_run_however_it_is_driven(tmp_path: Path) -> None:

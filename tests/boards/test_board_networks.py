@@ -225,3 +225,15 @@ def test_a_region_of_a_networks_chip_holds_a_rom(tmp_path: Path) -> None:
     (tmp_path / "n.toml").write_text('[[chip]]\nboard = "b.toml"\nboot = true\n')
     done = json.loads(emulator("exec", "--network", tmp_path / "n.toml", "--cycles", 20000, "--json").stdout)
     assert done["chips"][0]["registers"]["R5"] & 0xFFFFFFFF == 42
+
+
+def test_a_chip_whose_pin_a_device_pulls_has_done_nothing_before_the_first_run(tmp_path: Path) -> None:
+    """The level of the pin at the start is there before the first instruction, which a poke or a breakpoint may be for."""
+    (tmp_path / "p.asm").write_text("        .text\nstart:  ldi 1,r5\ndone:   b done\n")
+    path = board(tmp_path, device("fifo", pin="IIOF1"))
+    network = Network([tmp_path / "p.asm"], boards=str(path), until="done")
+    assert (network.chips[0].cycles, network.chips[0].pc) == (0, network.chips[0].address("start"))
+    poked = emulator("exec", tmp_path / "p.asm", tmp_path / "p.asm", "--board", path, "--poke", "0:start=08650009h", "--json")  # ldi 9,r5
+    assert [chip["registers"]["R5"] & 0xFFFF for chip in json.loads(poked.stdout)["chips"]] == [9, 1]
+    told = emulator("debug", tmp_path / "p.asm", "--board", path, stdin="print pc\nprint r5\nstep\nprint r5\n").stdout
+    assert told.splitlines()[1].endswith("ldi 1,r5") and [line for line in told.splitlines() if line.endswith("h)")][1:] == ["0 (00000000h)", "1 (00000001h)"]

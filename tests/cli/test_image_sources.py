@@ -118,7 +118,7 @@ def test_what_is_no_image_is_refused_with_its_line(tmp_path: Path, text: str, me
     [
         (("rom@300000h", "rom@300004h"), "overlap those of"),
         (("rom@3001FCh",), "do not lie in memory"),
-        (("cut@300000h",), "stop: fault"),
+        (("cut@300000h",), "stop: "),
     ],
 )
 def test_images_that_overlap_do_not_fit_or_are_cut_short(program: Path, tmp_path: Path, roms: tuple[str, ...], message: str) -> None:
@@ -127,3 +127,21 @@ def test_images_that_overlap_do_not_fit_or_are_cut_short(program: Path, tmp_path
     (tmp_path / "cut").write_bytes((tmp_path / "rom").read_bytes()[:30])
     done = emulator("exec", "--board", tmp_path / "b.toml", "--boot", "300000h", "--max-cycles", 100000, *(word for rom in roms for word in ("--rom", tmp_path / rom)))
     assert done.returncode in (1, 2) and (message in done.stderr or done.returncode == 1 and "stop: " in done.stdout), done.stdout[:300] + done.stderr
+
+
+@pytest.mark.parametrize(("width", "read_as"), [(8, 16), (8, 32), (16, 8), (16, 32), (32, 8), (32, 16)])
+def test_a_stream_of_another_width_than_its_memory_is_warned_of_and_the_loader_is_named(program: Path, tmp_path: Path, width: int, read_as: int) -> None:
+    assert emulator("image", program, "--format", "binary", "--width", width, "-o", tmp_path / "rom").returncode == 0
+    done = emulator("exec", "--rom", f"{tmp_path / 'rom'}@80000000h", "--rom-width", read_as, "--boot", "80000000h", "--max-cycles", 200_000)
+    assert done.returncode == 1
+    assert f"rom: warning: its first word says {width} bits, as to a boot loader, and --rom-width {read_as}" in done.stderr
+    first = done.stdout.splitlines()[0]
+    assert "this is the boot loader, which reads the stream at 80000000h: a whole one is expected, in memory of the width that its first word says" in first, first
+
+
+def test_a_stream_that_is_cut_short_in_its_header_or_leads_nowhere_names_the_loader(tmp_path: Path) -> None:
+    head = (32, 0x1DEA4000, 0x1DEA4000)
+    for words in (head[:1], (*head, 2, 0x50000000, 1, 2, 0, 0, 0, 0)):
+        (tmp_path / "rom").write_bytes(b"".join(word.to_bytes(4, "little") for word in words))
+        done = emulator("exec", "--rom", f"{tmp_path / 'rom'}@80000000h", "--boot", "80000000h", "--max-cycles", 200_000)
+        assert done.returncode == 1 and "this is the boot loader, which reads the stream at 80000000h" in done.stdout.splitlines()[0], done.stdout[:300]

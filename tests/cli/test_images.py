@@ -90,7 +90,7 @@ def test_a_stream_for_a_port_is_what_exec_sends(program: Path, tmp_path: Path) -
 
 
 def test_loads_pokes_and_values_waited_for(program: Path, tmp_path: Path) -> None:
-    (tmp_path / "three").write_bytes(bytes([1, 0, 0, 0, 2, 0, 0, 0, 3]))
+    (tmp_path / "three").write_bytes(bytes([1, 0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0]))
     done = emulator("exec", program, "--load", f"{tmp_path / 'three'}@2FFB00h", "--poke", "2FFB01h=0ABh", "--poke", "total=7", "--until", "total == 15".replace(" ", ""), "--dump", "2FFB00h:3")
     assert done.returncode == 0, done.stderr
     assert "until: 002FFA01h holds 0000000Fh" in done.stdout and "00000001 000000AB 00000003" in done.stdout
@@ -144,7 +144,7 @@ def test_what_is_met_first_ends_the_run_also_in_repeats_and_delayed_branches(tmp
 
 
 def test_chips_of_a_network_are_poked_loaded_and_stopped(program: Path, tmp_path: Path) -> None:
-    (tmp_path / "three").write_bytes(bytes([1, 0, 0, 0, 2, 0, 0, 0, 3]))
+    (tmp_path / "three").write_bytes(bytes([1, 0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0]))
     done = emulator(
         "exec", program, program, "--poke", "1:total=0ABh", "--poke", "0:2FFB01h=total", "--load", f"{tmp_path / 'three'}@1:2FFB00h",
         "--until", "1:again", "--until", "end", "--dump", "0:2FFB00h:2", "--dump", "1:2FFB00h:3", "--dump", "1:total:1", "--dump", "0:total:1",

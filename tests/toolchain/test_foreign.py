@@ -12,7 +12,7 @@ from locations import BUILD, ROOT
 sys.path.insert(0, str(ROOT / "scripts"))
 import foreign_gcc
 
-ASSEMBLED = {"helios": (151, 154), "cps": (73, 119)}
+ASSEMBLED = {"helios": (151, 154), "cps": (73, 119), "cruisin": (61, 70)}
 
 
 @pytest.mark.parametrize("name", sorted(ASSEMBLED))

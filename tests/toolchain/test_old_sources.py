@@ -25,6 +25,7 @@ SAME = [
     (" nop\n\x1a", " nop\n"),
     (" nop\x1a\x1a\nthis is behind the end of the file", " nop\n"),
     (" .regalias\n ldf f3,f1\n", " ldf r3,r1\n"),
+    (" .const\nx: .word 7\n", ' .sect ".const"\nx: .word 7\n'),  # MACS.EQU:49 of a game of 1994
     ("\ufeffx: nop\n b x\n", "x: nop\n b x\n"),  # the byte order mark of UTF-8
     ("x: nop\n\f b x\n\f\n", "x: nop\n b x\n"),
     # As a boot EPROM of the Hydra board, built by TI's tools, has it beside its source.
@@ -48,6 +49,17 @@ def test_what_an_expansion_register_is_taken_for_is_warned_of() -> None:
         toolchain.assemble(" sti ivtp,*ar0\n", dialect="gnu")
 
 
+@pytest.mark.parametrize(("register", "number"), [("R0", 0), ("r3", 3), ("AR2", 10)])
+def test_a_register_as_a_size_gives_its_number_with_a_warning(register: str, number: int) -> None:
+    """SND.ASM:23 of a game of 1994."""
+    source = f'x .usect "ram",{register}\ny .usect "ram",1\n .word y-x\n'
+    image = toolchain.assemble(source)
+    assert next(section for section in image.sections if section.name == ".text").words == [number]
+    assert len(image.warnings) == 1 and f"is a register: its number, {number}, is taken as the size" in image.warnings[0] and "<text>:1:" in image.warnings[0]
+    with pytest.raises(toolchain.AssemblyError, match="cannot be part of an expression"):
+        toolchain.assemble(source, dialect="gnu")
+
+
 def test_a_macro_may_be_defined_again_with_a_warning() -> None:
     image = toolchain.assemble("m .macro\n ldi 1,r0\n .endm\n m\nm .macro\n nop\n .endm\n m\n")
     assert list(image.sections[0].words) == [0x08600001, NOP]
@@ -68,7 +80,9 @@ MISTAKES = [
     (" .word ''\n", "one to four characters"),
     (" .word 'ab\n", "one to four characters"),
     (" EQU 5\n", "'EQU'"),
-    ('x .usect "ram",R0\n', ":1:16: error: the register R0 cannot be part of an expression: a number or a symbol is needed"),
+    ('x .usect "ram",R0+1\n', ":1:16: error: the register R0 cannot be part of an expression: a number or a symbol is needed"),
+    ('x .bss y,r0\n', "the register r0 cannot be part of an expression"),
+    (' .word r0\n', "the register r0 cannot be part of an expression"),
 ]
 
 

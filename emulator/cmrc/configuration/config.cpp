@@ -11,8 +11,8 @@
 
 #include "cmrc/configuration/config_invariants.hpp"
 #include "cmrc/processes/process_rows.hpp"
-#include "io/input_file.hpp"
 #include "io/nearest.hpp"
+#include "io/text_form.hpp"
 #include "io/toml.hpp"
 
 namespace cmrc {
@@ -213,7 +213,7 @@ ConfigBuilder& ConfigBuilder::preset(std::string_view name, const Origin& origin
 }
 
 ConfigBuilder& ConfigBuilder::file(const std::string& path) {
-  return text(io::read_file<ConfigError>(path, "the name of a TOML file"), path);
+  return text(io::read_text<ConfigError>(path, "the name of a TOML file"), path);
 }
 
 ConfigBuilder& ConfigBuilder::text(std::string_view toml, const std::string& name) {

@@ -13,6 +13,7 @@ const std::map<std::string, Reader::Directive, std::less<>>& Reader::directives(
       // Sections
       {".text", &Reader::directive_section_text},
       {".data", &Reader::directive_section_data},
+      {".const", &Reader::directive_section_const},
       {".bss", &Reader::directive_bss},
       {".sect", &Reader::directive_sect},
       {".section", &Reader::directive_sect},
@@ -159,6 +160,11 @@ void Reader::directive_section_data(Statement& s) {
   select_section(s, ".data", Program::Load::loaded, s.operation_offset);
 }
 
+void Reader::directive_section_const(Statement& s) {
+  s.parser.expect_end();
+  select_section(s, ".const", Program::Load::loaded, s.operation_offset);
+}
+
 void Reader::directive_sect(Statement& s) {
   const std::size_t offset = s.parser.offset();
   const std::string name = s.parser.name_or_quoted("the section's name");
@@ -196,7 +202,17 @@ void Reader::directive_usect(Statement& s) {
   const std::size_t offset = p.offset();
   const std::string section_name = p.name_or_quoted("the section's name");
   p.expect(",");
-  const Address size = known_size(p, "the size");
+  p.skip_blanks();
+  const std::size_t size_offset = p.offset();
+  Address size = 0;
+  if (const auto reg = reading_.dialect == Dialect::ti ? p.lone_register() : std::nullopt) {
+    size = static_cast<Address>(*reg);
+    parser_warnings_.push_back(
+        {size_offset, fmt::format("{} is a register: its number, {}, is taken as the size; a number is expected",
+                                  isa::name(*reg), size)});
+  } else {
+    size = known_size(p, "the size");
+  }
   const int section = program_.section(section_name, Program::Load::reserved, offset);
   const Address alignment = alignment_of_reserved(p, section);
   p.expect_end();

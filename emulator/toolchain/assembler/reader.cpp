@@ -8,6 +8,7 @@
 
 #include "io/input_file.hpp"
 #include "io/stop.hpp"
+#include "io/text_form.hpp"
 #include "toolchain/encoder/encoder.hpp"
 
 namespace toolchain {
@@ -28,6 +29,15 @@ SourceLinePtr with_text(const SourceLinePtr& line, std::string text) {
 
 /// `NAME EQU 5`, as assemblers before TI's dots had it.
 bool is_undotted_set(std::string_view operation) { return operation == "equ"; }
+
+/// Why the whole text cannot be read line by line; empty where it can.
+std::string form_problem(std::string_view text) {
+  const std::size_t end = text.find('\r');
+  if (text.find('\n') == std::string_view::npos && end != std::string_view::npos &&
+      text.find_first_not_of('\r', end) != std::string_view::npos)
+    return "the lines end in a carriage return alone; a line feed is expected at each end, or both";
+  return io::wide_form_problem(text);
+}
 
 bool closes_collection(std::string_view operation) {
   return operation == ".endm" || operation == ".endr" || operation == ".endloop";
@@ -95,15 +105,22 @@ void Reader::read_text(std::string_view text, const std::string& name, const std
   text = text.substr(0, text.find('\x1A'));                     // where DOS ends a file
   constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // today's editors put it before UTF-8
   if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+  if (const std::string problem = form_problem(text); !problem.empty()) {
+    report(SourceLine{file, 1, "", nullptr}, {0, problem});
+    text = {};
+  }
   while (!text.empty() && !stopped()) {
     const auto end = text.find('\n');
     auto line = text.substr(0, end);
-    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    while (!line.empty() && line.back() == '\r') line.remove_suffix(1);
     if (line.starts_with('\f')) line.remove_prefix(1);  // a new page of the listing, as old editors mark it
     ++number;
     if (line.size() > longest_line)
       report(SourceLine{file, number, std::string(line.substr(0, 80)), nullptr},
              {0, fmt::format("a line of {} characters; {} are the most", line.size(), longest_line)});
+    else if (const std::size_t zero = line.find('\0'); zero != std::string_view::npos)
+      report(SourceLine{file, number, std::string(line.substr(0, zero)), nullptr},
+             {zero, "a byte 0 stands here; a text is expected"});
     else
       read_line(std::make_shared<const SourceLine>(SourceLine{file, number, std::string(line), nullptr}));
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);

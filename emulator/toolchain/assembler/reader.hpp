@@ -127,6 +127,7 @@ class Reader {
   std::string symbol_name(Statement& statement);
   void directive_section_text(Statement&);
   void directive_section_data(Statement&);
+  void directive_section_const(Statement&);
   void directive_bss(Statement&);
   void directive_sect(Statement&);
   void directive_usect(Statement&);

@@ -82,6 +82,7 @@ class Linker {
         if (defines(symbol)) defined.insert(symbol.name);
     };
     if (!map_.entry.empty()) want(map_.entry);
+    if (map_.entry.empty() && map_.is_c) want("_c_int00");
     for (std::size_t i = 0; i < objects_.size(); ++i) {  // Grows while it is walked.
       const auto symbols = objects_[i].symbols;
       for (const ObjectSymbol& symbol : symbols)

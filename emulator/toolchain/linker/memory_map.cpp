@@ -6,7 +6,7 @@
 #include <initializer_list>
 #include <utility>
 
-#include "io/input_file.hpp"
+#include "io/text_form.hpp"
 #include "io/toml.hpp"
 
 namespace toolchain {
@@ -25,7 +25,7 @@ class MapReader {
     if (const auto* node = table.get("c_model")) {
       const auto model = c_model(text(*node, "c_model"));
       if (!model) fail(node->source(), "c_model: \"rom\" or \"ram\" is expected");
-      map.loader_sets_values = *model;
+      map.is_c = true, map.loader_sets_values = *model;
     }
     for (const auto& [key, node] : in_order(child(table, "memory"))) add_memory(map, key, *node);
     if (map.memories.empty()) throw MemoryMapError(fmt::format("{}: no memory; [memory] needs at least one", name_));
@@ -169,7 +169,7 @@ MemoryMap parse_memory_map(std::string_view toml, const std::string& name) {
 }
 
 MemoryMap read_memory_map(const std::filesystem::path& path) {
-  return parse_memory_map(io::read_file<MemoryMapError>(path, "a memory map"), path.string());
+  return parse_memory_map(io::read_text<MemoryMapError>(path, "a memory map"), path.string());
 }
 
 }  // namespace toolchain

@@ -40,6 +40,7 @@ struct MemoryMap {
   /// Who sets the initial values of C variables, the table .cinit: the program from a table in memory (ROM model, TI's
   /// -c), or whoever loads the program (RAM model, TI's -cr).
   bool loader_sets_values = false;
+  bool is_c = false;  ///< One of the two is asked for, so the program starts at _c_int00, of a library if need be.
 
   const Memory* memory(std::string_view name) const;
 

@@ -59,6 +59,10 @@ void Placement::place(const MemoryMap& map, isa::Cpu cpu, std::vector<std::strin
     section->size = std::max(section->size, wanted.size);
     section->alignment = std::max(section->alignment, wanted.alignment);
   }
+  // TI's run-time library has a stack of 0 words and a heap of 1: its linker gives them their sizes.
+  constexpr Address usual_words = 0x400;
+  for (const std::string_view name : {".stack", ".sysmem"})
+    if (OutputSection* section = find(name); section != nullptr && section->size <= 1) section->size = usual_words;
   std::vector<OutputSection*> rest;
   for (OutputSection& section : sections_)
     if (!section.for_loader) rest.push_back(&section);

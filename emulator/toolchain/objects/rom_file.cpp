@@ -223,6 +223,22 @@ Bytes read_rom(const std::filesystem::path& path) {
   return {text.begin(), text.end()};
 }
 
+std::vector<isa::Word> read_rom_words(const std::filesystem::path& path, std::optional<unsigned> width,
+                                      std::string_view width_name) {
+  const Bytes bytes = read_rom(path);
+  if (!width) width = boot_width(bytes);
+  if (!width)
+    throw RomError(fmt::format(
+        "{}: its first word is not 8, 16 or 32, so it does not say how wide it is; {} is expected: 8, 16 or 32",
+        path.string(), width_name));
+  if (*width != 8 && *width != 16 && *width != 32)
+    throw RomError(fmt::format("{}: {} {}: 8, 16 or 32 is expected", path.string(), width_name, *width));
+  if (const std::size_t left = bytes.size() % (*width / 8); left != 0)
+    throw RomError(fmt::format("{}: its {} bytes are no whole number of words of {} bits: the last has {} of {} bytes",
+                               path.string(), bytes.size(), *width, left, *width / 8));
+  return rom_words(bytes, *width);
+}
+
 std::vector<isa::Word> rom_words(std::span<const std::uint8_t> bytes, unsigned width) {
   const std::size_t each = width / 8;
   std::vector<isa::Word> words((bytes.size() + each - 1) / each);

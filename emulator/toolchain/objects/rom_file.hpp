@@ -28,6 +28,12 @@ std::string rom_file(std::span<const std::uint8_t> bytes, RomFormat format);
 /// RomError
 std::vector<std::uint8_t> read_rom(const std::filesystem::path& path);
 
+/// The words of such a file, in memory of `width` bits; without `width` the file says it, as it does to a boot loader.
+/// \param width_name who is asked for the width where neither says it: an option or a key
+/// \throws RomError: also where the file ends within a word
+std::vector<isa::Word> read_rom_words(const std::filesystem::path& path, std::optional<unsigned> width,
+                                      std::string_view width_name);
+
 /// What lies in memory that is 8, 16 or 32 bits wide, by rising address: the lowest byte of a word comes first.
 std::vector<isa::Word> rom_words(std::span<const std::uint8_t> bytes, unsigned width);
 std::vector<std::uint8_t> rom_bytes(std::span<const isa::Word> words);
