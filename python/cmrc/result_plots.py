@@ -48,7 +48,7 @@ def style(n: int) -> dict[str, Any]:
 
 def legend(axes: Axes, **more: Any) -> None:
     """Beside the axes, where it covers nothing."""
-    if axes.get_legend_handles_labels()[1]:
+    if "handles" in more or axes.get_legend_handles_labels()[1]:
         axes.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, **more)
 
 

@@ -8,8 +8,17 @@ import pytest
 from locations import ROOT
 
 
-def blocks() -> list[str]:
-    return re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "python.md").read_text(encoding="utf-8"), re.DOTALL)
+def blocks(page: str = "docs/python.md") -> list[str]:
+    return re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.DOTALL)
+
+
+def test_the_python_of_the_readme(capsys: pytest.CaptureFixture[str]) -> None:
+    [program] = blocks("README.md")
+    exec(program, {})  # noqa: S102
+    misses, explained = capsys.readouterr().out.splitlines()
+    [missed] = re.findall(r"deadlines missed\"\)\s+# (\d+)", program)
+    assert misses == f"{missed} deadlines missed" and int(missed) > 0
+    assert "In its way" in explained and "what helps against that" in explained
 
 
 def test_the_python_of_its_page(

@@ -1,52 +1,16 @@
 """The page in Chromium: seen, turned, zoomed, asked; on a phone, in the dark, without WebGL."""
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from browser import NO_WEBGL, SOFTWARE, Tab, chromium, driver, opened
+from browser import NO_WEBGL, Tab, chromium, opened
 from cmrc.page import Recording
-from page_runs import BUSY, HOSTILE, KILLED, KILLED_AT_S, recorded
+from page_runs import HOSTILE, KILLED_AT_S, recorded
 
 pytestmark = pytest.mark.xdist_group("browser")
-
-
-@pytest.fixture(scope="module")
-def started() -> Iterator[Any]:
-    with driver() as one:
-        yield one
-
-
-@pytest.fixture(scope="module")
-def browser(started: Any) -> Iterator[Any]:
-    with chromium(started, SOFTWARE) as opened:
-        yield opened
-
-
-@pytest.fixture(scope="module")
-def run(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Recording]:
-    path = tmp_path_factory.mktemp("page") / "busy.html"
-    return path, recorded(BUSY, KILLED, path, HOSTILE)[1]
-
-
-@pytest.fixture(scope="module")
-def shared(browser: Any, run: tuple[Path, Recording]) -> Iterator[Tab]:
-    with opened(browser, run[0]) as tab:
-        yield tab
-
-
-@pytest.fixture
-def tab(shared: Tab) -> Tab:
-    """The page as it was opened."""
-    shared.page.evaluate(
-        "page.state.choose(-1); page.state.play(false); page.state.setSpeed(1); page.state.whole(); page.state.seek(0)"
-    )
-    shared.page.mouse.move(2, 2)
-    shared.settle()
-    return shared
 
 
 def misses(recording: Recording) -> list[tuple[float, str]]:

@@ -194,4 +194,4 @@ def test_work_that_tells_nothing_shows_that_it_goes_on(monkeypatch: pytest.Monke
     with ProgressLine("work", shown) as line, line.beating():
         while not shown.getvalue():
             threading.Event().wait(0.001)
-    assert shown.getvalue().startswith("work: running, 0 s")
+    assert shown.getvalue().startswith("work: running; 0 s so far")

@@ -18,7 +18,7 @@ class Formula:
     """Stands for the runs: a metric that is a formula of the place."""
 
     def __init__(self, of: Any, tables: dict[str, Any]) -> None:
-        self.of, self.grid, self.keys, self.trials = of, grid.made(tables), [], []
+        self.of, self.grid, self.trials = of, grid.made(tables), []
         self.batches: list[list[dict[str, Any]]] = []
 
     def values(self, places: Any, seeds: Any) -> list[Trial]:
@@ -26,7 +26,7 @@ class Formula:
         made = []
         for place in places:
             found = [float(self.of(place, seed)) for seed in seeds or [0]]
-            made.append(Trial(dict(place), spread(found), max(found)))
+            made.append(Trial(dict(place), spread(found), max(found), len(found)))
         return made
 
     def try_all(self, places: Any) -> list[Trial]:
