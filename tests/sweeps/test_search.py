@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from cmrc.sweeps import GridError, SweepError, grid
 from cmrc.sweeps import search as function
+from cmrc.sweeps import sweep
 from cmrc.sweeps.metrics import spread
 from cmrc.sweeps.search import Trial, _Asked, _bisected, _check, _optimised
 
@@ -123,6 +124,27 @@ def test_a_search_in_real_runs(tmp_path: Path) -> None:
     assert found.sweep is not None and len(found.sweep) == len(found.trials) + 1
     again = function(spec, tmp_path / "s", address="tcp://127.0.0.1:9")  # nothing is due: no cluster is asked for
     assert again.text() == found.text()
+
+
+def test_what_was_refused_or_failed_has_not_passed() -> None:
+    whole = Trial({}, spread([0.0, 0.0]), 0.0, seeds=2)
+    assert whole.passes(0) and whole.counts
+    for other in (
+        Trial({}, spread([0.0]), 0.0, seeds=2, failed=1),
+        Trial({}, spread([0.0]), 0.0, seeds=2, refused=1),
+        Trial({}, spread([math.nan, 0.0]), 0.0, seeds=2),
+        Trial({}, spread([]), math.nan, seeds=2, refused=2),
+    ):
+        assert not other.passes(0)
+        assert other.counts == (other.refused + other.failed == 0)
+
+
+def test_a_search_goes_on_in_the_folder_of_a_sweep(tmp_path: Path) -> None:
+    sweep({"fixed": {**FIXED, "servo_frequency_hz": 1000.0}, "axes": {"dsps": [1, 2]}}, tmp_path / "s", workers=1)
+    spec = {"fixed": FIXED, "repeats": {"seeds": 1}, "search": {"bisect": "dsps", "from": 3, "to": 1, "check_seeds": 1}}
+    found = function(spec, tmp_path / "s", workers=1)
+    assert found.best == {"machine.dsps": 2} and found.sweep is not None
+    assert {run["seed"] for run in found.sweep.runs} == {1, 2}
 
 
 @pytest.mark.parametrize(("tables", "says"), [

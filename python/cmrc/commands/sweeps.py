@@ -74,7 +74,7 @@ def _do_sweep(given: argparse.Namespace) -> int:
     output("--csv", given.csv)
     picture("--plot", given.plot)
     metrics = given.metric or []
-    with ProgressLine("cmrc sweep") as line, line.beating("reading the folder"):
+    with ProgressLine("cmrc sweep") as line, line.beating("beginning"):
         if given.show:
             found = Sweep(_folder(given))
         else:
@@ -122,7 +122,7 @@ def _search(commands: Commands) -> None:
 def _do_search(given: argparse.Namespace) -> int:
     from cmrc.sweeps import search
 
-    with ProgressLine("cmrc search") as line, line.beating("reading the folder"):
+    with ProgressLine("cmrc search") as line, line.beating("beginning"):
         found = search(given.file, _folder(given), on_progress=shown(line), **_place(given))
     print(found.text(), end="")
     return 0 if found.best is not None and found.check_passed is not False else 1

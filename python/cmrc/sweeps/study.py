@@ -61,8 +61,8 @@ class Sweep:
             for row in self.folder.rows(("report",)):
                 if row["key"] in open_ and row["report"] is not None:
                     known[row["key"]] = store.unpacked(row["report"]).get("configuration") or {}
-        for key, run in open_.items():
-            values = {**known.get(key, {}), **run["settings"]}
+        for run in runs:
+            values = {**known.get(run["key"], {}), **run["settings"]}
             run["place"] = {name: run["place"].get(name, values.get(name)) for name in axes}
             if seeded and run["seed"] is None:
                 run["seed"] = values.get(grids.SEED)
@@ -280,7 +280,8 @@ def _opened(row: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _axes(runs: Sequence[Mapping[str, Any]]) -> list[str]:
-    return list(dict.fromkeys(name for run in runs for name in run["place"]))
+    places = sorted((run["place"] for run in runs), key=len, reverse=True)  # the order of the grid that varies most
+    return list(dict.fromkeys(name for place in places for name in place))
 
 
 def _order(run: Mapping[str, Any], axes: Sequence[str]) -> tuple[Any, ...]:
