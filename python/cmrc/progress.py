@@ -117,7 +117,8 @@ def of_sweep(status: Status) -> str:
     left = status.runs - status.done
     rest = f", about {status.elapsed_s / ran * left:.0f} s left" if ran > 0 and left else ""
     again = f", {status.begun_again} begun again" if status.begun_again else ""
-    on = f"on {status.workers} workers" if status.workers else "done, waiting for a worker"
+    many = "" if status.workers == 1 else "s"
+    on = f"on {status.workers} worker{many}" if status.workers else "done, waiting for a worker"
     return f"{status.done} of {status.runs} runs {on}{again}{rest}"
 
 

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from cmrc import _core, arguments
+from cmrc.keywords import listed
 from cmrc.limit_scans import Scans
 from cmrc.simulation import Progress, Setting, configured
 from cmrc.table import Table
@@ -69,6 +70,7 @@ def _grid(name: str, values: Iterable[float] | None) -> list[float] | None:
     return [arguments.number(f"{name}[{n}]", value, least=-math.inf) for n, value in enumerate(arguments.items(name, values, "a list of numbers"))]
 
 
+@listed
 def limits(
     *,
     cycles: Iterable[float] | None = None,
@@ -109,6 +111,7 @@ def scans_of(
     return Scans(config, *grids, errors=arguments.flag("errors", errors))
 
 
+@listed
 def compare(
     *,
     config: str | os.PathLike[str] | None = None,

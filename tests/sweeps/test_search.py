@@ -5,9 +5,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cmrc.sweeps import GridError, SweepError, grid
+from cmrc.sweeps import GridError, SweepError, grid, sweep
 from cmrc.sweeps import search as function
-from cmrc.sweeps import sweep
 from cmrc.sweeps.metrics import spread
 from cmrc.sweeps.search import Trial, _Asked, _bisected, _check, _optimised
 
