@@ -157,9 +157,9 @@ def deadlines(recording: Recording, axes: Axes) -> None:
 
 def overview(recording: Recording) -> Figure:
     """All of them on one sheet."""
-    from matplotlib.figure import Figure
+    from cmrc.figures import ShownFigure
 
-    figure = Figure(figsize=(14, 15), layout="constrained")
+    figure = ShownFigure(figsize=(14, 15), layout="constrained")
     grid = figure.add_gridspec(4, 2, height_ratios=(2, 1, 1, 1))
     plan(recording, figure.add_subplot(grid[0, 0]))
     side(recording, figure.add_subplot(grid[0, 1]))

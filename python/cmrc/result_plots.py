@@ -230,9 +230,9 @@ def load_error(result: Result, axes: Axes) -> None:
 
 def sheet(result: Result) -> Figure:
     """Misses, response times and the load's error on one sheet."""
-    from matplotlib.figure import Figure
+    from cmrc.figures import ShownFigure
 
-    figure = Figure(figsize=(13, 7.5), layout="constrained")
+    figure = ShownFigure(figsize=(13, 7.5), layout="constrained")
     grid = figure.subplots(2, 2)
     misses(result, grid[0, 0])
     histogram(result, grid[0, 1])
