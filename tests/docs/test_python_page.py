@@ -2,6 +2,8 @@
 
 import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -41,3 +43,10 @@ def test_the_error_of_its_page(capsys: pytest.CaptureFixture[str]) -> None:
     exec("import cmrc\n" + refused, {})  # noqa: S102
     said = re.findall(r"# (.*)$", refused, re.MULTILINE)
     assert capsys.readouterr().out.splitlines() == said and len(said) == 3
+
+
+def test_the_script_of_the_pictures_finds_what_it_draws_with() -> None:
+    done = subprocess.run(
+        [sys.executable, ROOT / "scripts" / "doc_pictures.py"], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 2 and "Pictures: dock" in done.stderr

@@ -216,6 +216,9 @@ def test_a_name_without_end_from_right_to_left_leaves_the_page_whole(browser: An
                 left, _, width, height = tab.place(selector)
                 assert left >= 0 and left + width <= size["width"] + 1 and height > 10, selector
             assert "4 deadlines missed" in tab.page.locator("#facts").inner_text()
+            assert tab.place("#facts")[2] > 150 and tab.place("#next")[3] < 40
+            for shown in (tab.page.locator("#title").inner_text(), tab.page.title()):
+                assert "\u202e" not in shown and "\u2066" not in shown and "מנוף" in shown and "<img" in shown
 
 
 def test_who_wants_little_motion_sees_steps(browser: Any, run: tuple[Path, Recording]) -> None:
