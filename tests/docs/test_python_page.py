@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from locations import ROOT
+from locations import BUILD, ROOT
 
 
 def blocks(page: str = "docs/python.md") -> list[str]:
@@ -47,6 +47,10 @@ def test_the_error_of_its_page(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_the_script_of_the_pictures_finds_what_it_draws_with() -> None:
     done = subprocess.run(
-        [sys.executable, ROOT / "scripts" / "doc_pictures.py"], capture_output=True, text=True, check=False
+        [sys.executable, ROOT / "scripts" / "doc_pictures.py"],
+        env={**os.environ, "PYTHONPATH": str(BUILD / "python")},
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert done.returncode == 2 and "Pictures: dock" in done.stderr
