@@ -23,7 +23,7 @@ grid = {
 folder = Path(sys.argv[1] if len(sys.argv) == 2 else "dead_dsps")
 
 # %% Run it. The same cell again runs nothing; a longer list of DSPs or seeds runs what is new.
-sweep = cmrc.sweep(grid, folder, workers=2)
+sweep = cmrc.sweep(grid, folder, workers=2, on_progress=cmrc.show_progress("sweep"))
 sweep  # a notebook shows it as a table  # noqa: B018
 print(sweep.text("any_miss", "f_p_missed", "load_peak"))
 
@@ -39,8 +39,7 @@ plot.grid(sweep, figure.subplots(), x="machine.dsps", lines="future", metric="f_
 figure.savefig(folder / "f_p_missed.png", dpi=120)
 
 # %% One of the runs again, with its signals: why was the first deadline missed?
-settings = next(run["settings"] for run in sweep.runs if run["place"]["machine.dsps"] == 2)
-again = cmrc.run(settings={name: value for name, value in settings.items() if name != "preset"}, preset="saturated")
-kept = sweep.report(dsps=2, future="all is well", seed=settings["run.seed"])
-print("the same run:", again.hash == kept["hash"])
+row = next(run for run in sweep.runs if run["place"] == {"machine.dsps": 2, "future": "DSP 1 dies"})
+again = sweep.rerun(row)
+print("the same run:", again.hash == row["hash"])
 print(again.explain())

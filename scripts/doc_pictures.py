@@ -6,11 +6,13 @@ PYTHONPATH=build/python .venv/bin/python scripts/doc_pictures.py dock docs/pictu
 from __future__ import annotations
 
 import sys
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cmrc import Simulation, files, plot, replay
+from cmrc import Simulation, files, plot
+from cmrc.page import Recording
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -25,9 +27,13 @@ def dock() -> Figure:
         for at_s, factor in ((40.0, 1 / 16), (42.0, 1.0))
         for dsp in (0, 1)
     ]
-    recording = replay.record(
-        Simulation(dsps=2, duration_s=110.0, events=events, settings={"dock.agvs": 2}), step_s=0.1
-    )
+    simulation = Simulation(dsps=2, duration_s=110.0, events=events, settings={"dock.agvs": 2})
+    simulation.record()
+    simulation.run()
+    with tempfile.TemporaryDirectory() as folder:
+        page = Path(folder) / "dock.html"
+        simulation.write_page(page)
+        recording = Recording.read(page)
     figure = Figure(figsize=(11, 7.4), layout="constrained")
     grid = figure.add_gridspec(3, 2, height_ratios=(2.2, 1, 1), width_ratios=(1.35, 1))
     plot.plan(recording, figure.add_subplot(grid[0, 0]))

@@ -1,9 +1,11 @@
 // emulator compare: a run beside its ideal.
 #include "cmrc/run/compare_with_ideal.hpp"
 
+#include <cmath>
 #include <optional>
 
 #include "cli/options.hpp"
+#include "cli/progress_line.hpp"
 #include "cli/settings.hpp"
 #include "io/output_file.hpp"
 #include "io/print.hpp"
@@ -17,7 +19,13 @@ int compare(const CompareOptions& options) {
   std::optional<io::OutputFile> file;
   if (options.json) file.emplace(*options.json);
   const io::StopBySignal signals;
-  const report::Comparison comparison = cmrc::compare_with_ideal(config);
+  const report::Comparison comparison = [&] {
+    ProgressLine line(report::Time(std::llround(config.run.duration_s * 1e12)), true);
+    return cmrc::compare_with_ideal(config, [&](const cmrc::Progress& progress) {
+      line.show(progress.simulated, progress.misses);
+      return true;
+    });
+  }();
   io::print("{}", to_text(comparison));
   if (file) {
     file->stream() << to_json(comparison);

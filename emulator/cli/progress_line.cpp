@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <string>
 
 namespace cli {
 
@@ -23,10 +24,16 @@ void ProgressLine::show(report::Time simulated, std::uint64_t misses) {
   const double done = report::seconds(simulated);
   const double whole = report::seconds(duration_);
   const std::string left = done > 0 ? fmt::format("{:.0f} s left", (whole - done) * elapsed / done) : "";
-  const std::string line =
-      fmt::format("{:.1f} of {:.1f} s  {:.2f} x real time  {}  {} missed", done, whole, done / elapsed, left, misses);
-  width_ = std::max(width_, line.size());
-  fmt::print(stderr, "\r{:<{}}", line, width_);
+  put(fmt::format("{:.1f} of {:.1f} s  {:.2f} x real time  {}  {} missed", done, whole, done / elapsed, left, misses));
+}
+
+void ProgressLine::show(std::string_view what) {
+  if (active_) put(what);
+}
+
+void ProgressLine::put(std::string_view text) {
+  width_ = std::max(width_, text.size());
+  fmt::print(stderr, "\r{:<{}}", text, width_);
   std::fflush(stderr);
 }
 

@@ -2,7 +2,7 @@
 // The line that shows how a run is coming along: on a terminal only.
 #include <chrono>
 #include <cstdint>
-#include <string>
+#include <string_view>
 
 #include "report/event.hpp"
 
@@ -18,8 +18,12 @@ class ProgressLine {
   ProgressLine& operator=(const ProgressLine&) = delete;
 
   void show(report::Time simulated, std::uint64_t misses);
+  /// At once, for work that does not tell how far it is.
+  void show(std::string_view what);
 
  private:
+  void put(std::string_view text);
+
   using Wall = std::chrono::steady_clock;
 
   report::Time duration_;

@@ -165,7 +165,7 @@ int run(const RunOptions& options) {
   bool goes_on = attach.begin(simulation);
   const io::StopBySignal signals;
   std::size_t written = 0;
-  {
+  const report::RunReport report = [&] {
     ProgressLine line(Time(std::llround(config.run.duration_s * 1e12)), !options.quiet);
     const auto show = [&](const cmrc::Progress& progress) {
       line.show(progress.simulated, progress.misses);
@@ -177,8 +177,10 @@ int run(const RunOptions& options) {
       if (!goes_on || simulation.ended() || io::stop_asked() || !attach.wanted()) break;
       goes_on = attach.serve(simulation);
     }
-  }
-  const report::RunReport report = simulation.report_so_far();
+    if (config.report.reference == cmrc::ReferenceKind::ideal && !config.run.ideal)
+      line.show("the run is over; its ideal run is waited for");
+    return simulation.report_so_far();
+  }();
   if (report_file) {
     report_file->stream() << to_json(report);
     report_file->commit();

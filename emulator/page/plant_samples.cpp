@@ -138,7 +138,17 @@ void PlantSamples::take(Time now) {
   const plant::Dock& dock = simulation_.dock();
   std::size_t next = 0;
   const auto put = [&](double value) { column(next++).push_back(value); };
-  const auto planned = [&](cmrc::Word offset) { return cmrc::from_ti_float(simulation_.machine().peek(offset)); };
+  // Before the first point is planned its words are 0, which a TI float reads as 1.
+  const auto put_planned = [&](const std::string& name, cmrc::Word offset, cmrc::Word count) {
+    bool there = false;
+    for (cmrc::Word axis = 0; axis < count; ++axis) {
+      const cmrc::Word word = simulation_.machine().peek(offset + axis);
+      there = there || word != 0;
+      put(cmrc::from_ti_float(word));
+    }
+    std::size_t& rows = planned_rows_[name];
+    if (!there && rows + 1 == times_.size()) ++rows;
+  };
   const plant::Signal signal = dock.signal();
   for (const double q : signal.q) put(q);
   for (const double value : signal.tip) put(value);
@@ -146,8 +156,7 @@ void PlantSamples::take(Time now) {
   put(signal.yaw), put(signal.alpha), put(signal.beta), put(signal.tension), put(signal.contact ? 1 : 0);
   const plant::Attitude attitude = dock.attitude();
   put(attitude.load_up[0]), put(attitude.load_up[1]);
-  if (planned_crane_)
-    for (cmrc::Word axis = 0; axis < 3; ++axis) put(planned(*planned_crane_ + axis));
+  if (planned_crane_) put_planned("planned_", *planned_crane_, 3);
   if (ship_moves_) {
     for (const double value : attitude.ship_shift) put(value);
     put(attitude.ship_up[0]), put(attitude.ship_up[1]);
@@ -156,8 +165,7 @@ void PlantSamples::take(Time now) {
     const plant::AgvSignal at = dock.agv(agv);
     put(at.x), put(at.y), put(at.heading), put(at.front), put(at.rear), put(at.speed);
     if (!planned_agv_) continue;
-    const cmrc::Word point = *planned_agv_ + static_cast<cmrc::Word>(agv) * agv_words_;
-    put(planned(point)), put(planned(point + 1));
+    put_planned(fmt::format("agv{}_planned_", agv), *planned_agv_ + static_cast<cmrc::Word>(agv) * agv_words_, 2);
   }
   for (const plant::Mover& mover : dock.config().layout.movers) {
     const plant::MoverPlace at = plant::place_of(mover, report::seconds(now));
@@ -196,6 +204,7 @@ void PlantSamples::put(Columns& columns, nlohmann::json& header, const cmrc::Ref
   for (const Column& column : columns_) columns.scaled(column.name, column.values, column.unit);
   header["layout"] = layout_of(simulation_.dock().config());
   header["containers"] = stories_;
+  header["planned_rows"] = planned_rows_;
   header["ideal_until_s"] = nullptr;
   if (reference != nullptr && reference->course.size() > 0 && simulation_.course().size() > 0)
     put_ideal(columns, header, *reference);

@@ -1,5 +1,7 @@
 #pragma once
 // The dock at equal intervals of a run, and beside it the ideal run's.
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,6 +48,7 @@ class PlantSamples {
   bool ship_moves_;
   std::optional<cmrc::Word> planned_crane_, planned_agv_;  // offsets of the planned points, where the program has them
   cmrc::Word agv_words_ = 0;
+  std::map<std::string, std::size_t> planned_rows_;  // by how their columns' names begin, rows before a first plan
   std::vector<plant::ContainerState> container_states_;
   nlohmann::json stories_ = nlohmann::json::array();
 };

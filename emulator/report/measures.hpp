@@ -57,10 +57,10 @@ struct Rate {
 
 /// Everything that needs the ideal run.
 struct Errors {
-  Time from{}, to{};               ///< the window
-  double reference_elapsed_s = 0;  ///< wall-clock time of the ideal run
-  Deviation load;                  ///< m, of the load's place
-  double doing_nothing_m = 0;      ///< RMS distance of the ideal run's load from where it was at the window's start
+  Time from{}, to{};                          ///< the window
+  std::optional<double> reference_elapsed_s;  ///< wall-clock time of the ideal run; none: the run itself is ideal
+  Deviation load;                             ///< m, of the load's place
+  double doing_nothing_m = 0;  ///< RMS distance of the ideal run's load from where it was at the window's start
   std::vector<JointDeviation> joints;
   std::vector<JointDeviation> sway;         ///< rad; `path` is not told
   std::optional<double> residual_sway_rad;  ///< largest sway error in the 12 s after an arrival; none: no arrival

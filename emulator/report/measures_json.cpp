@@ -61,7 +61,8 @@ Json errors(const Errors& of) {
 void add_measures(const RunReport& report, Json& root) {
   root["reference"] = report.reference;
   root["reference_problem"] = report.reference_problem.empty() ? Json(nullptr) : Json(report.reference_problem);
-  root["reference_elapsed_s"] = report.errors ? Json(report.errors->reference_elapsed_s) : Json(nullptr);
+  root["reference_elapsed_s"] =
+      report.errors && report.errors->reference_elapsed_s ? Json(*report.errors->reference_elapsed_s) : Json(nullptr);
   root["rates"] = nullptr;
   root["errors"] = nullptr;
   if (report.errors) {

@@ -69,7 +69,7 @@ class Page {
 
   private describe(): void {
     const { header, report } = this.recording;
-    the("title").textContent = words.plain(header.title);
+    the("title").textContent = document.title = words.plain(header.title);
     const misses = Object.values(report.tasks).reduce((sum, task) => sum + task.misses, 0);
     const facts = the("facts");
     facts.textContent = "";
@@ -269,7 +269,7 @@ class Page {
   }
 
   private async picture(): Promise<void> {
-    const blob = await png(this.recording.header.title, words.instant(this.state.now, 1e-6), this.dock?.picture() ?? null, [this.lanes.canvas, ...this.plots.canvases], this.theme);
+    const blob = await png(words.plain(this.recording.header.title), words.instant(this.state.now, 1e-6), this.dock?.picture() ?? null, [this.lanes.canvas, ...this.plots.canvases], this.theme);
     save(blob, `cmrc-${this.state.now.toFixed(3)}s.png`);
   }
 

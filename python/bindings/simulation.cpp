@@ -4,7 +4,6 @@
 #include <pybind11/stl.h>
 
 #include <cmath>
-#include <exception>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -26,6 +25,7 @@
 #include "python/bindings/cmrc.hpp"
 #include "python/bindings/ctrl_c.hpp"
 #include "python/bindings/debug.hpp"
+#include "python/bindings/on_progress.hpp"
 #include "python/bindings/one_user.hpp"
 #include "python/bindings/state.hpp"
 #include "report/trace_text.hpp"
@@ -40,17 +40,6 @@ report::Time to_time(const char* argument, double seconds) {
 }
 
 namespace {
-
-/// What on_progress returned.
-bool goes_on(const py::object& returned) {
-  if (returned.is_none()) return true;
-  try {
-    return returned.cast<bool>();
-  } catch (const py::cast_error&) {
-    throw py::type_error(fmt::format("on_progress: it returned {}; True, False or None is expected",
-                                     std::string(py::repr(returned)).substr(0, 60)));
-  }
-}
 
 /// By number of a program (KIND_*) its kind of task, as the report calls it.
 py::dict task_names(const cmrc::Simulation& simulation) {
@@ -103,28 +92,10 @@ class Run {
   void run(const py::object& on_progress, double slice_s) {
     const report::Time slice = to_time("slice_s", slice_s);
     if (slice == report::Time{}) throw py::value_error("slice_s: 0 s; a time greater than 0 is expected");
-    if (!on_progress.is_none() && PyCallable_Check(on_progress.ptr()) == 0)
-      throw py::type_error("on_progress: " + std::string(py::str(py::type::of(on_progress))) +
-                           " cannot be called; a function of (simulated_s, duration_s) or None is expected");
+    OnProgress told(on_progress);
     const OneUser::Long use(user_, "run", false);
-    // What it raises, be it Ctrl-C that Python has heard in it, interrupts the run.
-    std::exception_ptr raised;
-    const auto between = [&](const cmrc::Progress& progress) {
-      const py::gil_scoped_acquire gil;
-      try {
-        return goes_on(on_progress(report::seconds(progress.simulated), report::seconds(progress.duration)));
-      } catch (const std::exception&) {
-        raised = std::current_exception();
-        return false;
-      }
-    };
-    interruptible_without_gil([&] {
-      if (on_progress.is_none())
-        run_.run({}, slice);
-      else
-        run_.run(between, slice);
-    });
-    if (raised) std::rethrow_exception(raised);
+    interruptible_without_gil([&] { run_.run(told.call(), slice); });
+    told.raise();
   }
 
   /// In slices: Ctrl-C ends it between two of them, and it may be called again.

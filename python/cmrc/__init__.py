@@ -23,6 +23,7 @@ if getattr(_core, "__file__", None) is None:  # only the folder of its type stub
 from cmrc import c40, network, plant
 from cmrc.differences import Difference, diff
 from cmrc.errors import Error
+from cmrc.progress import show_progress
 from cmrc.result import Profile, Result
 from cmrc.simulation import ConfigError, Simulation, Snapshot, read_snapshot, run, write_snapshot
 from cmrc.snapshots import SnapshotError
@@ -57,6 +58,7 @@ __all__ = [
     "read_snapshot",
     "run",
     "search",
+    "show_progress",
     "sweep",
     "write_snapshot",
 ]

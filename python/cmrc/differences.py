@@ -32,7 +32,7 @@ class Difference:
         """The first event in which they differ: ``when`` (s), ``component``, ``field``, ``left``, ``right``, and both
         lines of the traces; None where no event differs, or one of the results has no events."""
         self.events_compared = events_compared
-        """Both results have their events (``events=True``)."""
+        """Both results have their events (``keep_events=True``)."""
         self.metrics: list[tuple[str, Any, Any]] = sorted(
             ((name, one, other) for name, (one, other) in _unlike(dict(_leaves(left)), dict(_leaves(right)))),
             key=lambda row: row[0].startswith("misses["),
@@ -61,7 +61,7 @@ class Difference:
         name, one, other = next(row for row in self.metrics if row[0] != "hash")
         return (
             f"The first metric that differs is {name}: {_shown(one)} and {_shown(other)}. "
-            "(Runs with events=True tell the first event, too.)"
+            "(Runs with keep_events=True tell the first event, too.)"
         )
 
     @property

@@ -156,9 +156,12 @@ class Scans:
 
     def run(self, on_progress: Callable[[int, int], object] | None = None) -> None:
         """Runs every point to its first miss, with ``errors`` to its end, as many at a time as there are processors.
-        What ends it early (Ctrl-C) leaves the points that have ended. Raises RuntimeError when a run breaks down."""
+        ``on_progress(done, points)`` is told at the start, and whenever a run ends. What ends it early (Ctrl-C) leaves
+        the points that have ended. Raises RuntimeError when a run breaks down."""
         jobs = sorted(self._jobs, key=lambda job: job.group)
         self.interrupted = bool(jobs)
+        if on_progress is not None:
+            on_progress(0, len(jobs))
         with Helpers("cmrc.limit_worker", min(len(jobs), processors())) as helpers:
             asked = [{"toml": job.toml, "to_its_end": self.errors} for job in jobs]
             for done, (number, answer) in enumerate(helpers.answers(asked), 1):

@@ -121,12 +121,17 @@ class Recording:
 
     @cached_property
     def signals(self) -> dict[str, Column]:
-        """The dock at equal intervals, units in the names; ``time_s`` is one of them."""
-        return {
+        """The dock at equal intervals, units in the names; ``time_s`` is one of them. NaN: not planned yet."""
+        signals = {
             name: (self.whole(name) * float(entry["unit"])).astype(np.float64)
             for name, entry in self._entries.items()
             if "count" in entry and not re.match(r"(lane|run|job|bus)\.", name)
         }
+        for prefix, rows in self.header.get("planned_rows", {}).items():
+            for name, values in signals.items():
+                if name.startswith(prefix):
+                    values[:rows] = math.nan
+        return signals
 
     @cached_property
     def lanes(self) -> list[Lane]:

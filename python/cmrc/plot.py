@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cmrc.page import Recording
-from cmrc.result_plots import cdf, gantt, histogram, load_error, misses, sheet
+from cmrc.result_plots import cdf, gantt, histogram, legend, load_error, misses, sheet, style
 from cmrc.sweep_plots import cost, grid
 
 if TYPE_CHECKING:
@@ -23,6 +23,10 @@ if TYPE_CHECKING:
 __all__ = ["cdf", "cost", "deadlines", "gantt", "grid", "histogram", "joints", "load_error", "misses", "overview", "plan", "sheet", "side", "sway", "tracking"]
 
 JOINTS = {"s_m": "gantry, m", "psi_rad": "slew, rad", "phi_rad": "luff, rad", "trolley_m": "trolley, m", "l_m": "rope, m", "kappa_rad": "rotator, rad"}
+
+
+MET_MISSED = {"all met": "#a9cfe0", "one missed": "#a03000"}
+"""Light and dark, so that they differ in grey, too."""
 
 
 def _edges(recording: Recording) -> list[float]:
@@ -55,10 +59,10 @@ def plan(recording: Recording, axes: Axes) -> None:
             axes.plot(x + (np.sin(h) - np.sin(heading)) / curvature, y - (np.cos(h) - np.cos(heading)) / curvature, "0.8", lw=4)
         else:
             axes.plot(x + d * np.cos(heading), y + d * np.sin(heading), "0.8", lw=4)
-    axes.plot(signals["payload_x_m"], signals["payload_y_m"], "tab:blue", lw=1, label="load")
+    axes.plot(signals["payload_x_m"], signals["payload_y_m"], lw=1, label="load", **style(0))
     for i in range(layout["agv"]["count"]):
         x, y = signals[f"agv{i}_x_m"], signals[f"agv{i}_y_m"]
-        (path,) = axes.plot(x, y, f"C{1 + i % 9}", lw=1.2, label=f"AGV {i}")
+        (path,) = axes.plot(x, y, lw=1.2, label=f"AGV {i}", **style(1 + i))
         outline(x[-1], y[-1], signals[f"agv{i}_heading_rad"][-1], layout["agv"]["length"], layout["agv"]["width"], fill=False, ec=path.get_color())
     portal = layout["crane"]["portal"]
     for rail in portal["rails"]:
@@ -79,24 +83,24 @@ def side(recording: Recording, axes: Axes) -> None:
     ship = layout["ship"]
     axes.fill([ship[2], ship[3], ship[3], ship[2]], [0, 0, ship[5], ship[5]], color="0.85")
     axes.plot(signals["tip_y_m"], signals["tip_z_m"], "0.5", lw=1, label="trolley" if "trolley_m" in signals else "jib tip")
-    axes.plot(signals["payload_y_m"], signals["payload_z_m"], "tab:blue", lw=1, label="load")
+    axes.plot(signals["payload_y_m"], signals["payload_z_m"], lw=1, label="load", **style(1))
     for every in range(0, len(signals["time_s"]), max(1, len(signals["time_s"]) // 12)):
         axes.plot([signals[f"{p}_y_m"][every] for p in ("tip", "payload")], [signals[f"{p}_z_m"][every] for p in ("tip", "payload")], "k", lw=0.4)
     axes.set(aspect="equal", xlabel="y, m", ylabel="z, m", title="side view, ropes at twelve instants")
-    axes.legend(fontsize=7)
+    legend(axes)
 
 
 def joints(recording: Recording, axes: Axes) -> None:
     """The joints over time, each scaled to its own range."""
     signals = recording.signals
-    for name, label in JOINTS.items():
+    for n, (name, label) in enumerate(JOINTS.items()):
         if name not in signals or (name == "psi_rad" and "trolley_m" in signals):
             continue  # the other machine's, or a gantry's slewing, which does not move
         values = np.array(signals[name])
         span = max(float(np.ptp(values)), 0.02)  # a joint that is held is a flat line
-        axes.plot(signals["time_s"], (values - values.min()) / span, lw=1, label=f"{label}: {values.min():.2f} to {values.max():.2f}")
-    axes.set(xlabel="time, s", ylabel="share of range", title="joints")
-    axes.legend(fontsize=7)
+        axes.plot(signals["time_s"], (values - values.min()) / span, lw=1, label=f"{label}: {values.min():.2f} to {values.max():.2f}", **style(n))
+    axes.set(xlabel="time, s", ylabel="share of its range", title="joints")
+    legend(axes)
 
 
 def tracking(recording: Recording, axes: Axes) -> None:
@@ -110,28 +114,29 @@ def tracking(recording: Recording, axes: Axes) -> None:
         rms = np.array([np.sqrt(np.mean(part**2)) if part.size else 0.0 for part in slices])
         if rms.any():  # a gantry does not slew
             label = next((label for key, label in JOINTS.items() if key.rsplit("_", 1)[0] == name), name)
-            axes.stairs(rms * 1e3, edges, baseline=None, label=label.replace(", ", ", m"))
+            axes.stairs(rms * 1e3, edges, baseline=None, label=label.replace(", ", ", m"), **style(len(axes.patches)))
     axes.set(xlabel="time, s", ylabel="RMS error, mm or mrad", title="joint errors against the ideal run")
     if axes.patches:
         axes.set_yscale("log")
-        axes.legend(fontsize=7)
+        legend(axes)
 
 
 def sway(recording: Recording, axes: Axes) -> None:
     """Both sway angles in degrees; contact in grey."""
     signals = recording.signals
     time = np.array(signals["time_s"])
-    for name, label in (("sway_alpha_rad", "radial"), ("sway_beta_rad", "tangential")):
-        axes.plot(time, np.degrees(signals[name]), lw=1, label=label)
+    for n, (name, label) in enumerate((("sway_alpha_rad", "radial"), ("sway_beta_rad", "tangential"))):
+        axes.plot(time, np.degrees(signals[name]), lw=1, label=label, **style(n))
     low, high = axes.get_ylim()
     axes.fill_between(time, low, high, where=(np.array(signals["contact"]) > 0.5).tolist(), color="0.85", label="contact")
-    axes.set(xlabel="time, s", ylabel="degrees", title="sway")
-    axes.legend(fontsize=7)
+    axes.set(xlabel="time, s", ylabel="sway, degrees", title="sway")
+    legend(axes)
 
 
 def deadlines(recording: Recording, axes: Axes) -> None:
-    """Jobs on time (green) and missed (red) per kind over time."""
+    """Jobs per kind over time: light where all were on time, dark where one was missed."""
     from matplotlib.colors import ListedColormap
+    from matplotlib.patches import Patch
 
     edges, jobs, last = _edges(recording), recording.jobs, recording.last_runs()
     due = np.where(np.isnan(jobs["deadline_s"]), jobs["ended_s"], jobs["deadline_s"])
@@ -144,16 +149,17 @@ def deadlines(recording: Recording, axes: Axes) -> None:
             rows.append(np.where(counts[1] > 0, 2, counts[0] > 0))
     if kinds:
         table = np.array(rows)
-        axes.pcolormesh(edges, np.arange(len(kinds) + 1), table, cmap=ListedColormap(["white", "#7cb77c", "#cc2f27"]), vmin=0, vmax=2)
+        axes.pcolormesh(edges, np.arange(len(kinds) + 1), table, cmap=ListedColormap(["white", *MET_MISSED.values()]), vmin=0, vmax=2)
         axes.set_yticks(np.arange(len(kinds)) + 0.5, kinds, fontsize=7)
-    axes.set(xlabel="time, s", title="deadlines: green met, red missed")
+    axes.set(xlabel="time, s", title="deadlines")
+    legend(axes, handles=[Patch(facecolor=colour, edgecolor="k", lw=0.4, label=name) for name, colour in MET_MISSED.items()])
 
 
 def overview(recording: Recording) -> Figure:
     """All of them on one sheet."""
-    from matplotlib.figure import Figure
+    from cmrc.figures import ShownFigure
 
-    figure = Figure(figsize=(14, 15), layout="constrained")
+    figure = ShownFigure(figsize=(14, 15), layout="constrained")
     grid = figure.add_gridspec(4, 2, height_ratios=(2, 1, 1, 1))
     plan(recording, figure.add_subplot(grid[0, 0]))
     side(recording, figure.add_subplot(grid[0, 1]))

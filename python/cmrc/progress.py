@@ -1,17 +1,20 @@
-"""What long work shows on standard error: one line that changes on a terminal, else a line now and then."""
+"""What long work shows on standard error: one line that changes on a terminal and in a notebook, else a line now and
+then."""
 
 from __future__ import annotations
 
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import TracebackType
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 if TYPE_CHECKING:
     from typing_extensions import Self
+
+    from cmrc.sweeps import Status
 
 SILENT_S = 1.0
 """Work that is done sooner shows nothing."""
@@ -20,30 +23,43 @@ LOG_S = 15.0
 BEAT_S = 0.5
 
 
+def _can_change(stream: TextIO) -> bool:
+    """A line that was shown can be written over: on a terminal, and below the cell of a notebook."""
+    return stream.isatty() or type(stream).__module__.startswith("ipykernel")
+
+
 class ProgressLine:
     """``with ProgressLine("sweep") as line: line.show("3 of 8 runs")``. What is shown in between is gone at the end of
     the work."""
 
     def __init__(self, what: str, stream: TextIO | None = None) -> None:
         self.what, self.stream = what, sys.stderr if stream is None else stream
-        self.terminal = self.stream.isatty()
+        self.every_s = TERMINAL_S if _can_change(self.stream) else LOG_S
         self.began = time.monotonic()
-        self.last = self.began - (TERMINAL_S if self.terminal else LOG_S) + SILENT_S
+        self.last = self.began - self.every_s + SILENT_S
+        self.told = ""
+        """What the work has told of itself."""
         self.width = 0
+        self._lock = threading.RLock()
 
     def show(self, text: str, now: bool = False) -> None:
         """As often as is convenient; with ``now`` each is shown."""
-        time_s = time.monotonic()
-        if not now and time_s - self.last < (TERMINAL_S if self.terminal else LOG_S):
-            return
-        self.last = time_s
-        line = f"{self.what}: {text}"
-        if self.terminal:
-            self.stream.write("\r" + line.ljust(self.width))
-            self.width = len(line)
-        else:
-            self.stream.write(line + "\n")
-        self.stream.flush()
+        self.told = text
+        self._put(text, now)
+
+    def _put(self, text: str, now: bool = False) -> None:
+        with self._lock:
+            time_s = time.monotonic()
+            if not now and time_s - self.last < self.every_s:
+                return
+            self.last = time_s
+            line = f"{self.what}: {text}"
+            if self.every_s == TERMINAL_S:
+                self.stream.write("\r" + line.ljust(self.width))
+                self.width = len(line)
+            else:
+                self.stream.write(line + "\n")
+            self.stream.flush()
 
     def of(self, done: float, whole: float, unit: str = "s simulated", now: bool = False) -> None:
         """So much of it is done, and how much time it may still take."""
@@ -53,12 +69,15 @@ class ProgressLine:
 
     @contextmanager
     def beating(self, text: str = "running") -> Iterator[None]:
-        """For work that tells nothing of itself: how long it has been going on."""
+        """For work that tells little or nothing of itself: what it has told last, at first ``text``, and how long it
+        has been going on."""
+        self.told = self.told or text
         over = threading.Event()
 
         def beat() -> None:
             while not over.wait(BEAT_S):
-                self.show(f"{text}, {time.monotonic() - self.began:.0f} s")
+                if time.monotonic() - self.last > BEAT_S:
+                    self._put(f"{self.told}; {time.monotonic() - self.began:.0f} s so far")
 
         thread = threading.Thread(target=beat, daemon=True)
         thread.start()
@@ -70,10 +89,11 @@ class ProgressLine:
 
     def clear(self) -> None:
         """Takes the line off the terminal, for other output."""
-        if self.width:
-            self.stream.write("\r" + " " * self.width + "\r")
-            self.stream.flush()
-            self.width = 0
+        with self._lock:
+            if self.width:
+                self.stream.write("\r" + " " * self.width + "\r")
+                self.stream.flush()
+                self.width = 0
 
     def __enter__(self) -> Self:
         return self
@@ -82,3 +102,48 @@ class ProgressLine:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.clear()
+
+
+def shown(line: ProgressLine) -> Callable[[Status], None]:
+    """``on_progress`` of a sweep that a line shows."""
+    return lambda status: line.show(of_sweep(status))
+
+
+def of_sweep(status: Status) -> str:
+    """How far a sweep is, in words."""
+    if status.planned < status.runs:
+        return f"{status.planned} of {status.runs} points looked at"
+    ran = status.done - status.known - status.refused
+    left = status.runs - status.done
+    rest = f", about {status.elapsed_s / ran * left:.0f} s left" if ran > 0 and left else ""
+    again = f", {status.begun_again} begun again" if status.begun_again else ""
+    many = "" if status.workers == 1 else "s"
+    on = f"on {status.workers} worker{many}" if status.workers else "done, waiting for a worker"
+    return f"{status.done} of {status.runs} runs {on}{again}{rest}"
+
+
+def show_progress(what: str = "cmrc") -> Callable[..., None]:
+    """An ``on_progress`` that shows a line on standard error, in a notebook below its cell: for ``run``, ``compare``,
+    ``limits``, ``sweep``, ``search`` and ``Simulation.run``. It is gone when the work is done.
+
+    ``cmrc.sweep("misses.toml", "misses", on_progress=cmrc.show_progress())``"""
+    line: ProgressLine | None = None
+    before: tuple[float, float] = (0.0, 0.0)
+
+    def show(*told: Any) -> None:
+        nonlocal line, before
+        status = told[0] if len(told) == 1 else None
+        done, whole = (status.done, status.runs) if status else told
+        if line is None or whole != before[1] or done < before[0]:  # other work
+            line = ProgressLine(what)
+        before = (done, whole)
+        if status:
+            line.show(of_sweep(status))
+        else:
+            points = isinstance(whole, int)
+            line.of(done, whole, "runs" if points else "s simulated", now=points)
+        if done >= whole:
+            line.clear()
+            line = None
+
+    return show

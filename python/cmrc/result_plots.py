@@ -48,7 +48,7 @@ def style(n: int) -> dict[str, Any]:
 
 def legend(axes: Axes, **more: Any) -> None:
     """Beside the axes, where it covers nothing."""
-    if axes.get_legend_handles_labels()[1]:
+    if "handles" in more or axes.get_legend_handles_labels()[1]:
         axes.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, **more)
 
 
@@ -230,9 +230,9 @@ def load_error(result: Result, axes: Axes) -> None:
 
 def sheet(result: Result) -> Figure:
     """Misses, response times and the load's error on one sheet."""
-    from matplotlib.figure import Figure
+    from cmrc.figures import ShownFigure
 
-    figure = Figure(figsize=(13, 7.5), layout="constrained")
+    figure = ShownFigure(figsize=(13, 7.5), layout="constrained")
     grid = figure.subplots(2, 2)
     misses(result, grid[0, 0])
     histogram(result, grid[0, 1])

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from cmrc import _core, arguments, files
 from cmrc.c40 import ChipState, Program
 from cmrc.debug import Debugger
+from cmrc.keywords import listed
 from cmrc.result import Profile, Result
 from cmrc.snapshots import SnapshotError
 from cmrc.table import Table
@@ -94,6 +95,7 @@ class Simulation:
     (``result``, ``tasks``, ``dsp``), neither changed nor run: all else is a RuntimeError at once. Raises ConfigError; c40.AssemblyError when ``programs`` names sources that do not assemble.
     """
 
+    @listed
     def __init__(
         self,
         *,
@@ -236,6 +238,7 @@ class Simulation:
         return bool(self._core.ended)
 
 
+@listed
 def run(
     dsps: int | None = None,
     duration_s: float | None = None,

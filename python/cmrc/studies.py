@@ -9,8 +9,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from cmrc import _core, arguments
+from cmrc.keywords import listed
 from cmrc.limit_scans import Scans
-from cmrc.simulation import Setting, configured
+from cmrc.simulation import Progress, Setting, configured
 from cmrc.table import Table
 
 if TYPE_CHECKING:
@@ -69,6 +70,7 @@ def _grid(name: str, values: Iterable[float] | None) -> list[float] | None:
     return [arguments.number(f"{name}[{n}]", value, least=-math.inf) for n, value in enumerate(arguments.items(name, values, "a list of numbers"))]
 
 
+@listed
 def limits(
     *,
     cycles: Iterable[float] | None = None,
@@ -87,7 +89,7 @@ def limits(
     ``cycles`` are factors on the time of an instruction cycle (the buses keep theirs), ``dsps`` numbers of DSPs, ``servo`` frequencies f_p in Hz. What is None is
     not scanned; if all three are, each has its standard grid. With ``errors`` every point runs to its end and says what it cost against the ideal run
     (realised f_p and f_t, load error, lag); without, a point stops at its first miss. The other arguments are those of ``run``; ``settings={"machine.dsps": 2}`` is the configuration's own
-    number of DSPs. ``on_progress(done, points)`` is told of every run that ends. Raises ConfigError for an empty grid or a value given twice; a point whose
+    number of DSPs. ``on_progress(done, points)`` is told at the start and of every run that ends. Raises ConfigError for an empty grid or a value given twice; a point whose
     configuration is not allowed is reported as refused, not raised.
     """
     arguments.function("on_progress", on_progress, "a function of (done, points) or None")
@@ -109,18 +111,20 @@ def scans_of(
     return Scans(config, *grids, errors=arguments.flag("errors", errors))
 
 
+@listed
 def compare(
     *,
     config: str | os.PathLike[str] | None = None,
     preset: str | None = None,
     settings: Mapping[str, Setting] | None = None,
     events: Sequence[Mapping[str, Setting]] = (),
+    on_progress: Progress | None = None,
     **keywords: Unpack[Settings],
 ) -> Comparison:
     """The run beside the same run with instant execution (``run.ideal``), both at the same time. Arguments as of ``run``."""
-    return compared(configured(config, preset, settings, events, keywords))
+    return compared(configured(config, preset, settings, events, keywords), on_progress)
 
 
-def compared(config: _core.cmrc.Config) -> Comparison:
-    text, found = _core.why_late.compare(config)
+def compared(config: _core.cmrc.Config, on_progress: Progress | None = None) -> Comparison:
+    text, found = _core.why_late.compare(config, on_progress)
     return Comparison(text, json.loads(found))

@@ -122,12 +122,13 @@ def test_ctrl_c_ends_the_run_with_a_report(emulator: Path, tmp_path: Path) -> No
         assert task["released"] == sum(task[outcome] for outcome in OUTCOMES)
 
 
-def test_the_progress_line_shows_on_a_terminal_only(emulator: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("command", [[], ["compare"]], ids=["run", "compare"])
+def test_the_progress_line_shows_on_a_terminal_only(emulator: Path, tmp_path: Path, command: list[str]) -> None:
     try:
         ours, theirs = pty.openpty()
     except OSError:
         pytest.skip("no pseudo-terminals here (a chroot without /dev/pts)")
-    process = subprocess.Popen([emulator, "--duration", "5000"], cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=theirs)
+    process = subprocess.Popen([emulator, *command, "--duration", "5000"], cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=theirs)
     os.close(theirs)
     seen = b""
     while b"x real time" not in seen:

@@ -2,14 +2,25 @@
 
 import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
-from locations import ROOT
+from locations import BUILD, ROOT
 
 
-def blocks() -> list[str]:
-    return re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "python.md").read_text(encoding="utf-8"), re.DOTALL)
+def blocks(page: str = "docs/python.md") -> list[str]:
+    return re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.DOTALL)
+
+
+def test_the_python_of_the_readme(capsys: pytest.CaptureFixture[str]) -> None:
+    [program] = blocks("README.md")
+    exec(program, {})  # noqa: S102
+    misses, explained = capsys.readouterr().out.splitlines()
+    [missed] = re.findall(r"deadlines missed\"\)\s+# (\d+)", program)
+    assert misses == f"{missed} deadlines missed" and int(missed) > 0
+    assert "In its way" in explained and "what helps against that" in explained
 
 
 def test_the_python_of_its_page(
@@ -32,3 +43,14 @@ def test_the_error_of_its_page(capsys: pytest.CaptureFixture[str]) -> None:
     exec("import cmrc\n" + refused, {})  # noqa: S102
     said = re.findall(r"# (.*)$", refused, re.MULTILINE)
     assert capsys.readouterr().out.splitlines() == said and len(said) == 3
+
+
+def test_the_script_of_the_pictures_finds_what_it_draws_with() -> None:
+    done = subprocess.run(
+        [sys.executable, ROOT / "scripts" / "doc_pictures.py"],
+        env={**os.environ, "PYTHONPATH": str(BUILD / "python")},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2 and "Pictures: dock" in done.stderr

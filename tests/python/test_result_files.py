@@ -183,6 +183,7 @@ def test_a_difference_names_settings_event_and_metrics(result: cmrc.Result, othe
 def test_without_events_the_first_metric_is_named(result: cmrc.Result, other: cmrc.Result) -> None:
     found = cmrc.diff(result.report, other)
     assert found.event is None and found.first.startswith("The first metric that differs is ")
+    assert "keep_events=True" in found.first
 
 
 def test_two_runs_of_the_same_are_the_same(result: cmrc.Result) -> None:

@@ -1,7 +1,11 @@
 """What an editor offers as keywords is the configuration's schema."""
 
 import importlib.util
+import inspect
 
+import cmrc
+import pytest
+from cmrc import keywords
 from locations import ROOT
 
 
@@ -11,3 +15,25 @@ def test_the_stub_of_the_settings_is_the_schema() -> None:
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     assert module.PLACE.read_text(encoding="utf-8") == module.stub(), "python scripts/settings_stub.py writes it"
+
+
+def test_every_setting_is_a_keyword_that_a_notebook_completes() -> None:
+    """IPython and jedi ask for the signature of the function that is there."""
+    known = set(keywords.settings())
+    assert len(known) > 200
+    for function, own in (
+        (cmrc.run, {"config", "preset", "keep_events"}),
+        (cmrc.Simulation, {"profile"}),
+        (cmrc.limits, {"cycles", "errors"}),
+        (cmrc.compare, {"events"}),
+    ):
+        parameters = inspect.signature(function).parameters
+        assert known | own <= set(parameters) and not any(one.kind is one.VAR_KEYWORD for one in parameters.values())
+    assert inspect.signature(cmrc.run).parameters["idle_policy"].default == "doorbell"
+
+
+def test_a_completer_sees_them() -> None:
+    jedi = pytest.importorskip("jedi", reason="jedi is missing, which completes in notebooks")
+    for text, expected in (("cmrc.run(idle_", "idle_policy="), ("cmrc.Simulation(servo_fr", "servo_frequency_hz=")):
+        found = jedi.Interpreter(text, [{"cmrc": cmrc}]).complete()
+        assert expected in [one.name for one in found]

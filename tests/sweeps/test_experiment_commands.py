@@ -13,6 +13,7 @@ import pytest
 from cmrc.__main__ import main
 from cmrc.commands.common import numbers, setting
 from cmrc.progress import ProgressLine
+from cmrc.sweeps import Status
 from locations import BUILD
 
 pytest.importorskip("distributed")
@@ -194,4 +195,35 @@ def test_work_that_tells_nothing_shows_that_it_goes_on(monkeypatch: pytest.Monke
     with ProgressLine("work", shown) as line, line.beating():
         while not shown.getvalue():
             threading.Event().wait(0.001)
-    assert shown.getvalue().startswith("work: running, 0 s")
+    assert shown.getvalue().startswith("work: running; 0 s so far")
+
+
+def test_a_notebook_shows_a_line_that_goes_away_and_begins_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    import io
+
+    stream = type("OutStream", (io.StringIO,), {"__module__": "ipykernel.iostream"})()
+    now = [100.0]
+    monkeypatch.setattr("cmrc.progress.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("sys.stderr", stream)
+    show = cmrc.show_progress("sweep")
+    for done in range(5):
+        show(Status(4, done, 0, workers=2, elapsed_s=now[0] - 100, planned=4))
+        now[0] += 1.0
+    assert "\rsweep: 1 of 4 runs on 2 workers, about 3 s left" in stream.getvalue()
+    assert stream.getvalue().endswith(" \r")
+    for done in (0.0, 0.5, 1.0):  # a run of its own
+        show(done, 1.0)
+        now[0] += 1.5
+    assert "0.5 of 1 s simulated, about 2 s left" in stream.getvalue() and "\n" not in stream.getvalue()
+
+
+def test_long_commands_show_something_before_their_first_step_is_done(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("cmrc.progress.BEAT_S", 0.01)
+    monkeypatch.setattr("cmrc.progress.SILENT_S", 0.0)
+    monkeypatch.setattr("cmrc.progress.LOG_S", 0.0)
+    assert main(["limits", "--duration", "0.05", "--dsps-grid", "2"]) == 0
+    assert capsys.readouterr().err.startswith("cmrc limits: 0 of 1 runs")
+    assert main(["compare", "--duration", "0.1"]) == 0
+    assert " of 0.1 s simulated" in capsys.readouterr().err

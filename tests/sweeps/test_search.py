@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cmrc.sweeps import GridError, SweepError, grid
+from cmrc.sweeps import GridError, SweepError, grid, sweep
 from cmrc.sweeps import search as function
 from cmrc.sweeps.metrics import spread
 from cmrc.sweeps.search import Trial, _Asked, _bisected, _check, _optimised
@@ -18,7 +18,7 @@ class Formula:
     """Stands for the runs: a metric that is a formula of the place."""
 
     def __init__(self, of: Any, tables: dict[str, Any]) -> None:
-        self.of, self.grid, self.keys, self.trials = of, grid.made(tables), [], []
+        self.of, self.grid, self.trials = of, grid.made(tables), []
         self.batches: list[list[dict[str, Any]]] = []
 
     def values(self, places: Any, seeds: Any) -> list[Trial]:
@@ -26,7 +26,7 @@ class Formula:
         made = []
         for place in places:
             found = [float(self.of(place, seed)) for seed in seeds or [0]]
-            made.append(Trial(dict(place), spread(found), max(found)))
+            made.append(Trial(dict(place), spread(found), max(found), len(found)))
         return made
 
     def try_all(self, places: Any) -> list[Trial]:
@@ -123,6 +123,27 @@ def test_a_search_in_real_runs(tmp_path: Path) -> None:
     assert found.sweep is not None and len(found.sweep) == len(found.trials) + 1
     again = function(spec, tmp_path / "s", address="tcp://127.0.0.1:9")  # nothing is due: no cluster is asked for
     assert again.text() == found.text()
+
+
+def test_what_was_refused_or_failed_has_not_passed() -> None:
+    whole = Trial({}, spread([0.0, 0.0]), 0.0, seeds=2)
+    assert whole.passes(0) and whole.counts
+    for other in (
+        Trial({}, spread([0.0]), 0.0, seeds=2, failed=1),
+        Trial({}, spread([0.0]), 0.0, seeds=2, refused=1),
+        Trial({}, spread([math.nan, 0.0]), 0.0, seeds=2),
+        Trial({}, spread([]), math.nan, seeds=2, refused=2),
+    ):
+        assert not other.passes(0)
+        assert other.counts == (other.refused + other.failed == 0)
+
+
+def test_a_search_goes_on_in_the_folder_of_a_sweep(tmp_path: Path) -> None:
+    sweep({"fixed": {**FIXED, "servo_frequency_hz": 1000.0}, "axes": {"dsps": [1, 2]}}, tmp_path / "s", workers=1)
+    spec = {"fixed": FIXED, "repeats": {"seeds": 1}, "search": {"bisect": "dsps", "from": 3, "to": 1, "check_seeds": 1}}
+    found = function(spec, tmp_path / "s", workers=1)
+    assert found.best == {"machine.dsps": 2} and found.sweep is not None
+    assert {run["seed"] for run in found.sweep.runs} == {1, 2}
 
 
 @pytest.mark.parametrize(("tables", "says"), [

@@ -73,6 +73,55 @@ def test_a_grid_that_has_grown_runs_what_is_new(done: Sweep, tmp_path: Path) -> 
     )
 
 
+def test_a_run_of_an_earlier_grid_has_its_place_in_the_new_one(tmp_path: Path) -> None:
+    """What was fixed, or as it is by default, becomes an axis; and seeds come."""
+    fixed = {**FIXED, "dsps": 2}
+    sweep({"fixed": fixed, "axes": {"servo_frequency_hz": [500.0, 1000.0]}}, tmp_path / "s", workers=1)
+    sweep({"fixed": FIXED, "axes": {"servo_frequency_hz": [500.0]}}, tmp_path / "s", workers=1)  # on 4 DSPs, by default
+    seen: list[Status] = []
+    more = {
+        "fixed": FIXED,
+        "axes": {"dsps": [1, 2, 4], "servo_frequency_hz": [500.0, 1000.0]},
+        "repeats": {"seeds": 2},
+    }
+    grown = sweep(more, tmp_path / "s", workers=1, on_progress=seen.append)
+    assert seen[-1].known == 3 and seen[-1].runs == 12
+    for found in (grown, Sweep(tmp_path / "s")):
+        assert len(found) == 12 and found.axes == ["machine.dsps", "rates.servo_frequency_hz"]
+        assert [spread.n for _, spread in found.summary("misses")] == [2] * 6
+        assert sorted(set(found.table("misses")["seed"])) == [1, 2]
+        kept = found.report(dsps=2, servo_frequency_hz=1000.0, seed=1)
+        assert kept["configuration"]["machine.dsps"] == 2
+    assert grown.text() == Sweep(tmp_path / "s").text()
+
+
+def test_points_that_make_one_run_are_rows_of_their_own(tmp_path: Path) -> None:
+    seen: list[Status] = []
+    tables = {"fixed": FIXED, "axes": {"turn_order": [1, 2, 3]}}
+    found = sweep(tables, tmp_path / "s", workers=1, on_progress=seen.append)
+    assert len(found) == 3 and seen[-1].runs == 1 and len({run["hash"] for run in found.runs}) == 1
+    assert [place["run.turn_order"] for place, spread in found.summary() if spread.n == 1] == [1, 2, 3]
+
+
+def test_a_row_can_be_run_again_with_its_signals(tmp_path: Path) -> None:
+    tables = {
+        "fixed": {**FIXED, "preset": "saturated", "duration_s": 0.04},
+        "futures": [{"name": "well"}, {"name": "one dies", "events": [{"at_s": 0.025, "action": "fail", "dsp": 1}]}],
+    }
+    found = sweep(tables, tmp_path / "s", workers=1)
+    for run in found.runs:
+        again = found.rerun(run, keep_events=True)
+        assert again.hash == run["hash"] and again.signals.rows > 1 and again.events
+    assert len({run["hash"] for run in found.runs}) == 2
+
+
+def test_n_stands_beside_what_not_every_repeat_has_measured(tmp_path: Path) -> None:
+    found = sweep({"fixed": FIXED, "repeats": {"seeds": 3}}, tmp_path / "s", workers=1)
+    values = iter([1.0, None, 2.0])
+    text = found.text("misses", lambda report: next(values))
+    assert "(n = 2)" in text and text.splitlines()[1].split()[0] == "3"
+
+
 def test_repeats_that_agree_have_no_interval_and_the_table_says_so(tmp_path: Path) -> None:
     found = sweep({"fixed": FIXED, "repeats": {"seeds": 2}}, tmp_path / "s", workers=1)
     text = found.text("misses", "any_miss")

@@ -159,3 +159,8 @@ def test_the_sheet_is_drawn_also_of_a_run_without_a_reference(result: cmrc.Resul
     result.plot().savefig(tmp_path / "a.png", dpi=40)
     cmrc.run(dsps=1, duration_s=0.03, settings={"report.reference": "none"}).plot().savefig(tmp_path / "b.png", dpi=40)
     assert (tmp_path / "a.png").stat().st_size > 5000 < (tmp_path / "b.png").stat().st_size
+
+
+def test_a_notebook_shows_the_sheet_without_pyplot(result: cmrc.Result) -> None:
+    shown = result.plot()._repr_png_()  # type: ignore[attr-defined]
+    assert shown.startswith(b"\x89PNG") and len(shown) > 5000

@@ -1,17 +1,14 @@
 #include "cmrc/run/compare_with_ideal.hpp"
 
 #include <stdexcept>
-
-#include "cmrc/run/simulation.hpp"
-
 namespace cmrc {
-report::Comparison compare_with_ideal(const Config& given) {
+report::Comparison compare_with_ideal(const Config& given, const std::function<bool(const Progress&)>& on_progress) {
   if (given.run.ideal)
     throw ConfigError("run.ideal: the run itself is ideal; false is expected where it is compared with its ideal");
   Config config = given;
   config.report.reference = ReferenceKind::ideal;
   Simulation simulation(config);
-  simulation.run();
+  simulation.run(on_progress);
   report::Comparison comparison;
   comparison.duration_s = report::seconds(simulation.time());
   const report::RunReport report = simulation.report_so_far();

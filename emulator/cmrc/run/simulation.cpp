@@ -286,7 +286,7 @@ class Simulation::Parts {
     std::vector<std::string> kinds = job_kinds();
     for (const UserTask& task : config.tasks) kinds.push_back("user." + task.name);
     report::Errors made = measure({config, dock_config, *course, jobs, std::move(kinds), to}, meant, demanded);
-    made.reference_elapsed_s = ideal ? ideal->elapsed_s : 0;
+    if (ideal) made.reference_elapsed_s = ideal->elapsed_s;
     if (over() && !interrupted) errors = made;
     return made;
   }

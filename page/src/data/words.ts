@@ -2,9 +2,9 @@
 import { ENDS, OUTCOMES, WAITS, type Header, type Runs } from "./recording";
 import { ASLEEP, AWAKE, FAILED, OFF } from "./lanes";
 
-/** Text without what controls a terminal or a line. */
+/** Text without what controls a terminal, a line, or the direction of what stands beside it. */
 export function plain(text: string): string {
-  return text.replace(/[\u0000-\u001f\u007f-\u009f\u2028\u2029]/g, " ");
+  return text.replace(/[\u0000-\u001f\u007f-\u009f\u2028\u2029]/g, " ").replace(/[\u200e\u200f\u061c\u202a-\u202e\u2066-\u2069]/g, "");
 }
 
 /** A time with the unit that suits it. */

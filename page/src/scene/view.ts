@@ -14,6 +14,7 @@ import { box, edges, paint, Track } from "./shapes";
 import { Fleet } from "./vehicles";
 
 const AHEAD = 20, BEHIND = 4; // s of path that are drawn
+const LAST = 1; // drawn over what has been drawn
 
 function drawsInSoftware(gl: WebGL2RenderingContext): boolean {
   const info = gl.getExtension("WEBGL_debug_renderer_info");
@@ -86,17 +87,20 @@ export class DockView {
     this.ghost.add(shape, spreader);
   }
 
+  /** The load's ways, seen through what stands before them. */
   private addTracks(): void {
     const column = (name: string): Float64Array | undefined => this.samples.column(name);
     const planned = ["x", "y", "z"].map((axis) => column(`planned_${axis}_m`));
     if (planned.every((one) => one !== undefined)) {
       const [x, y, z] = planned as Float64Array[];
-      this.scene.add((this.tracks.planned = new Track(x, y, z, new THREE.LineBasicMaterial({ color: OKABE_ITO.purple }))));
+      this.scene.add((this.tracks.planned = new Track(x, y, z, new THREE.LineBasicMaterial({ color: OKABE_ITO.purple, depthTest: false }))));
     }
+    if (this.tracks.planned) this.tracks.planned.renderOrder = LAST;
     const ghost = ["x", "y", "z"].map((axis) => column(`ghost_${axis}_m`));
     if (ghost.every((one) => one !== undefined)) {
       const [x, y, z] = (ghost as Float64Array[]).map((away, i) => away.map((by, row) => by + column(`payload_${"xyz"[i]}_m`)![row]));
-      this.tracks.ideal = new Track(x, y, z, new THREE.LineDashedMaterial({ color: OKABE_ITO.sky, dashSize: 0.7, gapSize: 0.7 }));
+      this.tracks.ideal = new Track(x, y, z, new THREE.LineDashedMaterial({ color: OKABE_ITO.sky, dashSize: 0.7, gapSize: 0.7, depthTest: false }));
+      this.tracks.ideal.renderOrder = LAST;
       this.tracks.ideal.computeLineDistances();
       this.scene.add(this.tracks.ideal);
     }

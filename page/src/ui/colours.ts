@@ -50,12 +50,12 @@ const tasks = [OKABE_ITO.blue, OKABE_ITO.sky, OKABE_ITO.green, OKABE_ITO.yellow,
 
 export const LIGHT: Theme = {
   dark: false, ink: "#1b1f24", soft: "#5c6670", paper: "#f3f4f1", panel: "#ffffff",
-  groups: ["#ffffff", OKABE_ITO.vermillion, "#eceeec", "#a9afb5", ...tasks, "#3c4043"],
+  groups: ["#ffffff", OKABE_ITO.vermillion, "#eceeec", "#bfc4c8", ...tasks, "#3c4043"],
   sky: "#dfe8ee", ground: "#c9c8c0", water: "#9dbdd2",
 };
 export const DARK: Theme = {
   dark: true, ink: "#e8eaed", soft: "#a2abb4", paper: "#14171a", panel: "#1d2125",
-  groups: ["#1d2125", OKABE_ITO.vermillion, "#2a2f34", "#707880", "#0a7cc4", ...tasks.slice(1), "#d5d8db"],
+  groups: ["#1d2125", OKABE_ITO.vermillion, "#2a2f34", "#5c646c", "#0a7cc4", ...tasks.slice(1), "#d5d8db"],
   sky: "#20272e", ground: "#4a4d4c", water: "#2b4252",
 };
 

@@ -57,7 +57,7 @@ export class Plots {
       legend: { show: false }, cursor: { show: false }, select: { show: false, left: 0, top: 0, width: 0, height: 0 },
       scales: { x: { time: false, range: () => [this.state.from, this.state.to] }, y: { range: (_, low, high) => roomFor(low, high) } },
       axes: [
-        { ...axis, size: 4, values: (_, splits) => splits.map(() => ""), splits: (u) => marks(this.state.from, this.state.to, stepFor(this.state.to - this.state.from, u.width / 95)) },
+        { ...axis, size: 4, values: (_, splits) => splits.map(() => ""), splits: (u) => marks(this.state.from, this.state.to, stepFor(this.state.to - this.state.from, (u.width - this.left - 10) / 95)) },
         { ...axis, size: this.left, splits: undefined },
       ],
       series: [{}, ...series.map((one) => ({ stroke: () => this.colour(one.colour), width: 1.5, dash: one.dash, points: { show: false } }))],

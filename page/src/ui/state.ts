@@ -4,6 +4,7 @@ export type Part = "now" | "view" | "playing" | "speed" | "miss" | "theme" | "op
 
 export const SPEEDS = [0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1, 3, 10, 30, 100];
 const SHORTEST_VIEW = 2e-6; // s
+const STEP = 0.5; // s between two steps where little motion is wanted
 
 export class State {
   now: number;
@@ -13,7 +14,8 @@ export class State {
   speed = 1;
   miss = -1; // run of the job
   options = { rays: true, ghost: true, path: true };
-  readonly still: boolean; // the reader wants little motion
+  readonly still: boolean; // the reader wants little motion: playing goes on in steps and does not glide
+  private owed = 0; // s of the reader's that have passed since the last step
   private readonly listeners: ((part: Part) => void)[] = [];
 
   constructor(readonly begin: number, readonly end: number) {
@@ -70,6 +72,7 @@ export class State {
   play(playing: boolean): void {
     if (playing && this.now >= this.end) this.seek(this.begin);
     this.playing = playing;
+    this.owed = 0;
     this.tell("playing");
   }
 
@@ -91,7 +94,10 @@ export class State {
   /** Moves on by so many seconds of the reader's. */
   advance(seconds: number): void {
     if (!this.playing) return;
-    this.seek(this.now + seconds * this.speed);
+    this.owed += seconds;
+    if (this.still && this.owed < STEP) return;
+    this.seek(this.now + this.owed * this.speed);
+    this.owed = 0;
     if (this.now >= this.end) this.play(false);
     this.follow();
   }

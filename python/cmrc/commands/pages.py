@@ -68,7 +68,7 @@ def _events(given: argparse.Namespace) -> int:
             raise ValueError("--set: RUN is a trace; only a configuration takes settings")
         else:
             batches = events.of_trace(run)
-        with line.beating():
+        with line.beating("writing the table" if run.suffix != ".toml" else "running"):
             count = events.write(batches, table)
     print(f"{files.printable(str(table))}: {count} events")
     return 0
@@ -90,11 +90,12 @@ def _write(run: Path, out: Path, plots: Path | None, given: dict[str, Setting]) 
     _check_outputs(run, out, plots)
     simulation = Simulation(config=run, settings=given)
     simulation.record()
-    with ProgressLine("cmrc page") as line:
+    with ProgressLine("cmrc page") as line, line.beating():
         simulation.run(line.of)
-    simulation.write_page(out, f"{run.stem}: {simulation.title}")
+        line.told = "writing the page"
+        simulation.write_page(out, f"{run.stem}: {simulation.title}")
     if plots is not None:
-        _draw(page.Recording.read(out), plots)
+        _draw(out, plots)
 
 
 def _plot(run: Path, plots: Path | None, given: argparse.Namespace) -> None:
@@ -106,7 +107,7 @@ def _plot(run: Path, plots: Path | None, given: argparse.Namespace) -> None:
     if plots is None or given.out or given.set:
         raise ValueError(f"{run}: of a page only --plots can be made; a configuration (.toml) is expected for all else")
     _check_outputs(run, None, plots)
-    _draw(page.Recording.read(run), plots)
+    _draw(run, plots)
 
 
 def _check_outputs(run: Path, out: Path | None, plots: Path | None) -> None:
@@ -120,9 +121,10 @@ def _check_outputs(run: Path, out: Path | None, plots: Path | None) -> None:
     picture("--plots", plots)
 
 
-def _draw(recording: page.Recording, plots: Path) -> None:
+def _draw(run: Path, plots: Path) -> None:
     from cmrc import plot
 
-    figure = plot.overview(recording)
-    with files.writing(plots) as out:
-        figure.savefig(out, dpi=110, format=plots.suffix[1:].lower())
+    with ProgressLine("cmrc page") as line, line.beating("drawing the plots"):
+        figure = plot.overview(page.Recording.read(run))
+        with files.writing(plots) as out:
+            figure.savefig(out, dpi=110, format=plots.suffix[1:].lower())

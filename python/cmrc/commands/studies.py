@@ -78,7 +78,7 @@ def _do_limits(given: argparse.Namespace) -> int:
     )
     scans = studies.scans_of(_configured(given), cycles, dsps, servo, given.errors)
     status = 0
-    with ProgressLine("cmrc limits") as line:
+    with ProgressLine("cmrc limits") as line, line.beating("no run has ended yet"):
         try:
             scans.run(lambda done, points: line.of(done, points, "runs", now=True))
         except KeyboardInterrupt as stop:
@@ -94,7 +94,7 @@ def _compare(commands: Commands) -> None:
 def _do_compare(given: argparse.Namespace) -> int:
     made = _configured(given)
     with ProgressLine("cmrc compare") as line, line.beating():
-        found = studies.compared(made)
+        found = studies.compared(made, line.of)
     _show(given, found.text, found.report)
     return 0
 
@@ -120,7 +120,8 @@ def _do_diff(given: argparse.Namespace) -> int:
     if given.json is not None:
         roles.writes("--json", given.json)
         output("--json", given.json)
-    found = cmrc.diff(given.left, given.right)
+    with ProgressLine("cmrc diff") as line, line.beating("reading"):
+        found = cmrc.diff(given.left, given.right)
     print(files.printable_lines(found.text(len(found.metrics) if given.all else 40)), end="")
     if given.json is not None:
         files.write(given.json, json.dumps(found.to_dict(), indent=2) + "\n")

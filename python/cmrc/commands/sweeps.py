@@ -5,16 +5,16 @@ from __future__ import annotations
 import argparse
 import csv
 import io
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cmrc import files
 from cmrc.commands.common import Commands, command, output, picture
-from cmrc.progress import ProgressLine
+from cmrc.progress import ProgressLine, shown
 
 if TYPE_CHECKING:
-    from cmrc.sweeps import Status, Sweep
+    from cmrc.sweeps import Sweep
 
 
 def add(commands: Commands) -> None:
@@ -52,21 +52,6 @@ def _folder(given: argparse.Namespace) -> Path:
     return Path(given.out) if given.out is not None else file.with_suffix("")
 
 
-def _show(line: ProgressLine) -> Callable[[Status], object]:
-    def show(status: Status) -> None:
-        if status.planned < status.runs:
-            line.show(f"{status.planned} of {status.runs} points looked at")
-            return
-        fresh = status.done - status.known
-        left = status.runs - status.done
-        rest = f", about {status.elapsed_s / fresh * left:.0f} s left" if fresh > status.refused and left else ""
-        again = f", {status.begun_again} begun again" if status.begun_again else ""
-        on = f"on {status.workers} workers" if status.workers else "done, waiting for a worker"
-        line.show(f"{status.done} of {status.runs} runs {on}{again}{rest}")
-
-    return show
-
-
 def _sweep(commands: Commands) -> None:
     parser = command(commands, "sweep", "runs every point of a grid, and keeps the reports in a folder", _do_sweep)
     parser.add_argument("file", metavar="FILE.toml", help="the grid (docs/sweeps.md)")
@@ -88,19 +73,23 @@ def _do_sweep(given: argparse.Namespace) -> int:
             roles.writes(option, path)
     output("--csv", given.csv)
     picture("--plot", given.plot)
-    if given.show:
-        found = Sweep(_folder(given))
-    else:
-        with ProgressLine("cmrc sweep") as line:
-            found = sweep(
-                given.file, _folder(given), again_failed=given.again_failed, on_progress=_show(line), **_place(given)
-            )
     metrics = given.metric or []
-    print(files.printable_lines(found.text(*metrics)), end="")
-    if given.csv is not None:
-        files.write(given.csv, _csv(found, metrics))
-    if given.plot is not None:
-        _draw(found, metrics, Path(given.plot))
+    with ProgressLine("cmrc sweep") as line, line.beating("beginning"):
+        if given.show:
+            found = Sweep(_folder(given))
+        else:
+            on_progress = shown(line)
+            found = sweep(
+                given.file, _folder(given), again_failed=given.again_failed, on_progress=on_progress, **_place(given)
+            )
+        line.told = "reading the reports"
+        text = found.text(*metrics)
+        line.clear()
+        print(files.printable_lines(text), end="", flush=True)
+        if given.csv is not None:
+            files.write(given.csv, _csv(found, metrics))
+        if given.plot is not None:
+            _draw(found, metrics, Path(given.plot))
     return 1 if found.counts()["failed"] else 0
 
 
@@ -133,7 +122,7 @@ def _search(commands: Commands) -> None:
 def _do_search(given: argparse.Namespace) -> int:
     from cmrc.sweeps import search
 
-    with ProgressLine("cmrc search") as line:
-        found = search(given.file, _folder(given), on_progress=_show(line), **_place(given))
+    with ProgressLine("cmrc search") as line, line.beating("beginning"):
+        found = search(given.file, _folder(given), on_progress=shown(line), **_place(given))
     print(found.text(), end="")
     return 0 if found.best is not None and found.check_passed is not False else 1

@@ -18,6 +18,7 @@ from cmrc.processes import environment
 from cmrc.sweeps.store import SweepError
 
 CONNECT_S = 30.0
+GONE = "the cluster's scheduler is gone; what was answered is kept, and the same command goes on from there"
 START_AGAIN_S = 0.2
 ASK_S = 1.0
 SETTINGS = {
@@ -46,15 +47,18 @@ class Workers:
     def mend(self) -> None:
         """Starts again what has died on this machine. Raises SweepError where the cluster is gone."""
         if self.client.status not in ("running", "connecting"):
-            raise SweepError("the cluster's scheduler is gone")
+            raise SweepError(GONE)
         if self._processes is not None:
             self._processes.mend()
 
     def threads(self) -> int:
-        """How many runs can go on at a time; at most a second old."""
+        """How many runs can go on at a time; at most a second old. Raises SweepError where the cluster is gone."""
         now = time.monotonic()
         if now - self._asked_at > ASK_S:
-            self._asked_at, self._threads = now, sum(map(int, self.client.nthreads().values()))
+            try:
+                self._asked_at, self._threads = now, sum(map(int, self.client.nthreads().values()))
+            except (OSError, RuntimeError) as error:  # Dask's CommClosedError is an OSError
+                raise SweepError(GONE) from error
         return self._threads
 
 

@@ -14,6 +14,7 @@ from typing import Any
 from cmrc import _core
 from cmrc.sweeps import store
 from cmrc.sweeps.cluster import Workers
+from cmrc.sweeps.grid import Point
 from cmrc.sweeps.identity import Run, build
 from cmrc.sweeps.store import Folder, Row, SweepError
 from cmrc.sweeps.work import Alone, Answer, Execute, RunDied
@@ -180,21 +181,24 @@ class Runner:
             self.on_progress(self.status)
 
 
-def row_of(run: Run, answer: Answer) -> Row:
-    """A row of a part."""
-    point = run.point
+def place_of(point: Point) -> Row:
+    """The columns that say where in its grid a run stands: the same run may stand in several grids."""
     settings = {
         **dict(point.settings),
         **({"preset": point.preset} if point.preset else {}),
         **({"config": point.config} if point.config else {}),
+        **({"events": [dict(event) for event in point.events]} if point.events else {}),
     }
+    return {"place": json.dumps(dict(point.place)), "seed": point.seed, "settings": json.dumps(settings)}
+
+
+def row_of(run: Run, answer: Answer) -> Row:
+    """A row of a part."""
     return {
         "key": run.key,
         "status": answer["status"],
         "message": answer["message"],
-        "place": json.dumps(dict(point.place)),
-        "seed": point.seed,
-        "settings": json.dumps(settings),
+        **place_of(run.point),
         "hash": answer["hash"],
         "build": build(),
         "emulator_version": _core.cmrc.emulator_version,

@@ -13,8 +13,9 @@ from cmrc import arguments
 from cmrc.extras import needed
 from cmrc.simulation import Setting
 from cmrc.sweeps import grid as grids
-from cmrc.sweeps import metrics, work
+from cmrc.sweeps import metrics, store, work
 from cmrc.sweeps.grid import SEED, Grid, GridError
+from cmrc.sweeps.identity import Run
 from cmrc.sweeps.metrics import Spread
 from cmrc.sweeps.runner import Status
 from cmrc.sweeps.session import Place, Session
@@ -33,7 +34,19 @@ class Trial:
     spread: Spread
     worst: float = math.nan
     """The largest value of all seeds."""
+    seeds: int = 1
+    """So many were asked for; ``spread.n`` of them were measured."""
     refused: int = 0
+    failed: int = 0
+
+    @property
+    def counts(self) -> bool:
+        """It was measured, and no seed was refused or failed: else its mean would be that of the easy seeds."""
+        return self.spread.n > 0 and self.refused + self.failed == 0
+
+    def passes(self, at_most: float) -> bool:
+        """No seed is above it, and each was measured: what was not run has not passed."""
+        return self.spread.n == self.seeds and self.worst <= at_most
 
 
 @dataclass
@@ -59,7 +72,8 @@ class Found:
         """For a terminal."""
         lines = [
             f"{_place(trial.place)}: {self.metric} {trial.spread} (n = {trial.spread.n})"
-            + (" refused" if trial.refused else "")
+            + (f", {trial.refused} refused" if trial.refused else "")
+            + (f", {trial.failed} failed" if trial.failed else "")
             for trial in self.trials
         ]
         if self.best is None:
@@ -94,7 +108,7 @@ def search(
         trier = _Trier(session, grid, asked.metric)
         found = _bisected(trier, asked) if asked.bisect else _optimised(trier, asked)
         _check(found, trier, asked)
-    found.sweep = Sweep(folder, trier.keys)
+    found.sweep = Sweep(folder, list(trier.runs.values()))
     return found
 
 
@@ -202,23 +216,24 @@ class _Trier:
 
     def __init__(self, session: Session, grid: Grid, metric: str) -> None:
         self.session, self.grid, self.metric = session, grid, metric
-        self.keys: list[str] = []
+        self.runs: dict[tuple[str, int | None], Run] = {}
         self.trials: list[Trial] = []
 
     def values(self, places: Sequence[Mapping[str, Setting]], seeds: Sequence[int]) -> list[Trial]:
         points = [[self.grid.point(place, seed) for seed in seeds or (None,)] for place in places]
-        keys = self.session.run([point for of in points for point in of])
-        self.keys += [key for key in keys if key not in self.keys]
-        sweep = Sweep(self.session.folder.path, keys)
+        runs = self.session.run([point for of in points for point in of])
+        self.runs |= {(run.key, run.point.seed): run for run in runs if (run.key, run.point.seed) not in self.runs}
+        sweep = Sweep(self.session.folder.path, runs)
         values = sweep.values(self.metric)
-        runs = {(repr(sorted(run["place"].items())), run["seed"]): run for run in sweep.runs}
+        status = {run["key"]: run["status"] for run in sweep.runs}
+        rest = iter(runs)
         trials = []
         for of in points:
-            found = [runs[repr(sorted(point.place.items())), point.seed] for point in of]
-            known = [values[run["key"]] for run in found if run["key"] in values]
-            worst = max((float(value) for value in known), default=math.nan)
-            refused = sum(run["status"] == "refused" for run in found)
-            trials.append(Trial(dict(of[0].place), metrics.spread(known), worst, refused))
+            keys = [next(rest).key for _ in of]
+            known = [values[key] for key in keys if key in values]
+            worst = max((float(value) for value in known if not math.isnan(value)), default=math.nan)
+            refused, failed = (sum(status[key] == state for key in keys) for state in (store.REFUSED, store.FAILED))
+            trials.append(Trial(dict(of[0].place), metrics.spread(known), worst, len(of), refused, failed))
         return trials
 
     def try_all(self, places: Sequence[Mapping[str, Setting]]) -> list[Trial]:
@@ -238,7 +253,7 @@ def _bisected(trier: _Trier, asked: _Asked) -> Found:
             fresh, trier.try_all([{asked.key: _as(value, asked.whole)} for value in fresh]), strict=True
         ):
             worst[value] = trial.worst
-            passed[value] = trial.spread.n > 0 and trial.refused == 0 and worst[value] <= asked.at_most
+            passed[value] = trial.passes(asked.at_most)
 
     look([asked.begin, asked.end])
     good: float | None = asked.begin if passed[asked.begin] else None
@@ -302,12 +317,12 @@ def _optimised(trier: _Trier, asked: _Asked) -> Found:
         if fresh:
             known |= dict(zip(fresh, trier.try_all(list(fresh.values())), strict=True))
         for trial in batch:
-            spread = known[repr(sorted(trial.params.items()))].spread
-            if spread.n and not math.isnan(spread.mean):
-                study.tell(trial, spread.mean)
+            tried = known[repr(sorted(trial.params.items()))]
+            if tried.counts:
+                study.tell(trial, tried.spread.mean)
             else:
                 study.tell(trial, state=optuna.trial.TrialState.FAIL)
-    measured = [trial for trial in known.values() if trial.spread.n]
+    measured = [trial for trial in known.values() if trial.counts]
     sign = -1.0 if asked.maximise else 1.0
     best = min(measured, key=lambda trial: sign * trial.spread.mean, default=None)
     return Found(
@@ -328,7 +343,7 @@ def _check(found: Found, trier: _Trier, asked: _Asked) -> None:
     [trial] = trier.values([found.best], range(first, first + asked.check_seeds))
     found.checked = trial.spread
     if asked.bisect:
-        found.check_passed = trial.spread.n == asked.check_seeds and trial.worst <= asked.at_most
+        found.check_passed = trial.passes(asked.at_most)
 
 
 def _place(place: Mapping[str, Setting]) -> str:

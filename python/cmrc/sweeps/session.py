@@ -73,10 +73,14 @@ class Session:
             if kind is None:
                 self.folder.compact()
 
-    def run(self, points: Iterable[Point], fork_at_s: float | None = None) -> list[str]:
-        """Runs what is not in the folder yet; the keys of all of them. Runs that share their beginning until
-        ``fork_at_s`` come one after the other. Raises SweepError."""
-        runs = self._planned(list(points), fork_at_s)
+    def run(self, points: Iterable[Point], fork_at_s: float | None = None) -> list[Run]:
+        """Runs what is not in the folder yet; a Run for each point, also where two points make one run. Runs that share
+        their beginning until ``fork_at_s`` come one after the other. Raises SweepError."""
+        planned = self._planned(list(points), fork_at_s)
+        once: dict[str, Run] = {}
+        for run in planned:
+            once.setdefault(run.key, run)
+        runs = list(once.values())
         there = {row["key"]: row["status"] for row in self.folder.rows(("status",))}
         due = [run for run in runs if run.key not in there]
         refused = [run for run in due if run.refused]
@@ -93,18 +97,16 @@ class Session:
         due = sorted((run for run in due if not run.refused), key=lambda run: run.group)
         if due:
             Runner(self._crew(), self.folder, self.execute, status, self.on_progress).run(due)
-        return [run.key for run in runs]
+        return planned
 
     def _planned(self, points: Sequence[Point], fork_at_s: float | None) -> list[Run]:
-        """The points with their keys, each once."""
-        runs: dict[str, Run] = {}
-        keys = Keys()
+        """The points with their keys."""
+        runs, keys = [], Keys()
         for n, point in enumerate(points):
             if self.on_progress is not None and n % TELL_EVERY == TELL_EVERY - 1:
                 self.on_progress(Status(len(points), 0, 0, planned=n))
-            run = run_of(point, keys, fork_at_s)
-            runs.setdefault(run.key, run)
-        return list(runs.values())
+            runs.append(run_of(point, keys, fork_at_s))
+        return runs
 
     def _crew(self) -> Workers:
         if self._workers is None:

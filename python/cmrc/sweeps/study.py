@@ -9,18 +9,21 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from cmrc import arguments, saved_result
+from cmrc import arguments, saved_result, simulation
 from cmrc.sweeps import grid as grids
 from cmrc.sweeps import metrics, store, work
 from cmrc.sweeps.grid import Grid
+from cmrc.sweeps.identity import Run
 from cmrc.sweeps.metrics import Metric, Spread
-from cmrc.sweeps.runner import Status
+from cmrc.sweeps.runner import Status, place_of
 from cmrc.sweeps.session import Place, Session
 from cmrc.sweeps.store import Folder, SweepError
 from cmrc.table import Table
 
 if TYPE_CHECKING:
     import pandas
+
+    from cmrc.result import Result
 
 LIGHT = tuple(name for name, _ in store.COLUMNS if name != "report")
 
@@ -31,41 +34,64 @@ class Sweep:
     ``sweep.table("misses", "tasks.pid.response_ps.p99")`` is one row per run, ``sweep.summary("misses")`` one per point
     of the grid, over its repeats."""
 
-    def __init__(self, folder: str | os.PathLike[str], keys: Sequence[str] | None = None) -> None:
+    def __init__(self, folder: str | os.PathLike[str], of: Sequence[Run] | None = None) -> None:
+        """``of``: the points of one grid. None: every run of the folder, whichever grids it was filled from."""
         self.folder = Folder(folder)
         self.folder.check()
         if self.folder.head() is None:
             raise SweepError(f"{folder}: no folder of a sweep")
         rows = {row["key"]: row for row in self.folder.rows(LIGHT)}
-        self._keys = [
-            key for key in (sorted(rows, key=lambda key: _order(rows[key])) if keys is None else keys) if key in rows
-        ]
-        self._rows = rows
+        if of is None:
+            self._runs = self._completed([_opened(row) for row in rows.values()])
+        else:
+            self._runs = [_opened({**rows[run.key], **place_of(run.point)}) for run in of if run.key in rows]
+
+    def _completed(self, runs: list[dict[str, Any]]) -> list[dict[str, Any]]:
+        """In the order of their places. What is an axis of one grid and fixed in another has its value in the runs of
+        both."""
+        axes = _axes(runs)
+        seeded = any(run["seed"] is not None for run in runs)
+        open_ = {
+            run["key"]: run
+            for run in runs
+            if any(name not in run["place"] for name in axes) or (seeded and run["seed"] is None)
+        }
+        known: dict[str, Mapping[str, Any]] = {}
+        if open_:
+            for row in self.folder.rows(("report",)):
+                if row["key"] in open_ and row["report"] is not None:
+                    known[row["key"]] = store.unpacked(row["report"]).get("configuration") or {}
+        for run in runs:
+            values = {**known.get(run["key"], {}), **run["settings"]}
+            run["place"] = {name: run["place"].get(name, values.get(name)) for name in axes}
+            if seeded and run["seed"] is None:
+                run["seed"] = values.get(grids.SEED)
+        return sorted(runs, key=lambda run: _order(run, axes))
 
     @property
     def runs(self) -> list[dict[str, Any]]:
         """What is known of each run without its report: ``place`` (its value on every axis), ``seed``, ``status``
-        (done, refused, failed), ``message``, ``settings``, ``hash``, ``build``, ``emulator_version``, ``elapsed_s``,
+        (done, refused, failed), ``message``, ``settings`` (with preset, config and events), ``hash``, ``build``, ``emulator_version``, ``elapsed_s``,
         ``host``, ``key``."""
-        return [
-            {**row, "place": json.loads(row["place"]), "settings": json.loads(row["settings"])}
-            for row in (self._rows[key] for key in self._keys)
-        ]
+        return [{**run, "place": dict(run["place"]), "settings": dict(run["settings"])} for run in self._runs]
 
     @property
     def axes(self) -> list[str]:
         """The settings that vary."""
-        return list(dict.fromkeys(name for run in self.runs for name in run["place"]))
+        return _axes(self._runs)
 
     def counts(self) -> dict[str, int]:
         """Runs by status."""
-        states = [self._rows[key]["status"] for key in self._keys]
+        states = [run["status"] for run in self._runs]
         return {state: states.count(state) for state in (store.DONE, store.REFUSED, store.FAILED)}
 
     def reports(self) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
         """Every run that was done, with its report (docs/report.md). Raises SweepError for reports of another
         schema."""
-        wanted = {run["key"]: run for run in self.runs if run["status"] == store.DONE}
+        wanted: dict[str, list[dict[str, Any]]] = {}
+        for run in self.runs:
+            if run["status"] == store.DONE:
+                wanted.setdefault(run["key"], []).append(run)
         for row in self.folder.rows(("report",)):
             if row["key"] not in wanted:
                 continue
@@ -74,7 +100,8 @@ class Sweep:
                 saved_result.check_schema(report)
             except saved_result.SchemaError as error:
                 raise SweepError(f"{self.folder.path}: {error}") from None
-            yield wanted[row["key"]], report
+            for run in wanted[row["key"]]:
+                yield run, report
 
     def report(self, seed: int | None = None, **place: Any) -> dict[str, Any]:
         """The report of one run, by its place (``dsps=2``) and seed. Raises KeyError unless exactly one is there."""
@@ -89,6 +116,13 @@ class Sweep:
         if len(found) != 1:
             raise KeyError(f"{len(found)} runs are at {asked}, seed {seed}; one is expected")
         return next(report for run, report in self.reports() if run["key"] == found[0]["key"])
+
+    def rerun(self, run: Mapping[str, Any], **more: Any) -> Result:
+        """Runs one of ``runs`` again, for its signals: the same bit for bit, with the same ``hash``. ``more`` is passed
+        on to ``cmrc.run``: ``keep_events=True``, ``profile=True``, ``on_progress=...``."""
+        settings = dict(run["settings"])
+        apart = {name: settings.pop(name) for name in ("preset", "config", "events") if name in settings}
+        return simulation.run(settings=settings, **apart, **more)
 
     def values(self, metric: Metric) -> dict[str, float | bool]:
         """A metric of every run that was done, by key. It runs nothing. Raises KeyError for a place that no report
@@ -150,10 +184,11 @@ class Sweep:
         lines = [
             [
                 *(_cell(place.get(name)) for name in axes),
-                str(max(summary[n][1].n for summary in summaries)),
-                *(str(summary[n][1]) for summary in summaries),
+                str(most),
+                *(_with_n(summary[n][1], most) for summary in summaries),
             ]
             for n, (place, _) in enumerate(summaries[0])
+            for most in (max(summary[n][1].n for summary in summaries),)
         ]
         return _columns([heads, *lines]) + self._notes(summaries)
 
@@ -176,7 +211,7 @@ class Sweep:
         return text + "".join(f"  {count} {line}\n" for line, count in list(told.items())[:10])
 
     def __len__(self) -> int:
-        return len(self._keys)
+        return len(self._runs)
 
     def __repr__(self) -> str:
         return f"<cmrc.Sweep: {len(self)} runs over {', '.join(self.axes) or 'nothing'} in {self.folder.path}>"
@@ -236,15 +271,32 @@ def run_grid(
     if execute is None:
         execute = work.execute if grid.fork_at_s is None else work.Forked(grid.fork_at_s)
     with Session(folder, place, execute, again_failed, on_progress) as session:
-        keys = session.run(grid.points(), grid.fork_at_s)
-    return Sweep(folder, keys)
+        runs = session.run(grid.points(), grid.fork_at_s)
+    return Sweep(folder, runs)
 
 
-def _order(row: Mapping[str, Any]) -> tuple[Any, ...]:
-    """By place, then by seed: numbers by size, words by the alphabet."""
-    place = json.loads(row["place"])
-    values = [(isinstance(value, str), 0 if isinstance(value, str) else value, str(value)) for value in place.values()]
-    return (list(place), values, -1 if row["seed"] is None else row["seed"])
+def _opened(row: Mapping[str, Any]) -> dict[str, Any]:
+    return {**row, "place": json.loads(row["place"]), "settings": json.loads(row["settings"])}
+
+
+def _axes(runs: Sequence[Mapping[str, Any]]) -> list[str]:
+    places = sorted((run["place"] for run in runs), key=len, reverse=True)  # the order of the grid that varies most
+    return list(dict.fromkeys(name for place in places for name in place))
+
+
+def _order(run: Mapping[str, Any], axes: Sequence[str]) -> tuple[Any, ...]:
+    """By place, then by seed: numbers by size, words by the alphabet, what has no value last."""
+    values = [run["place"].get(name) for name in axes]
+    order = [
+        (2 if value is None else int(isinstance(value, str)), value if isinstance(value, (int, float)) else 0, str(value))
+        for value in values
+    ]
+    return (order, -1 if run["seed"] is None else run["seed"])
+
+
+def _with_n(spread: Spread, most: int) -> str:
+    """A metric with its own n where not every repeat has measured it."""
+    return f"{spread} (n = {spread.n})" if 0 < spread.n < most else str(spread)
 
 
 def _bracket(unit: str) -> str:

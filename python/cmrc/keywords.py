@@ -1,0 +1,47 @@
+"""Settings as keywords of ``run`` and its like: by the last part of their names, where only one table has it.
+
+Type checkers and Pylance know them from ``_settings.pyi``; IPython, Jupyter and ``help`` ask for the signature of the
+function that is there, so that it lists them, too."""
+
+from __future__ import annotations
+
+import inspect
+from collections import Counter
+from collections.abc import Callable, Mapping
+from functools import cache
+from typing import Any, TypeVar
+
+from cmrc import _core
+
+ARGUMENTS = ("reference",)
+"""Arguments of cmrc.Simulation that are called as a setting is; that one goes by its full name."""
+TYPES = {"integer": int, "number": float, "boolean": bool, "string": str, "choice": str}
+Listed = TypeVar("Listed", bound=Callable[..., Any])
+
+
+@cache
+def settings() -> Mapping[str, Mapping[str, Any]]:
+    """By keyword, what the configuration's schema says of it."""
+    keys = _core.cmrc.config_keys()
+    shorts = Counter(key["name"].rpartition(".")[2] for key in keys)
+    named = {key["name"].rpartition(".")[2]: key for key in keys}
+    return {short: key for short, key in named.items() if shorts[short] == 1 and short not in ARGUMENTS}
+
+
+def listed(function: Listed) -> Listed:
+    """The same function; its signature has each setting as a keyword, in place of ``**keywords``."""
+    own = [
+        parameter
+        for parameter in inspect.signature(function).parameters.values()
+        if parameter.kind is not inspect.Parameter.VAR_KEYWORD
+    ]
+    there = {parameter.name for parameter in own}
+    more = [
+        inspect.Parameter(
+            short, inspect.Parameter.KEYWORD_ONLY, default=key["default"], annotation=TYPES[key["type"]].__name__
+        )
+        for short, key in settings().items()
+        if short not in there
+    ]
+    function.__signature__ = inspect.Signature([*own, *more])  # type: ignore[attr-defined]
+    return function
