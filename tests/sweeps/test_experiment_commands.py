@@ -57,6 +57,7 @@ def test_a_sweep_from_empty_to_picture(tmp_path: Path, capsys: pytest.CaptureFix
 
 
 @pytest.mark.parametrize(("text", "more", "says"), [
+    ("# nothing yet\n", [], "grid.toml: the grid is empty"),
     ("[axes]\ndsps = []\n", [], "grid.toml: axes.dsps: the list is empty"),
     ("[axes\n", [], "grid.toml: no TOML"),
     (GRID, ["--plot", "a.txt"], "a.txt: no kind of picture"),
@@ -93,6 +94,13 @@ def test_an_unknown_metric_and_an_empty_grid(tmp_path: Path, capsys: pytest.Capt
     assert "tasks.pidd.misses: the report has no such place" in capsys.readouterr().err
     assert main(["sweep", str(tmp_path / "one.toml"), "--show", "--metric", "misses"]) == 0
     assert capsys.readouterr().out.splitlines()[0].split() == ["n", "misses", "(jobs)"]
+
+
+def test_a_sweep_of_which_every_point_is_refused_has_failed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "none.toml").write_text("[axes]\ndsps = [17, 18]\n[fixed]\nduration_s = 0.03\n")
+    for more in ([], ["--show"]):
+        assert main(["sweep", str(tmp_path / "none.toml"), "--workers", "1", *more]) == 1
+        assert "machine.dsps: 17" in capsys.readouterr().out
 
 
 def test_limits_and_compare_are_the_functions(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

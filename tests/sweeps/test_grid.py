@@ -81,11 +81,12 @@ def test_a_preset_can_be_an_axis_and_a_file_stands_beside_the_grid(tmp_path: Pat
     assert "preset" not in next(grid.points()).settings
 
 
-def test_an_empty_grid_is_one_run() -> None:
-    assert len(grids.made({})) == len(list(grids.made({}).points())) == 1
+def test_a_grid_without_axes_is_one_run() -> None:
+    assert len(grids.made({"fixed": {}})) == len(list(grids.made({"fixed": {}}).points())) == 1
 
 
 @pytest.mark.parametrize(("tables", "says"), [
+    ({}, "the grid is empty; at least one of "),
     ({"axis": {}}, "axis: unknown table; is [axes] meant?"),
     ({"axes": 3}, "axes: a table is expected"),
     ({"axes": {"dsps": []}}, "axes.dsps: the list is empty"),

@@ -90,7 +90,8 @@ def _do_sweep(given: argparse.Namespace) -> int:
             files.write(given.csv, _csv(found, metrics))
         if given.plot is not None:
             _draw(found, metrics, Path(given.plot))
-    return 1 if found.counts()["failed"] else 0
+    counts = found.counts()
+    return 1 if counts["failed"] or not counts["done"] else 0
 
 
 def _csv(found: Sweep, metrics: Iterable[str]) -> str:

@@ -155,6 +155,8 @@ class _Reader:
         self.taken: dict[str, str] = {}  # by setting, where it stands
 
     def grid(self) -> Grid:
+        if not self.tables:
+            raise GridError(f"the grid is empty; at least one of {', '.join(TABLES)} is expected")
         for table in self.tables:
             if table not in TABLES:
                 near = difflib.get_close_matches(table, TABLES, 1)
