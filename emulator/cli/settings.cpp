@@ -26,7 +26,7 @@ std::optional<std::int64_t> parse_integer(std::string_view text) {
   return value;
 }
 
-/// What the text would be in TOML; a word without quotes is a string.
+/// The text as a TOML value; a word without quotes is a string.
 cmrc::Value parse_value(const std::string& text) {
   if (text == "true") return true;
   if (text == "false") return false;
@@ -89,7 +89,7 @@ report::Window parse_window(std::string_view option, const std::string& text) {
   const auto begin = from.empty() ? window.from : parse_seconds(from);
   const auto end = to.empty() ? window.to : parse_seconds(to);
   if (!begin || !end) refuse("is not A:B, in seconds");
-  if (*begin >= *end) refuse("holds no time; A has to come before B");
+  if (*begin >= *end) refuse("is empty; A has to be less than B");
   return {*begin, *end};
 }
 
