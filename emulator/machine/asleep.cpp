@@ -11,7 +11,7 @@ namespace machine {
 namespace {
 
 constexpr c40::Cycles no_cycle = std::numeric_limits<c40::Cycles>::max();
-constexpr unsigned first_dma_bit = 25;  // of IIE
+constexpr unsigned first_dma_bit = 25;  // in IIE
 constexpr std::array<unsigned, c40::timer_count> timer_bits{0, 31};
 
 bool enables(const c40::Chip& chip, unsigned bit) { return (chip.register_value(isa::Register::IIE) >> bit & 1u) != 0; }

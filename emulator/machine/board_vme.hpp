@@ -1,15 +1,16 @@
 #pragma once
-/// A stub of the VMEbus interface controller VIC068A (VTC, later Cypress), and of the space that it leads to.
+/// A stub of the VMEbus interface controller VIC068A (VTC, later Cypress), and of the address space behind it.
 ///
-/// The registers hold what was written, 8 bits each, at the places and with the read-only fields that Wind River's
-/// vic068.h (VxWorks 5.1, 1992; public) gives: register n at byte address 4n + 3, n = 0 to 38h. An access to the VME
-/// space meets no module. With answer "bus error" it ends after the device's waits, a read gets FFFFFFFFh, and the VIC
-/// that is named notes a VMEbus time-out in BESR (bits 4 and 5); its pin stays low until the program writes 0 to both.
+/// The registers hold the values written to them, 8 bits each, at the places and with the read-only fields of Wind
+/// River's vic068.h (VxWorks 5.1, 1992; public): register n at byte address 4n + 3, n = 0 to 38h. An access to the VME
+/// space meets no module. With answer "bus error" the access ends after the device's waits, a read gets FFFFFFFFh, and
+/// the named VIC records a VMEbus time-out in BESR (bits 4 and 5). The VIC's pin stays low until the program writes 0
+/// to both bits.
 ///
-/// Inaccuracies: nothing that a register starts happens (block transfers, interrupts on the VMEbus, the timer of
-/// SS0CR0, a system reset), nor are interrupts of others handed on. Values after reset are 0 but for ICR5; the header
-/// does not say them. How a board hands the bus error to a C40, which has no pin for it, is the board's own: the pin
-/// is a choice of this model, and so is that BESR is cleared by writing it.
+/// Inaccuracies: actions that a register starts are not modelled (block transfers, interrupts on the VMEbus, the timer
+/// of SS0CR0, a system reset), nor are interrupts of other devices passed on. Values after reset are 0 except ICR5; the
+/// header does not give them. A C40 has no pin for bus errors; how a board reports them is a property of the board. The
+/// pin is a choice of this model; so is clearing BESR by writing to it.
 #include <array>
 
 #include "machine/board_device.hpp"
@@ -42,12 +43,12 @@ class VmeSpace final : public BoardDevice {
   explicit VmeSpace(const DeviceDescription& described) : bus_error_(described.bus_error) {}
   c40::Word read(c40::Address, c40::Cycles) override { return note(false), nothing; }
   void write(c40::Address, c40::Word, c40::Cycles) override { note(true); }
-  /// Who notes it.
+  /// The VIC that records bus errors.
   void tell(BusErrorStatus* vic) { vic_ = vic; }
   void list_state(state::Visitor& list) override { list("errors", errors_); }
 
  private:
-  static constexpr c40::Word nothing = 0xFFFFFFFF;  ///< a bus that nobody drives
+  static constexpr c40::Word nothing = 0xFFFFFFFF;  ///< the value on a bus without a driver
   void note(bool write) {
     if (!bus_error_) return;
     ++errors_;

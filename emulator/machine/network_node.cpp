@@ -1,4 +1,4 @@
-// One chip of a network: how it goes through time, and how it stands.
+// One chip of a network: how it advances in time, and its status.
 #include <algorithm>
 #include <cassert>
 #include <limits>
@@ -20,7 +20,7 @@ using c40::Word;
 namespace {
 constexpr Cycles no_cycle = std::numeric_limits<Cycles>::max();
 
-/// A timer of its own could interrupt it.
+/// One of its timers could interrupt the chip.
 bool awaits_timer(const Chip& chip) { return next_timer_interrupt(chip) != no_cycle; }
 
 /// IDLE sets GIE.
@@ -46,7 +46,7 @@ Time Network::Node::next() const {
   }
 }
 
-/// What its timers do at pins that drive nets, while no instruction does anything.
+/// Changes by its timers of pins that drive nets, while no instruction executes.
 Time Network::Node::next_pin_event() const {
   if (nets_out.empty() || chip.halted()) return never;
   const Cycles event = chip.next_event();
@@ -58,12 +58,12 @@ bool Network::Node::only_drives_unheard() const {
   return own_event() == never && access_time() == never && !follows();
 }
 
-/// A chip that follows its ports runs no further than anything could reach it. Whether a chip goes round a loop is
-/// looked at in a certain cycle, wherever the chip has stopped before.
+/// A chip that follows its ports runs no further than the earliest effect on it. The check for a loop takes place in a
+/// certain cycle, wherever the chip has stopped before.
 Time Network::Node::horizon() const { return follows() ? horizon_of_follower() : horizon_on_its_own(); }
 
 Time Network::Node::horizon_on_its_own() const {
-  // One that polls goes on to where others could see it, wherever it has stopped before.
+  // A polling chip runs on to where others could see it, wherever it has stopped before.
   const Time limit =
       patience.loop ? network.scheduler_.limit() : std::min(network.scheduler_.limit(), network.ends_at_);
   const Cycles action = network.next_action_on(*this);
@@ -74,14 +74,14 @@ Time Network::Node::horizon_of_follower() const {
   const Time outside = std::min(
       {network.scheduler_.limit(), network.ends_at_, network.next_action(), next_device_event(), others_reach_it()});
   if (status != ChipStatus::running) return std::min(outside, access_time());
-  // run_to lets it begin an instruction in the last cycle: in the one before that in which it is looked at
+  // run_to lets it begin an instruction in the last cycle: so in the one before the check
   const Cycles look = std::max(patience.next_look(), chip.cycle() + 1);
   return std::min(outside, clock.at(chip.idle() ? look : look - 1));
 }
 
-/// By what is on its links and nets, or by what any chip may do from now on. Where all others wait, that is an answer
-/// to what it does itself; and that on a link stops it, its pins' next event is known. In a loop it stays near the
-/// others: the network's end may be near (Network::at_rest_since).
+/// Limited by what is on its links and nets, or by what any chip may do from now on. If all others wait, they only
+/// react to what it does itself; an access to a link stops it, and its pins' next event is known. In a loop it stays
+/// near the others: the network's end may be near (Network::at_rest_since).
 Time Network::Node::others_reach_it() const {
   const bool others_wait = !patience.loop && network.scheduler_.earliest_of_others(*this) == never;
   const Time first = others_wait ? next_pin_event() : network.scheduler_.earliest(), ahead = lookahead();
@@ -92,7 +92,7 @@ Time Network::Node::others_reach_it() const {
   return last == no_cycle ? reach : std::min(reach, clock.at(last + 1));
 }
 
-/// What others do reaches it so much later at the earliest.
+/// The least time after which an action of another chip reaches this one.
 Time Network::Node::lookahead() const {
   Time ahead = never;
   for (const std::size_t link : links) ahead = std::min(ahead, network.links_[link]->lookahead());
@@ -112,7 +112,7 @@ void Network::Node::act(Time now) {
   if (!on_its_own || !network.actions_.empty()) tell_changes();
 }
 
-/// It waits, or follows its ports: as far as they are known, or its access.
+/// It waits, or follows its ports: continues as far as they are known, or does its access.
 void Network::Node::go_on_with_others(Time now) {
   if (status != ChipStatus::waiting || chip.dma_active()) {
     const auto stands = std::tuple{chip.settled(), chip.cycle(), status};
@@ -146,7 +146,7 @@ void Network::Node::tell_changes() {
   if (!network.actions_.empty()) network.action_turn_->changed();
 }
 
-// Nothing outside can do anything to it before it stops by itself, so a loop that it is found in can be left alone.
+// Nothing outside can act on the chip before it stops by itself, so a loop in which it is found needs no check.
 void Network::Node::run_freely(Time until) {
   const auto may_go_on = [&] { return status == ChipStatus::running && !follows() && !patience.is_private; };
   while (may_go_on()) {
@@ -156,12 +156,12 @@ void Network::Node::run_freely(Time until) {
   }
 }
 
-// ---- how it goes on ----
+// ---- how it continues ----
 
-/// A chip that waits goes on with its DMA. What links do is known up to `until`. A processor that follows its ports has
-/// begun its last instruction by then: what a link does at that instant is an interrupt for the next one. So the order
-/// of events is the same wherever a run is cut, and the DMA, which follows the processor's read stage, has done all
-/// that lies before.
+/// A waiting chip continues with its DMA. Links are known up to `until`. A processor that follows its ports has begun
+/// its last instruction by then: what a link does at that instant is an interrupt for the next instruction. So the
+/// order of events does not depend on how a run is divided, and the DMA, which follows the processor's read stage, has
+/// done everything before.
 /// \param last the last cycle in which it may begin an instruction, whatever `until` is
 void Network::Node::run_to(Time until, Cycles last) {
   passing_ = false;
@@ -171,7 +171,8 @@ void Network::Node::run_to(Time until, Cycles last) {
   run_chip(chip);
 }
 
-/// Before something outside changes what it follows, at `time`. Whether it has to.
+/// To be called before something outside changes, at `time`, what the chip follows. Returns whether the chip has to
+/// follow.
 bool Network::Node::come_to(Time time) {
   if (status == ChipStatus::waiting && !chip.dma_active()) return false;
   const bool goes_on = follows() || (status == ChipStatus::waiting && dma_waits());
@@ -193,7 +194,7 @@ std::optional<ChipRunner::Span> Network::Node::span() {
 std::optional<ChipRunner::Span> Network::Node::span_of_runner() {
   const bool waits = status == ChipStatus::waiting, idles = chip.idle();
   const Cycles known = std::min(ends_, std::max(chip.cycle(), action_));
-  // Only there it is known whether it still follows its ports.
+  // Only here it is known whether the chip still follows its ports.
   const bool begins_last = chip.cycle() >= ends_ && ends_ <= last_ && !waits && !idles && watches();
   Cycles limit = std::min(ends_ + (begins_last ? 1 : 0), action_);
   const bool timers_behind = chip.dma_active() && chip.next_event() <= std::min(known, chip.settled());
@@ -202,8 +203,8 @@ std::optional<ChipRunner::Span> Network::Node::span_of_runner() {
     return {};
   }
   if (!waits && chip.cycle() >= action_)
-    return span_ = Span{.limit = 0, .known = known};  // the processor does no more before the action
-  // A processor that idles may have ended when its DMA is done, or a timer's event was not for it: in that cycle.
+    return span_ = Span{.limit = 0, .known = known};  // the processor waits for the action
+  // An idle processor may have ended when its DMA is done, or when a timer's event was not for it: in that cycle.
   const bool looks = status == ChipStatus::running && idles;
   if (looks && chip.dma_busy())
     limit = std::min(limit, chip.cycle() + 1);
@@ -224,7 +225,7 @@ bool Network::Node::asks_anew() {
   return false;
 }
 
-/// Whether it goes on.
+/// Returns whether the chip continues.
 bool Network::Node::at_breakpoint() {
   over_breakpoint_ = true;
   if (passing_) return true;
@@ -254,7 +255,7 @@ bool Network::Node::window_access(const c40::ExternalAccess& access) {
 
 bool Network::Node::waits(StopInfo::Reason why, const c40::PortAccess& access) {
   if (passing_) return passes_on();
-  if (waits_for_port()) return false;  // still the same
+  if (waits_for_port()) return false;  // no change
   status = ChipStatus::waiting;
   stop = {};
   stop.reason = why;
@@ -273,7 +274,7 @@ bool Network::Node::faulted(const c40::Fault& why) {
   return false;
 }
 
-/// It waits for none any more.
+/// The chip waits for no port any more.
 void Network::Node::forget_port() { was_ready = false, ready_since = Time{0}; }
 
 void Network::Node::note_idle() {
@@ -284,8 +285,8 @@ void Network::Node::note_idle() {
     status = ChipStatus::idle;
 }
 
-/// Lets a chip that does not run reach an instant; `fully`: a processor that branches to itself has begun its last
-/// branch by then, as one that runs has begun its last instruction (run_to).
+/// Advances a chip that does not run to an instant. `fully`: a processor that branches to itself has begun its last
+/// branch by then, as a running one has begun its last instruction (run_to).
 void Network::Node::bring_to(Time time, bool fully) {
   const Cycles cycle = first_cycle(time);
   if (status != ChipStatus::sleeping && !fully && chip.cycle() >= cycle) return;
@@ -298,16 +299,16 @@ void Network::Node::bring_to(Time time, bool fully) {
     const Cycles limit = cycle + (fully && !chip.idle() ? 1 : 0), event = own_event_cycle();
     pass_to(std::min(limit, event), std::min(cycle, event));
     if (status != ChipStatus::sleeping) return;
-    wake_up();  // perhaps by what happened in the loop's last round
+    wake_up();  // an event during the last pass of the loop may wake it
     if (event >= limit) return;
     if (status == ChipStatus::running)
-      run_to(time);  // perhaps to sleep again
+      run_to(time);  // it may sleep again
     else if (own_event_cycle() == event)
       return pass_to(limit, cycle);
   }
 }
 
-/// Lets a chip that sleeps go on sleeping.
+/// Advances a sleeping chip that stays asleep.
 void Network::Node::pass_to(Cycles limit, Cycles known) {
   passing_ = true;
   span_ = {.limit = limit, .known = known};
@@ -318,9 +319,9 @@ void Network::Node::wake_up() {
   if (status == ChipStatus::sleeping && wakes()) status = ChipStatus::running;
 }
 
-// ---- how it stands ----
+// ---- its status ----
 
-/// Of a chip that sleeps: it has something to do.
+/// For a sleeping chip: it has something to do.
 bool Network::Node::wakes() const { return chip.dma_busy() || chip.interrupt_pending(); }
 
 bool Network::Node::ready() const {
@@ -339,10 +340,10 @@ bool Network::Node::note_ready(Time time) {
   return changes;
 }
 
-/// When the access that it waits for takes place, as far as can be said.
+/// When the access for which it waits takes place, as far as known.
 Time Network::Node::access_time() const {
   if (status != ChipStatus::waiting) return never;
-  // Nothing but a link, or its own DMA, makes a port ready.
+  // Only a link, or the chip's own DMA, makes a port ready.
   if (waits_for_port() && !chip.dma_active() ? !was_ready : !ready()) return never;
   const Time free = waits_for_port() ? ready_since
                     : waits_for_device()
@@ -352,7 +353,7 @@ Time Network::Node::access_time() const {
       std::max(waits_for_port() ? stop.port.cycle : stop.access.cycle, first_cycle(std::max(free, network.now_))));
 }
 
-/// What a timer does to a chip that sleeps or waits; an event that nobody listens to is none.
+/// The cycle of a timer's effect on a sleeping or waiting chip; events without a listener do not count.
 Cycles Network::Node::own_event_cycle() const {
   const bool sleeps = status == ChipStatus::sleeping;
   if (!sleeps && status != ChipStatus::waiting) return no_cycle;
@@ -366,7 +367,7 @@ Time Network::Node::own_event() const {
   return event == no_cycle ? never : clock.at(event);
 }
 
-/// When it came to rest, by what it did itself: not how far it has been brought since.
+/// When the chip came to rest by its own actions, not how far it has been advanced since.
 Time Network::Node::at_rest_since() const {
   if (patience.loop) return patience.found;
   switch (status) {
@@ -377,13 +378,14 @@ Time Network::Node::at_rest_since() const {
     case ChipStatus::sleeping:
       return clock.at(std::max(chip.idle() ? chip.idle_since() : asleep_since, chip.dma_done()));
     case ChipStatus::fault:
-      return clock.at(std::max(chip.cycle(), stop.fault->cycle));  // perhaps of its DMA, while it waited
+      return clock.at(
+          std::max(chip.cycle(), stop.fault->cycle));  // perhaps a fault of its DMA, while the processor waited
     case ChipStatus::external_access: return clock.at(std::max(chip.cycle(), stop.access.cycle));
     default: return clock.at(chip.cycle());
   }
 }
 
-/// Its processor; a DMA that could do nothing for it may still be armed.
+/// The processor has ended; a DMA without effect on it may still be armed.
 bool Network::Node::has_ended() const {
   switch (status) {
     case ChipStatus::halt:
@@ -397,9 +399,9 @@ bool Network::Node::has_ended() const {
   }
 }
 
-/// By a port, a timer or the DMA.
+/// The interrupt of a port, a timer or the DMA.
 bool Network::Node::sleeps_for_interrupt() const {
-  constexpr Word ports = 0x01FFFFFEu;  // of IIE
+  constexpr Word ports = 0x01FFFFFEu;  // in IIE
   return heeds_pins() || (can_interrupt(chip) && (awaits_dma(chip) || awaits_timer(chip) ||
                                                   (chip.register_value(isa::Register::IIE) & ports) != 0));
 }
@@ -410,7 +412,7 @@ bool Network::Node::awaits_dma_for_ever() const {
 
 // ---- its pins ----
 
-/// The pin could interrupt it, or move its DMA or a timer that does.
+/// A change of the pin could interrupt the processor, or move its DMA or a timer that does.
 bool Network::Node::heeds(c40::Pin pin) const {
   return pin != c40::Pin::reset && chip.heeds(pin) &&
          (pin == c40::Pin::nmi || chip.dma_active() || can_interrupt(chip));
@@ -443,7 +445,7 @@ bool Network::Node::hears(c40::Pin pin) const {
   }
 }
 
-/// While its timers do something at its pins, and no instruction anything.
+/// Advances the chip while its timers change pins and no instruction executes.
 void Network::Node::drive_on(Time now) {
   if (status == ChipStatus::waiting && !chip.dma_active())
     chip.let_peripherals_reach(first_cycle(now));
@@ -469,7 +471,7 @@ void Network::Node::pin_changes(c40::Pin pin, bool level, Time now) {
 
 // ---- loops that poll ----
 
-/// Others can change what is read there.
+/// Other chips can change the value at this address.
 bool Network::Node::is_shared(Address address) const {
   if (network.memory_of(*this, address) != nullptr) return true;
   return c40::is_port_register(address) &&
@@ -484,7 +486,7 @@ void Network::Node::begin_patience() {
   chip.set_trace(trace);
 }
 
-/// Looks from time to time whether the chip goes round a loop.
+/// Checks from time to time whether the chip repeats a loop.
 void Network::Node::look_for_loop() {
   Patience& p = patience;
   if (p.is_private) return;
