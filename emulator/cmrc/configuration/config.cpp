@@ -23,7 +23,7 @@ std::string_view leaf(std::string_view key) {
   return dot == std::string_view::npos ? key : key.substr(dot + 1);
 }
 
-/// The known key that the user most likely meant: by the whole name, and by the part after the table.
+/// The known key that the user most likely meant: compared by the whole name, and by the part after the table.
 std::string_view nearest(std::string_view key) {
   std::string_view best;
   std::size_t least = std::numeric_limits<std::size_t>::max();
@@ -38,7 +38,7 @@ std::string_view nearest(std::string_view key) {
   return best;
 }
 
-/// The tables of keys, with the lists of tables in their brackets: "[run]", "[agv.vehicle]", "[[events]]".
+/// The tables of keys, with the lists of tables in brackets: "[run]", "[agv.vehicle]", "[[events]]".
 std::vector<std::string> table_names() {
   std::vector<std::string> names{"[[events]]", "[[tasks]]", "[[processes]]", "[[subprocesses]]"};
   for (const Key& known : keys()) {
@@ -48,7 +48,7 @@ std::vector<std::string> table_names() {
   return names;
 }
 
-/// \throws ConfigError that names the table which the user most likely meant, or all
+/// \throws ConfigError that names the most likely table, or all tables
 [[noreturn]] void refuse_table(const Origin& origin, const std::string& table) {
   const std::vector<std::string> names = table_names();
   std::string_view best;
@@ -94,7 +94,7 @@ std::string what_is_right(const Key& key) {
   return fmt::format("{} from {} to {} is expected{}", noun, key.minimum, key.maximum, unit);
 }
 
-constexpr double exact_integers = 9007199254740992.0;  // 2^53: to there every integer is a double
+constexpr double exact_integers = 9007199254740992.0;  // 2^53: up to here every integer is a double
 
 /// The value in the key's own type, range checked. A number without a fraction is an integer.
 Value checked(const Key& key, const Value& value, const Origin& origin) {
@@ -117,7 +117,7 @@ Value checked(const Key& key, const Value& value, const Origin& origin) {
     }
     case Key::Type::integer: {
       const auto* real = std::get_if<double>(&value);
-      if (real != nullptr && *real != std::floor(*real)) return ill_typed();  // 4.0 is 4; NaN is no integer
+      if (real != nullptr && *real != std::floor(*real)) return ill_typed();  // 4.0 is 4; NaN is not an integer
       if (real != nullptr && !(std::abs(*real) <= exact_integers)) return out_of_range();
       const auto* whole = std::get_if<std::int64_t>(&value);
       if (real == nullptr && whole == nullptr) return ill_typed();
@@ -157,7 +157,7 @@ std::vector<std::pair<std::map<std::string, Field>, Origin>> tables_of(const tom
                                                                        const std::string& name) {
   const toml::array* list = node.as_array();
   if (list == nullptr || !list->is_homogeneous<toml::table>()) {
-    refuse(origin_of(node.source(), name), kind, "is no list of tables",
+    refuse(origin_of(node.source(), name), kind, "is not a list of tables",
            fmt::format("[[{}]] begins each of them", kind));
   }
   std::vector<std::pair<std::map<std::string, Field>, Origin>> all;
@@ -192,7 +192,7 @@ void check_preset(std::string_view name, const Origin& origin) {
 Intervals intervals(const Config& config) {
   const auto& r = config.rates;
   const auto floor_of = [&](double frequency) {
-    // A ratio that is whole but for the rounding of the division counts as whole.
+    // A ratio that is an integer except for the rounding of the division counts as an integer.
     return static_cast<std::int64_t>(std::floor(r.refresh_frequency_hz / frequency * (1 + 1e-12)));
   };
   const auto& s = config.scheduling;
@@ -263,7 +263,7 @@ void ConfigBuilder::parse(std::string_view toml, const std::string& name, std::v
       if (!index) {
         const toml::array* const list = node.as_array();
         if (node.is_table() || (list != nullptr && list->is_homogeneous<toml::table>())) {
-          // A key of another table says more than the name of an unknown one.
+          // A key of another table gives a better message than an unknown key.
           if (node.is_table())
             for (const auto& [inner, value] : *node.as_table())
               if (find_leaf(inner.str())) self(self, *node.as_table(), full + ".");
@@ -315,7 +315,7 @@ Config ConfigBuilder::build() const {
   check_invariants(config, std::move(origins));
   if (config.errors.clear) {
     const auto at = origins.find("errors.clear");
-    refuse(at == origins.end() ? Origin{} : at->second, "errors.clear", "no error stands before the run",
+    refuse(at == origins.end() ? Origin{} : at->second, "errors.clear", "there are no errors before the run",
            "an event \"set\" of this key is expected");
   }
   check_events(config);
@@ -332,7 +332,7 @@ void check_live(std::string_view name, const Value& value, const Origin& origin)
   if (!index) refuse(origin, name, "no such key", fmt::format("the nearest known key is {}", nearest(name)));
   const Key& key = keys()[*index];
   if (!key.live)
-    refuse(origin, name, "cannot be changed while a run is on", "docs/configuration.md marks the keys that can");
+    refuse(origin, name, "cannot be changed during a run", "docs/configuration.md marks the keys that can");
   checked(key, value, origin);
 }
 

@@ -5,7 +5,7 @@
 
 namespace cmrc {
 
-/// Runs both at the same time, the ideal one in a process of its own. \throws std::runtime_error when one breaks down
+/// Runs both at the same time, the ideal one in a process of its own. \throws std::runtime_error if one fails
 report::Comparison compare_with_ideal(const Config& config);
 
 }  // namespace cmrc
