@@ -584,7 +584,7 @@ def test_a_lock_never_given_back_is_a_deadlock() -> None:
 
 @pytest.mark.parametrize(("links", "message"), [
     (["0.0:1.7"], "chip 1 has no port 7; 0 to 5 are possible"),
-    (["0.0:2.3"], "there is no chip 2; chips 0 to 1 are"),
+    (["0.0:2.3"], "there is no chip 2; the network has chips 0 to 1"),
     (["0.0:0.0"], "chip 0 port 0 cannot be linked to itself"),
     (["0.0:1.1"], "both begin with the token; join one of ports 0 to 2 with one of 3 to 5"),
     (["0.3:1.5"], "both begin without the token"),
@@ -707,7 +707,7 @@ def test_what_is_done_to_a_network_from_the_command_line_as_from_a_file(run: Any
     ("1,bite,0", 'there is no action "bite"; cut, restore, reset, hold, release, pull_out, low, high, open, pulse is expected'),
     ("1,cut,0.1:1.3", "there is no link 0.1:1.3"),
     ("1,cut,0", "CHIP.PORT:CHIP.PORT is expected"),
-    ("1,reset,2", "there is no chip 2; chips 0 to 1 are"),
+    ("1,reset,2", "there is no chip 2; the network has chips 0 to 1"),
     ("x,reset,1", "AT_US,ACTION,TARGET is expected"),
     ("-1,reset,1", "AT_US,ACTION,TARGET is expected"),
     ("1,reset", "AT_US,ACTION,TARGET is expected"),
