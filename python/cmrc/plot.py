@@ -1,7 +1,8 @@
 """Plots. Needs matplotlib.
 
-Of a result: ``sheet``, ``gantt``, ``histogram``, ``cdf``, ``misses``, ``load_error``. Of a sweep: ``grid``, ``cost``. Of a recorded run
-(``cmrc.page.Recording``): ``plan`` and ``side`` view, ``joints`` and their ``tracking``, ``sway``, ``deadlines``, and ``overview`` with all of them.
+For a result: ``sheet``, ``gantt``, ``histogram``, ``cdf``, ``misses``, ``load_error``. For a sweep: ``grid``, ``cost``.
+For a recorded run (``cmrc.page.Recording``): ``plan`` and ``side`` view, ``joints`` and their ``tracking``, ``sway``,
+``deadlines``, and ``overview`` with all of them.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ JOINTS = {"s_m": "gantry, m", "psi_rad": "slew, rad", "phi_rad": "luff, rad", "t
 
 
 def _edges(recording: Recording) -> list[float]:
-    """Of the intervals in which jobs and errors are summed: at most 360."""
+    """Edges of the intervals over which jobs and errors are summed: at most 360."""
     begin, end = float(recording.header["from_s"]), float(recording.header["to_s"])
     slices = max(1, min(360, math.ceil((end - begin) / 0.05)))
     return [begin + (end - begin) * i / slices for i in range(slices + 1)]
@@ -91,7 +92,7 @@ def joints(recording: Recording, axes: Axes) -> None:
     signals = recording.signals
     for name, label in JOINTS.items():
         if name not in signals or (name == "psi_rad" and "trolley_m" in signals):
-            continue  # the other machine's, or a gantry's slewing, which does not move
+            continue  # a joint of the other crane, or a gantry's slewing, which does not move
         values = np.array(signals[name])
         span = max(float(np.ptp(values)), 0.02)  # a joint that is held is a flat line
         axes.plot(signals["time_s"], (values - values.min()) / span, lw=1, label=f"{label}: {values.min():.2f} to {values.max():.2f}")
@@ -150,7 +151,7 @@ def deadlines(recording: Recording, axes: Axes) -> None:
 
 
 def overview(recording: Recording) -> Figure:
-    """All of them on one sheet."""
+    """All these plots on one sheet."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(14, 15), layout="constrained")

@@ -1,4 +1,4 @@
-"""What long work shows on standard error: one line that changes on a terminal, else a line now and then."""
+"""Progress of long work on standard error: one changing line on a terminal, else a line from time to time."""
 
 from __future__ import annotations
 
@@ -14,15 +14,14 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 SILENT_S = 1.0
-"""Work that is done sooner shows nothing."""
+"""Shorter work shows nothing."""
 TERMINAL_S = 0.2
 LOG_S = 15.0
 BEAT_S = 0.5
 
 
 class ProgressLine:
-    """``with ProgressLine("sweep") as line: line.show("3 of 8 runs")``. What is shown in between is gone at the end of
-    the work."""
+    """``with ProgressLine("sweep") as line: line.show("3 of 8 runs")``. At the end of the work the line is erased."""
 
     def __init__(self, what: str, stream: TextIO | None = None) -> None:
         self.what, self.stream = what, sys.stderr if stream is None else stream
@@ -32,7 +31,7 @@ class ProgressLine:
         self.width = 0
 
     def show(self, text: str, now: bool = False) -> None:
-        """As often as is convenient; with ``now`` each is shown."""
+        """May be called often; with ``now`` the text is shown in any case."""
         time_s = time.monotonic()
         if not now and time_s - self.last < (TERMINAL_S if self.terminal else LOG_S):
             return
@@ -46,14 +45,14 @@ class ProgressLine:
         self.stream.flush()
 
     def of(self, done: float, whole: float, unit: str = "s simulated", now: bool = False) -> None:
-        """So much of it is done, and how much time it may still take."""
+        """The finished share, and the estimated remaining time."""
         spent = time.monotonic() - self.began
         left = f", about {spent / done * (whole - done):.0f} s left" if 0 < done < whole else ""
         self.show(f"{done:.4g} of {whole:.4g} {unit}{left}", now)
 
     @contextmanager
     def beating(self, text: str = "running") -> Iterator[None]:
-        """For work that tells nothing of itself: how long it has been going on."""
+        """For work without progress reports: shows how long it has run."""
         over = threading.Event()
 
         def beat() -> None:
@@ -69,7 +68,7 @@ class ProgressLine:
             thread.join()
 
     def clear(self) -> None:
-        """Takes the line off the terminal, for other output."""
+        """Erases the line, for other output."""
         if self.width:
             self.stream.write("\r" + " " * self.width + "\r")
             self.stream.flush()

@@ -1,4 +1,4 @@
-"""A folder that is held and, from the first run that is due on, a cluster."""
+"""A folder that is locked and, from the first due run on, a cluster."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ TELL_EVERY = 200
 
 @dataclass(frozen=True)
 class Place:
-    """Where runs are run: ``workers`` processes of this machine, or the cluster at ``address``."""
+    """Where runs are made: ``workers`` processes of this machine, or the cluster at ``address``."""
 
     address: str | None = None
     workers: int | None = None
@@ -37,8 +37,7 @@ class Place:
 
 
 class Session:
-    """``with Session(...) as session: session.run(points)``, as often as is wanted. The folder is compacted at the
-    end."""
+    """``with Session(...) as session: session.run(points)``, as often as needed. At the end the folder is compacted."""
 
     def __init__(
         self,
@@ -74,8 +73,8 @@ class Session:
                 self.folder.compact()
 
     def run(self, points: Iterable[Point], fork_at_s: float | None = None) -> list[str]:
-        """Runs what is not in the folder yet; the keys of all of them. Runs that share their beginning until
-        ``fork_at_s`` come one after the other. Raises SweepError."""
+        """Runs the points that are not in the folder yet; returns the keys of all of them. Runs with the same beginning
+        until ``fork_at_s`` come one after the other. Raises SweepError."""
         runs = self._planned(list(points), fork_at_s)
         there = {row["key"]: row["status"] for row in self.folder.rows(("status",))}
         due = [run for run in runs if run.key not in there]
@@ -113,7 +112,7 @@ class Session:
         return self._workers
 
     def _same_build(self) -> None:
-        """Raises SweepError for a folder with runs of another build: their numbers are not this emulator's."""
+        """Raises SweepError for a folder with runs of another build, whose numbers may differ."""
         for row in self.folder.rows(("build", "emulator_version")):
             if row["build"] != build():
                 raise SweepError(

@@ -1,4 +1,4 @@
-"""A sweep: what it is asked for, and its results."""
+"""A sweep: its request, and its results."""
 
 from __future__ import annotations
 
@@ -26,10 +26,11 @@ LIGHT = tuple(name for name, _ in store.COLUMNS if name != "report")
 
 
 class Sweep:
-    """Runs that are in a folder. Reports are read when they are asked for.
+    """The runs in a folder. Reports are read when they are needed.
 
-    ``sweep.table("misses", "tasks.pid.response_ps.p99")`` is one row per run, ``sweep.summary("misses")`` one per point
-    of the grid, over its repeats."""
+    ``sweep.table("misses", "tasks.pid.response_ps.p99")`` has one row per run, ``sweep.summary("misses")`` one per
+    point of the grid, over its repeats.
+    """
 
     def __init__(self, folder: str | os.PathLike[str], keys: Sequence[str] | None = None) -> None:
         self.folder = Folder(folder)
@@ -44,9 +45,9 @@ class Sweep:
 
     @property
     def runs(self) -> list[dict[str, Any]]:
-        """What is known of each run without its report: ``place`` (its value on every axis), ``seed``, ``status``
-        (done, refused, failed), ``message``, ``settings``, ``hash``, ``build``, ``emulator_version``, ``elapsed_s``,
-        ``host``, ``key``."""
+        """The data of each run without its report: ``place`` (its value on every axis), ``seed``, ``status`` (done,
+        refused, failed), ``message``, ``settings``, ``hash``, ``build``, ``emulator_version``, ``elapsed_s``, ``host``,
+        ``key``."""
         return [
             {**row, "place": json.loads(row["place"]), "settings": json.loads(row["settings"])}
             for row in (self._rows[key] for key in self._keys)
@@ -63,8 +64,7 @@ class Sweep:
         return {state: states.count(state) for state in (store.DONE, store.REFUSED, store.FAILED)}
 
     def reports(self) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
-        """Every run that was done, with its report (docs/report.md). Raises SweepError for reports of another
-        schema."""
+        """Every finished run with its report (docs/report.md). Raises SweepError for reports of another schema."""
         wanted = {run["key"]: run for run in self.runs if run["status"] == store.DONE}
         for row in self.folder.rows(("report",)):
             if row["key"] not in wanted:
@@ -77,7 +77,7 @@ class Sweep:
             yield wanted[row["key"]], report
 
     def report(self, seed: int | None = None, **place: Any) -> dict[str, Any]:
-        """The report of one run, by its place (``dsps=2``) and seed. Raises KeyError unless exactly one is there."""
+        """The report of one run, by its place (``dsps=2``) and seed. Raises KeyError unless exactly one run fits."""
         asked = {grids.axis_name(name, name): value for name, value in place.items()}
         found = [
             run
@@ -91,16 +91,15 @@ class Sweep:
         return next(report for run, report in self.reports() if run["key"] == found[0]["key"])
 
     def values(self, metric: Metric) -> dict[str, float | bool]:
-        """A metric of every run that was done, by key. It runs nothing. Raises KeyError for a place that no report
-        has."""
+        """A metric of every finished run, by key. Runs nothing. Raises KeyError for a place that no report has."""
         return {key: values[0] for key, values in self._measured([metric]).items()}
 
     def _measured(self, of: Sequence[Metric]) -> dict[str, list[float | bool]]:
-        """All of them in one reading of the reports."""
+        """All of them with one reading of the reports."""
         return {run["key"]: [metrics.value(report, metric) for metric in of] for run, report in self.reports()}
 
     def table(self, *of: Metric) -> Table:
-        """One row per run: its axes, ``seed``, ``status``, ``message``, and the metrics; NaN where nothing was
+        """One row per run: its axes, ``seed``, ``status``, ``message``, and the metrics; NaN if nothing was
         measured."""
         asked = of or metrics.USUAL
         names = [metrics.name_of(metric) for metric in asked]
@@ -163,7 +162,7 @@ class Sweep:
         spreads = [one for summary in summaries for _, one in summary if one.n > 1]
         if spreads and not any(one.varies for one in spreads):
             text += (
-                "All repeats of every point agree: in these numbers nothing was random, and there are no intervals.\n"
+                "All repeats of every point agree: these numbers have no randomness, and no intervals.\n"
             )
         elif any(one.varies for one in spreads):
             text += "Intervals of 95 %: Wilson's of shares of runs, else bootstrap of the mean; "
