@@ -310,7 +310,7 @@ def test_a_run_that_is_over_before_says_so(tmp_path: Path) -> None:
     toml.write_text('[machine]\ndsps = 1\nboot = "preloaded"\n[run]\nduration_s = 3.0\nafter_stop_s = 0.1\n[report]\nreference = "none"\n'
                     '[[events]]\nat_s = 0.05\naction = "fail"\ndsp = 0\n')  # fmt: skip
     finished = subprocess.run([EMULATOR, "--quiet", "--config", toml, "--snapshot-at", "0.01:early", "--snapshot-at", "2.5:late"], cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert finished.returncode == 1 and "late is not written; the run was over at" in finished.stderr
+    assert finished.returncode == 1 and "late is not written; the run ended at" in finished.stderr
     assert (tmp_path / "early").exists() and not (tmp_path / "late").exists()
 
 

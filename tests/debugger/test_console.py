@@ -72,7 +72,7 @@ def test_what_cannot_be_debugged_is_refused(arguments: list[str], message: str) 
 
 def test_a_program_and_the_dock_exclude_each_other(program: Path) -> None:
     done = debug(program, "--dsps", "2")
-    assert done.returncode == 2 and "are the dock's" in done.stderr
+    assert done.returncode == 2 and "are for the dock" in done.stderr
 
 
 def test_the_dock_by_commands() -> None:

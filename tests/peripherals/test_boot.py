@@ -244,7 +244,7 @@ def test_pins_that_cannot_be(emulator: Path, tmp_path: Path, old: str, new: str,
 
 
 @pytest.mark.parametrize(("board", "boot", "message"), [
-    (BOARD.replace("[pins]", "").replace("romen = true", "").replace("resetloc = 0", "").replace('iiof = "0111"', ""), "reset", "board strapped says nothing of its pins"),
+    (BOARD.replace("[pins]", "").replace("romen = true", "").replace("resetloc = 0", "").replace('iiof = "0111"', ""), "reset", "board strapped has no [pins]"),
     (BOARD.replace("0111", "1111"), "reset", "say through which the program comes: --boot 0 to --boot 5"),
     (BOARD, "3", 'romen = true, resetloc = 0, iiof = "1111"; --boot reset starts as they are'),
     (BOARD.replace("0111", "0101"), "reset", "the stream at A0000000h does not lie in memory"),
