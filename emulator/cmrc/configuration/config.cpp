@@ -312,12 +312,12 @@ Config ConfigBuilder::build() const {
   config.processes = processes_;
   check_user_tasks(config.tasks);
   check(config.processes, config.tasks);
+  const auto clear = origins.find("errors.clear");
+  const Origin clear_origin = clear == origins.end() ? Origin{} : clear->second;
   check_invariants(config, std::move(origins));
-  if (config.errors.clear) {
-    const auto at = origins.find("errors.clear");
-    refuse(at == origins.end() ? Origin{} : at->second, "errors.clear", "there are no errors before the run",
+  if (config.errors.clear)
+    refuse(clear_origin, "errors.clear", "there are no errors before the run",
            "an event \"set\" of this key is expected");
-  }
   check_events(config);
   return config;
 }
