@@ -211,7 +211,7 @@ REFUSED = [
     ("", "waits = 3", "speed = 3", "no such key device.speed"),
     ("", 'name = "front"\n', "", "name is missing"),
     ("", 'words = 0x10000\nbus = "local"', 'words = 0x10000\nbus = "local"\nfile = "nowhere.hex"', "nowhere.hex"),
-    ("", 'words = 0x10000\nbus = "local"', 'words = 0x10000\nbus = "local"\nwidth = 8', "there is none"),
+    ("", 'words = 0x10000\nbus = "local"', 'words = 0x10000\nbus = "local"\nwidth = 8', "`file` is missing"),
     ("", 'bus = "global"', 'bus = "global"\nfile = "x"', "a window has no contents"),
 ]
 

@@ -100,7 +100,7 @@ def test_trace_diff_shows_no_instructions_that_neither_trace_has(run, tmp_path: 
         same = run("trace-diff", "a.trace", "b.trace", *programs)
         assert same.returncode == 1 and same.stderr == ""
     line = next(line for line in golden.splitlines() if "sha256=" in line)
-    executed = same.stdout.split("as a.trace has it:\n")[1].splitlines()
+    executed = same.stdout.split("equal to those of a.trace:\n")[1].splitlines()
     assert condensed(executed, 0, keep=lambda cycle: False) == [line]
     missing = run("trace-diff", "a.trace", "b.trace", "--programs", tmp_path)
     assert missing.returncode == 2 and "dsp.asm" in missing.stderr

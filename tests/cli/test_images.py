@@ -185,13 +185,13 @@ BROKEN = [
     (":01000000AA55\n:01000000AA55\n:00000001FF\n", "2: address 0h has a byte already"),
     (":01000006AA4F\n:00000001FF\n", "record type 06h"),
     (":0G000000\n", "'G' is no hexadecimal digit"),
-    (":00000001FF\n", "holds no byte"),
+    (":00000001FF\n", "contains no byte"),
     (":0100000055AA\n:020000040FFFEC\n:0100000055AA\n:00000001FF\n", "span more than 64 MiB"),
     ("S1040000AA51\n", "ends without its last record"),
     ("S1040000AA50\nS9030000FC\n", "checksum is 50h; 51h is expected"),
     ("S4040000AA51\n", "not S4"),
     ("S101FE\nS9030000FC\n", "ends within its address"),
-    ("", "holds no byte"),
+    ("", "contains no byte"),
     ("abcdefgh", "does not say how wide it is; --rom-width"),
 ]
 

@@ -137,7 +137,7 @@ def test_values_of_the_plant_stop_at_the_first_look_at_which_they_hold() -> None
 @pytest.mark.parametrize(
     ("command", "message"),
     [
-        (lambda d: d.break_at("nowhere"), "is no place"),
+        (lambda d: d.break_at("nowhere"), "is not a place"),
         (lambda d: d.break_at("pid.asm:99999"), "there is no instruction"),
         (lambda d: d.break_at("pid.asm:x"), "FILE:LINE is expected"),
         (lambda d: d.break_at(0x00500000), "no memory there"),
@@ -145,7 +145,7 @@ def test_values_of_the_plant_stop_at_the_first_look_at_which_they_hold() -> None
         (lambda d: d.break_at("kernel_pid", condition="r99 > 1"), "r99 is not a register"),
         (lambda d: d.break_at("kernel_pid", condition="(" * 500), "nested too deep"),
         (lambda d: d.break_at("kernel_pid", chip=9), "there is no chip 9"),
-        (lambda d: d.on("nothing"), "is no happening"),
+        (lambda d: d.on("nothing"), "is not an event"),
         (lambda d: d.watch_register("IVTP"), "not a register that can be watched"),
         (lambda d: d.when("plant.nothing > 1"), "plant.nothing is not a register"),
         (lambda d: d.remove(7), "there is no stop condition 7"),
