@@ -290,4 +290,4 @@ def test_nonsense_is_refused_before_anything_runs(settings: dict[str, Any], even
 def test_a_file_that_clears_errors_before_the_run_is_named_with_the_place(tmp_path: Path) -> None:
     (tmp_path / "cleared.toml").write_text("[errors]\nclear = true\n")
     with pytest.raises(cmrc.ConfigError, match=r"cleared\.toml:2:1: errors\.clear: there are no errors before the run"):
-        cmrc.config(config=tmp_path / "cleared.toml")
+        cmrc.config(file=tmp_path / "cleared.toml")
