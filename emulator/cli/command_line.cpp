@@ -7,22 +7,42 @@
 #include <sstream>
 #include <vector>
 
+#include "cli/settings.hpp"
 #include "report/version.hpp"
 
 namespace cli {
 namespace {
 
+/// The parser's message. Of a value that is not a number the parser says "Could not convert: --option = value" only;
+/// the numbers that it reads itself are all integers.
+std::string in_words(const std::string& message) {
+  constexpr std::string_view unconverted = "Could not convert: ", between = " = ";
+  const std::size_t end = message.find(between);
+  if (!message.starts_with(unconverted) || end == std::string::npos) return message;
+  return fmt::format("{}: \"{}\" cannot be used; an integer is expected",
+                     message.substr(unconverted.size(), end - unconverted.size()),
+                     message.substr(end + between.size()));
+}
+
+/// A number that a key of the configuration takes. The configuration checks it as it checks the key in a file.
+void declare_number(CLI::App& app, const std::string& name, std::optional<cmrc::Value>& number, const std::string& help,
+                    const std::string& type) {
+  app.add_option_function<std::string>(
+         name, [&number](const std::string& text) { number = parse_value(text); }, help)
+      ->type_name(type);
+}
+
 /// The options that make a configuration, for commands that run one or several.
 void declare_settings(CLI::App& app, RunOptions& options) {
-  app.add_option("--dsps", options.dsps, "Number of DSPs, 1 to 16 (default 4)");
+  declare_number(app, "--dsps", options.dsps, "Number of DSPs, 1 to 16 (default 4)", "INT");
   app.add_option("--config", options.config, "Configuration (TOML; docs/configuration.md)")->type_name("FILE");
   app.add_option("--preset", options.preset, "base (default), heavy, saturated or tight");
-  app.add_option("--duration", options.duration_s, "Simulated time in s (default 180)");
-  app.add_option("--seed", options.seed, "Seed of everything random (default 1)");
+  declare_number(app, "--duration", options.duration_s, "Simulated time in s (default 180)", "FLOAT");
+  declare_number(app, "--seed", options.seed, "Seed of everything random (default 1)", "INT");
   app.add_option("--set", options.settings, "Any other setting, e.g. --set scheduling.gamma_refreshes=1")
       ->type_name("KEY=VALUE");
-  app.add_option("--turn-order", options.turn_order, "Shuffle which chip is advanced first; changes nothing")
-      ->type_name("SEED");
+  declare_number(app, "--turn-order", options.turn_order, "Shuffle which chip is advanced first; changes nothing",
+                 "SEED");
   app.add_option("--programs", options.programs, "Assemble the DSP programs from this directory")->type_name("DIR");
   app.add_option("--board", options.board, "Memories and clock of the DSPs' boards (docs/boards.md)")
       ->type_name("default|FILE.toml");
@@ -330,11 +350,11 @@ void declare_debug(CLI::App& app, DebugOptions& options) {
                  "Cut or restore a link; reset, hold, release or pull out a chip; drive a net")
       ->type_name("AT_US,ACTION,LINK|CHIP|NET")
       ->allow_extra_args(false);
-  app.add_option("--dsps", options.run.dsps, "Number of the dock's DSPs, 1 to 16 (default 4)");
+  declare_number(app, "--dsps", options.run.dsps, "Number of the dock's DSPs, 1 to 16 (default 4)", "INT");
   app.add_option("--config", options.run.config, "Configuration of the dock (TOML)")->type_name("FILE");
   app.add_option("--preset", options.run.preset, "Preset of the dock: base (default), heavy, saturated or tight");
-  app.add_option("--duration", options.run.duration_s, "Simulated time of the dock in s (default 180)");
-  app.add_option("--seed", options.run.seed, "Seed of everything random in the dock (default 1)");
+  declare_number(app, "--duration", options.run.duration_s, "Simulated time of the dock in s (default 180)", "FLOAT");
+  declare_number(app, "--seed", options.run.seed, "Seed of everything random in the dock (default 1)", "INT");
   app.add_option("--set", options.run.settings, "Any other setting of the dock")->type_name("KEY=VALUE");
   app.add_option("--snapshot", options.run.resume, "Start the dock from a snapshot (docs/snapshots.md)")
       ->type_name("FILE");
@@ -433,7 +453,7 @@ std::variant<Request, Help> parse_command_line(int argc, const char* const* argv
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() != 0)
-      throw InputError(std::string(error.what()) + " (emulator --help lists commands and options)");
+      throw InputError(in_words(error.what()) + " (emulator --help lists commands and options)");
     std::ostringstream text;
     app.exit(error, text, text);
     return Help{text.str()};

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "cmrc/configuration/value.hpp"
+
 namespace cli {
 
 /// Exit statuses (ruling 29).
@@ -21,12 +23,12 @@ class InputError : public std::runtime_error {
 };
 
 struct RunOptions {
-  std::optional<std::int64_t> dsps;
+  std::optional<cmrc::Value> dsps;
   std::optional<std::string> config;
   std::optional<std::string> preset;
-  std::optional<double> duration_s;
-  std::optional<std::int64_t> seed;
-  std::optional<std::int64_t> turn_order;
+  std::optional<cmrc::Value> duration_s;
+  std::optional<cmrc::Value> seed;
+  std::optional<cmrc::Value> turn_order;
   std::optional<std::string> programs;
   std::optional<std::string> board;
   std::optional<std::string> idle_policy;

@@ -11,6 +11,9 @@
 
 namespace cli {
 
+/// The text as a TOML value; a word without quotes is a string.
+cmrc::Value parse_value(const std::string& text);
+
 /// Applies defaults, preset, file and flags, in this order. \throws cmrc::ConfigError naming the flag, InputError.
 /// \param base TOML that comes before all of them, and its name
 cmrc::Config build_config(const RunOptions& options, std::string_view base = {}, const std::string& base_name = {});

@@ -70,10 +70,13 @@ class BoardReader {
 
  private:
   void read_regions(BoardDescription& out, const toml::array& regions, const toml::table& root) {
+    std::size_t number = 0;  // of the region in the file, for messages about one without a name
     for (const auto& node : regions) {
+      ++number;
       if (is_reserved(node)) continue;
       const std::size_t before = out.board.regions.size();
-      if (!toml_.attempt([&] { add(out, node); }) || out.board.regions.size() == before) toml_.regions_known = false;
+      if (!toml_.attempt([&] { add(out, node, number); }) || out.board.regions.size() == before)
+        toml_.regions_known = false;
     }
     std::vector<c40::AddressRange> kept;
     for (const auto& node : regions)
@@ -85,7 +88,7 @@ class BoardReader {
     });
   }
 
-  void add(BoardDescription& description, const toml::node& node) {
+  void add(BoardDescription& description, const toml::node& node, std::size_t number) {
     c40::Board& board = description.board;
     if (!node.is_table()) toml_.fail(node, "region: each is a table, [[region]]");
     const toml::table& table = *node.as_table();
@@ -93,7 +96,7 @@ class BoardReader {
     bool whole = true;
     for (const std::string_view key : {"name", "base", "words", "bus"})
       if (table.get(key) == nullptr) {
-        toml_.note(node, fmt::format("region {}: {} is missing", board.regions.size() + 1, key));
+        toml_.note(node, fmt::format("region {}: {} is missing", number, key));
         whole = false;
       }
     if (!whole) return;

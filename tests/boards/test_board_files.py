@@ -30,7 +30,7 @@ def test_all_errors_are_told_at_once_with_their_lines(tmp_path: Path) -> None:
         (10, 'no such key region.buss'),
         (11, "region.waits: a whole number from 0 to 15"),
         (12, "region.bus of RAM: local or global is expected"),
-        (23, 'device.kind of D: "fofo" is none; console, registers, led, fifo, mailbox, timer, vic068a, vme is expected; did you mean "fifo"?'),
+        (23, 'device.kind of D: "fofo" is unknown; console, registers, led, fifo, mailbox, timer, vic068a, vme is expected; did you mean "fifo"?'),
         (30, "device.pin of T: IIOF0 to IIOF3 or NMI is expected"),
         (31, "device.count_cycles of T: a whole number from 1"),
         (32, "no such key device.dept"),
@@ -88,6 +88,14 @@ SRAM_TEST = """
         sti r0,*ar3
         ldi *ar3,r4
 """
+
+
+def test_regions_without_a_name_are_numbered_as_in_the_file(tmp_path: Path) -> None:
+    (tmp_path / "b.toml").write_text("[[region]]\nname = 'a'\n[[region]]\nname = 'b'\n")
+    with pytest.raises(ValueError) as info:
+        Processor(board=tmp_path / "b.toml")
+    assert "b.toml:1: region 1: base is missing" in str(info.value)
+    assert "b.toml:3: region 2: base is missing" in str(info.value)
 
 
 def test_a_program_boots_on_the_dakar_f5_and_meets_its_registers() -> None:

@@ -262,7 +262,7 @@ def test_failures_are_the_same_in_any_turn_order() -> None:
     ({"at_s": 1, "action": "explode"}, r'events.action: "explode" is not known; "fail", '),
     ({"at_s": 1, "action": "fail"}, r"events.dsp: is missing"),
     ({"at_s": 1, "action": "fail", "dsp": 4}, r"events.dsp: there is no slot 4; the slots are 0 to 3; machine.slots makes more"),
-    ({"at_s": 1, "action": "fail", "dsp": 1.5}, r"events.dsp: 1.5 is no DSP"),
+    ({"at_s": 1, "action": "fail", "dsp": 1.5}, r"events.dsp: 1.5 is not a DSP"),
     ({"at_s": 1, "action": "fail", "dsp": 1, "bus": "A"}, r'events.bus: "fail" has no such field; its fields are "at_s", "action" or "dsp"'),
     ({"at_s": 1, "action": "plug", "dsp": 1}, r"events.action: plug at 1 s, but slot 1 holds a board; unplug it first"),
     ({"at_s": 1, "action": "slow", "dsp": 1, "factor": 0}, r"events.factor: 0 is out of range"),

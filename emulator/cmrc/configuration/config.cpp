@@ -23,19 +23,27 @@ std::string_view leaf(std::string_view key) {
   return dot == std::string_view::npos ? key : key.substr(dot + 1);
 }
 
-/// The known key that the user most likely meant: compared by the whole name, and by the part after the table.
-std::string_view nearest(std::string_view key) {
+/// What would be right instead of an unknown key: the known key that the user most likely meant (compared by the whole
+/// name, and by the part after the table), else the keys of the table, else where all keys are listed.
+std::string right_key(std::string_view key) {
   std::string_view best;
+  const std::size_t most = leaf(key).size() / 2;
   std::size_t least = std::numeric_limits<std::size_t>::max();
   for (const Key& known : keys()) {
-    const std::size_t distance =
-        std::min(io::edit_distance(key, known.name), io::edit_distance(leaf(key), leaf(known.name)) + 1);
-    if (distance < least) {
-      least = distance;
-      best = known.name;
-    }
+    const std::size_t whole = io::edit_distance(key, known.name);
+    const std::size_t part = io::edit_distance(leaf(key), leaf(known.name));
+    if (std::min(whole, part) > most || std::min(whole, part + 1) >= least) continue;
+    least = std::min(whole, part + 1);
+    best = known.name;
   }
-  return best;
+  if (!best.empty()) return fmt::format("the nearest known key is {}", best);
+  const std::string_view table = key.substr(0, key.size() - leaf(key).size());
+  std::vector<std::string_view> others;
+  if (!table.empty())
+    for (const Key& known : keys())
+      if (known.name.starts_with(table)) others.push_back(known.name);
+  if (others.empty()) return "docs/configuration.md lists the keys";
+  return fmt::format("the keys of its table are {}", fmt::join(others, ", "));
 }
 
 /// The tables of keys, with the lists of tables in brackets: "[run]", "[agv.vehicle]", "[[events]]".
@@ -228,7 +236,7 @@ ConfigBuilder& ConfigBuilder::set(std::string_view key, const Value& value, cons
   }
   auto index = find(key);
   if (!index) index = find_leaf(key);
-  if (!index) refuse(origin, key, "no such key", fmt::format("the nearest known key is {}", nearest(key)));
+  if (!index) refuse(origin, key, "no such key", right_key(key));
   flag_settings_.push_back({*index, checked(keys()[*index], value, origin), origin});
   return *this;
 }
@@ -269,7 +277,7 @@ void ConfigBuilder::parse(std::string_view toml, const std::string& name, std::v
               if (find_leaf(inner.str())) self(self, *node.as_table(), full + ".");
           refuse_table(key_origin, full);
         }
-        refuse(key_origin, full, "no such key", fmt::format("the nearest known key is {}", nearest(full)));
+        refuse(key_origin, full, "no such key", right_key(full));
       }
       const Origin origin = origin_of(node.source(), name);
       into.push_back({*index, checked(keys()[*index], value_of(node, full, origin), origin), key_origin});
@@ -329,7 +337,7 @@ ConfigBuilder& ConfigBuilder::event(TimedEvent event) {
 
 void check_live(std::string_view name, const Value& value, const Origin& origin) {
   const auto index = find(name);
-  if (!index) refuse(origin, name, "no such key", fmt::format("the nearest known key is {}", nearest(name)));
+  if (!index) refuse(origin, name, "no such key", right_key(name));
   const Key& key = keys()[*index];
   if (!key.live)
     refuse(origin, name, "cannot be changed during a run", "docs/configuration.md marks the keys that can");
@@ -360,7 +368,7 @@ Config with_live(const Config& config, std::string_view name, const Value& value
 
 Config with_key(const Config& config, std::string_view name, const Value& value, const Origin& origin) {
   const auto index = find(name);
-  if (!index) refuse(origin, name, "no such key", fmt::format("the nearest known key is {}", nearest(name)));
+  if (!index) refuse(origin, name, "no such key", right_key(name));
   const Key& key = keys()[*index];
   Config changed = config;
   key.assign(changed, checked(key, value, origin));
