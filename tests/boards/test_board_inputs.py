@@ -73,7 +73,7 @@ def test_a_script_answers_what_the_program_sends(tmp_path: Path) -> None:
         ("\n\nat", 'host:3: "": a number'),
         ("at x 1", 'host:1: "x": a number'),
         ("at 5", "host:1: there is no word to send"),
-        ("at 5 123456789h", '"123456789h" is no word'),
+        ("at 5 123456789h", '"123456789h" is not a word'),
         ('on 1 "abc', "does not end in this line"),
         ('on 1 "a\\q"', r"\q: "),
     ],

@@ -192,7 +192,7 @@ def test_wrong_memories_are_refused(tmp_path: Path, memory: SharedMemory, messag
 
 
 def test_a_pin_has_one_net(tmp_path: Path) -> None:
-    with pytest.raises(NetworkError, match=r"pin 0.IIOF1 is on net wire already"):
+    with pytest.raises(NetworkError, match=r"pin 0.IIOF1 is already on net wire"):
         Network([assembled(END)], boards=str(board(tmp_path, device("timer", pin="IIOF1"))), nets=["wire: >0.IIOF1"])
 
 

@@ -139,7 +139,7 @@ def test_a_processs_steps_decide_when_the_servo_runs() -> None:
     (row(9, "none", 'steps = ["task identify"]\nloaded = true\nmust = [5]'), "own.toml:2:1", "no AGV is named for process 5"),
     (row(9, "none", 'steps = ["task weigh"]\nloaded = true'), "own.toml:2:1", '"weigh" is not a possible task'),
     (row(9, "none", 'steps = ["leg 1"]\nloaded = true'), "own.toml:2:1", '"leg 1" is not for its robot'),
-    (row(9, "none", 'steps = ["dance"]\nloaded = true'), "own.toml:6:10", '"dance" is no step; "task", "leg", '),
+    (row(9, "none", 'steps = ["dance"]\nloaded = true'), "own.toml:6:10", '"dance" is not a step; "task", "leg", '),
     (row(9, "none", 'steps = ["leg 4"]\nloaded = true'), "own.toml:6:10", "1, 2 or 3 is expected after it"),
     (row(9, "none", "steps = []\nloaded = true"), "own.toml:2:1", "no step; at least one is expected"),
     (row(9, "ship", 'steps = ["leg 1"]'), "own.toml:5:9", '"ship" is not known; "none", "crane" or "agv" is expected'),

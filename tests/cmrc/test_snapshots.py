@@ -286,7 +286,7 @@ def test_a_snapshot_from_inside_a_callback_and_of_a_profile_is_refused() -> None
         (["--snapshot-at", "0.01:"], 'is not S:FILE'),
         (["--snapshot-at", "1:f", "--duration", "0.5"], "1 s is after the end of the run; it ends at 0.5 s"),
         (["--resume", "there_is_none"], "there_is_none: cannot be read"),
-        (["--resume", "text"], "text: 5 bytes that are no snapshot"),
+        (["--resume", "text"], "text: 5 bytes that are not a snapshot"),
         (["--resume", "snap", "--dsps", "2"], "another configuration: [machine] dsps = 1, here dsps = 2"),
         (["--resume", "snap", "--report", "snap"], "--report: snap is the same file as --resume"),
         (["--resume", "snap", "--snapshot-at", "0.001:f"], "0.001 s has passed"),

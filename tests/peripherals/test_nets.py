@@ -301,13 +301,13 @@ def test_the_order_of_turns_and_cuts_change_nothing_by_the_hundred(seed: int) ->
 
 @pytest.mark.parametrize(("nets", "message"), [
     (["0.TCLK0"], "is not a net; DRIVER>RECEIVER is expected, as 0.TCLK0>1.IIOF1"),
-    (["0.TCLK0>1.IIOF1>1.IIOF2"], "is no net"),
+    (["0.TCLK0>1.IIOF1>1.IIOF2"], "is not a net"),
     (["0.TCLK0>"], '"" is not a pin of a chip; CHIP.PIN is expected'),
     (["0.TCLK0>2.IIOF1"], "there is no 2; 0, 1 is expected"),
     (["0.TCLK2>1.IIOF1"], "IIOF0 to IIOF3, TCLK0, TCLK1, NMI or RESET is expected"),
     (["0.NMI>1.IIOF1"], "0.NMI cannot drive it; IIOF and TCLK are outputs"),
     (["0.TCLK0+0.IIOF1>1.IIOF1"], "two pins drive it; an open-drain net is written with &"),
-    (["0.TCLK0>1.IIOF1", "0.IIOF1>1.IIOF1"], "pin 1.IIOF1 is on net 0 already"),
+    (["0.TCLK0>1.IIOF1", "0.IIOF1>1.IIOF1"], "pin 1.IIOF1 is already on net 0"),
     (["0.TCLK0>1.IIOF1+1.IIOF1"], "pin 1.IIOF1 is in it twice"),
 ])  # fmt: skip
 def test_nets_that_cannot_be(nets: list[str], message: str) -> None:
@@ -401,8 +401,8 @@ def test_nets_of_a_file(command: Any) -> None:
     ('drivers = "root.TCLK0"', 'drivers = "rot.TCLK0"', "net.toml:9: net.drivers: \"rot.TCLK0\" is not a pin of a chip; there is no rot; root, 1 is expected"),
     ('rest = "low"', 'rest = "down"', 'net.toml:14: net.rest: "high" or "low" is expected'),
     ('rest = "low"', "open_drain = 1", "net.toml:14: net.open_drain: true or false is expected"),
-    ('receivers = ["1.IIOF2"]', 'receivers = ["1.IIOF1"]', "net.toml:11: net line (>1.IIOF1): pin 1.IIOF1 is on net sync already"),
-    ('net = "line"', 'chip = "root"', "net.toml:15: event: pulse concerns a net"),
+    ('receivers = ["1.IIOF2"]', 'receivers = ["1.IIOF1"]', "net.toml:11: net line (>1.IIOF1): pin 1.IIOF1 is already on net sync"),
+    ('net = "line"', 'chip = "root"', "net.toml:15: event: pulse needs a net"),
     ("width_us = 2\n", "", "net.toml:15: event: width_us is missing"),
     ('action = "pulse"', 'action = "low"', "only a pulse has one"),
     ('receivers = ["1.IIOF2"]\n', "", "net.toml:11: net: receivers is missing"),

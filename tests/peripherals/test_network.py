@@ -588,7 +588,7 @@ def test_a_lock_never_given_back_is_a_deadlock() -> None:
     (["0.0:0.0"], "chip 0 port 0 cannot be linked to itself"),
     (["0.0:1.1"], "both begin with the token; connect one of ports 0 to 2 with one of 3 to 5"),
     (["0.3:1.5"], "both begin without the token"),
-    (["0.0:1.3", "0.0:1.4"], "port 0 of chip 0 is taken by link 0.0:1.3"),
+    (["0.0:1.3", "0.0:1.4"], "port 0 of chip 0 already has link 0.0:1.3"),
     (["0.0-1.3"], "CHIP.PORT:CHIP.PORT is expected"),
     (["00:1.3"], "CHIP.PORT is expected"),
     (["x.0:1.3"], "there is no chip x"),
@@ -603,7 +603,7 @@ def test_networks_that_cannot_be() -> None:
     for given, message in [
         ({"topology": "ring:65"}, "at most 64|1 to 64"),
         ({"topology": "hypercube:12"}, "1, 2, 4, 8, 16, 32 or 64"),
-        ({"topology": "star:4"}, "no topology"),
+        ({"topology": "star:4"}, "not a topology"),
         ({"clocks_mhz": [40, 40]}, "clocks_mhz"),
         ({"clocks_mhz": -3}, "clock of -3"),
         ({"memories": [SharedMemory("m", 4, {0: 0x300000})]}, "no window that holds"),

@@ -266,7 +266,7 @@ def test_tls_options_are_passed_on(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     ) as safe:
         with pytest.raises(SweepError, match="no cluster answers there"):
             sweep(grid_of_one, tmp_path / "s", address=safe.scheduler_address)
-        with pytest.raises(SweepError, match=r"security.tls_client_key: .*none.key is no file"):
+        with pytest.raises(SweepError, match=r"security.tls_client_key: .*none.key is not a file"):
             sweep(
                 grid_of_one,
                 tmp_path / "s",

@@ -86,7 +86,7 @@ def test_ldp_takes_an_address_or_with_gnu_a_page() -> None:
         ("lda 5,ar0", "the C3x has LDI"),
         ("ldhi 5,ar0", "'ldhi' is an instruction of the C40"),
         ("stik 1,@3", "'stik' is an instruction of the C40"),
-        ("lajz r0", "'lajz' is an instruction of the C40; the C3x has none like it"),
+        ("lajz r0", "'lajz' is an instruction of the C40; the C3x has no counterpart"),
         ("bzat 300000h", "'bzat' is an instruction of the C40"),
         ("retid", "the C3x has RETI"),
         ("frieee *ar0,r0 || stf r1,*ar1", "'frieee' is an instruction of the C40"),
@@ -198,7 +198,7 @@ def test_objects_of_two_processors_are_not_linked() -> None:
     a = toolchain.assemble_object(" .global f\n call f\n", name="a.o", cpu="c3x")
     b = toolchain.assemble_object(" .global f\nf: rets\n", name="b.o")
     for objects, library in (([a, b], []), ([a], [b])):
-        with pytest.raises(toolchain.LinkError, match=r"b.o: is of the C40, and a.o of the C3x"):
+        with pytest.raises(toolchain.LinkError, match=r"b.o: is for the C40, and a.o for the C3x"):
             toolchain.link(objects, library=library)
 
 
