@@ -19,7 +19,7 @@ std::array<double, CraneMotion::size> tolerances(double relative) {
 // Unlike ==, distinguishes 0 from -0, whose sines differ.
 template <class Values>
 bool same_bits(const Values& a, const Values& b) {
-  return std::memcmp(&a, &b, sizeof a) == 0;
+  return std::memcmp(&a, &b, sizeof a) == 0;  // NOLINT(bugprone-suspicious-memory-comparison): bits are compared
 }
 
 }  // namespace
