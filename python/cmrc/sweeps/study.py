@@ -36,7 +36,7 @@ class Sweep:
         self.folder = Folder(folder)
         self.folder.check()
         if self.folder.head() is None:
-            raise SweepError(f"{folder}: no folder of a sweep")
+            raise SweepError(f"{folder}: not a folder of a sweep")
         rows = {row["key"]: row for row in self.folder.rows(LIGHT)}
         self._keys = [
             key for key in (sorted(rows, key=lambda key: _order(rows[key])) if keys is None else keys) if key in rows
