@@ -107,7 +107,7 @@ class Run {
       throw py::type_error("on_progress: " + std::string(py::str(py::type::of(on_progress))) +
                            " cannot be called; a function of (simulated_s, duration_s) or None is expected");
     const OneUser::Long use(user_, "run", false);
-    // What it raises, be it Ctrl-C that Python has heard in it, interrupts the run.
+    // An exception that the callback raises interrupts the run; so does Ctrl-C during the callback.
     std::exception_ptr raised;
     const auto between = [&](const cmrc::Progress& progress) {
       const py::gil_scoped_acquire gil;
@@ -312,7 +312,7 @@ void bind_simulation(py::module_& m) {
            py::arg("reference"))
       .def(
           "reference", [](Run& r) { return r.waiting("reference", [](const Simulation& s) { return s.reference(); }); },
-          "The ideal run that this run was measured against; None while the run is not over, and where there is none.")
+          "The ideal run that this run was measured against; None before the end of the run and without a reference.")
       .def("run", &Run::run, py::arg("on_progress") = py::none(), py::arg("slice_s") = 0.02,
            "Runs to the end; on_progress(simulated_s, duration_s) may return False to stop. Ctrl-C stops cleanly and "
            "raises KeyboardInterrupt.")
