@@ -146,7 +146,7 @@ class Runner:
         if isinstance(error, RunDied):
             due.strikes += 1
             if due.strikes >= STRIKES:
-                self._keep(due.run, failure(f"the run has killed its process {STRIKES} times, alone in it: {error}"))
+                self._keep(due.run, failure(f"the run has ended its process {STRIKES} times, alone in it: {error}"))
                 return
         elif _died(error):
             due.deaths += 1
