@@ -1,6 +1,6 @@
 #pragma once
-// Who gets the bus next (plant-and-bus.md 3.1, 3.6). Masters are numbered as on their bus; master 0 is the host bridge
-// where there is one.
+// Which master gets the bus next (plant-and-bus.md 3.1, 3.6). The numbers of the masters are those of their bus. If the
+// bus has a host bridge, the bridge is master 0.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -16,12 +16,12 @@ class Arbiter {
 
   explicit Arbiter(const BusConfig& config) : config_{config} {}
 
-  /// The next master; `first_level` counts with Arbitration::two_level only.
+  /// The new master gets the next number. `first_level` counts with Arbitration::two_level only.
   void add_master(bool first_level);
-  /// The choice among those whose request stands at clock `latest`; nobody, when none does. `requests` holds the clock
-  /// of each master's REQ#, or never.
+  /// Chooses among the masters whose REQ# is asserted at clock `latest`; `nobody` if there is none. `requests` holds
+  /// for each master the clock at which REQ# is asserted, or never.
   unsigned pick(std::span<const Clocks> requests, Clocks latest) const;
-  /// The bus is the master's from FRAME# at clock `frame` on.
+  /// The master owns the bus from FRAME# at clock `frame` on.
   void granted(unsigned master, Clocks frame) {
     if (master != last_owner_ || frame >= kept_until()) tenure_ = frame;
     last_owner_ = master;
@@ -34,12 +34,13 @@ class Arbiter {
   }
 
   unsigned last_owner() const { return last_owner_; }
-  /// Where GNT# stays when nobody asks, or nobody.
+  /// The master that has GNT# while no master requests the bus; `nobody` if there is none.
   unsigned parked() const {
     if (first_level_.empty() || config_.parking == Parking::none) return nobody;
     return config_.parking == Parking::first ? 0 : last_owner_;
   }
-  /// The last owner keeps GNT# before this clock, whoever asks (the multi-transaction timer).
+  /// Before this clock the last owner keeps GNT#, even if another master requests the bus (the multi-transaction
+  /// timer).
   Clocks kept_until() const { return tenure_ + config_.multi_transaction_timer; }
 
   void list_state(state::Visitor& list) {
@@ -58,9 +59,9 @@ class Arbiter {
   BusConfig config_;
   std::vector<bool> first_level_;
   unsigned last_owner_ = 0;
-  unsigned last_place_ = 0;  // of the first level's ring, in which the second level as a whole has the last place
+  unsigned last_place_ = 0;  // of the first level's ring; the second level as a whole has the last place in this ring
   unsigned last_of_second_ = 0;
-  Clocks tenure_ = 0;  // when the last owner came to the bus
+  Clocks tenure_ = 0;  // the clock at which the last owner got the bus
 };
 
 }  // namespace pci

@@ -67,7 +67,7 @@ unsigned Bridge::framed(const Attempt& attempt, bool first, Clocks now, std::spa
   if (blocked())
     blocked_without_bus_ += attempt.frame - std::min(attempt.frame, std::max(attempt.requested, blocked_since_));
   if (!attempt.write || !first) return attempt.wanted;
-  // Words issued in this very clock are left for later: they may not all be known yet.
+  // Words issued in this clock wait for a later step: the processor may issue more of them in the same clock.
   unsigned words = 0;
   while (words < count_ && entry(words).address == attempt.address + words &&
          (words == 0 || entry(words).clock < now)) {

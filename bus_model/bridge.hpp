@@ -1,12 +1,12 @@
 #pragma once
-// A bridge between a processor bus and PCI (plant-and-bus.md 3.6, ruling 25): posts writes in a FIFO and drains
-// them in order, words at rising consecutive addresses as one burst; lets a read wait until the FIFO is empty; reads
-// ahead to the end of an aligned line and answers the processor's next reads from it. The line is dropped by any write
-// of this processor and by a read at or above prefetch_limit; another master's write leaves it stale, as in the real
-// thing.
+// A bridge between a processor bus and PCI (plant-and-bus.md 3.6, ruling 25). The bridge posts writes in a FIFO and
+// drains them in order; words at rising consecutive addresses form one burst. A read waits until the FIFO is empty. The
+// bridge reads ahead to the end of an aligned line, and answers the processor's next reads from this line. Any write of
+// this processor, and a read at or above prefetch_limit, drops the line. A write of another master leaves the line
+// stale, as in the real device.
 //
-// The processor may run ahead of the bus: what it posts carries the clock of its issue, and the bus takes no word
-// before its time.
+// The processor may run ahead of the bus: each posted word carries the clock of its issue, and the bus takes no word
+// before this clock.
 #include <array>
 #include <cstdint>
 
@@ -19,39 +19,39 @@ struct Posted {
   Address address = 0;
   Word value = 0;
   Clocks clock = 0;        ///< when the processor issued it
-  std::int64_t stamp = 0;  ///< the caller's own, for instance the exact time
+  std::int64_t stamp = 0;  ///< the caller's own mark, for instance the exact time
 };
 
 class Bridge final : public Initiator {
  public:
-  /// What the processor's side is told. Calls come from Bus::step or from Bridge::read.
+  /// The processor's side of the bridge. Calls come from Bus::step or from Bridge::read.
   class Client {
    public:
     virtual ~Client() = default;
-    /// The read's answer reaches the processor at clock `ready`; `arbitration` of the clocks since its issue went by
-    /// without the bus.
+    /// The read's answer reaches the processor at clock `ready`. `arbitration` is how many clocks since the read's
+    /// issue passed without the bus.
     virtual void answered(Word value, Clocks ready, Clocks arbitration, Result result) = 0;
-    /// The write that found the FIFO full has been taken at clock `ready`.
+    /// The write that found the FIFO full has got its place at clock `ready`.
     virtual void taken(Clocks ready, Clocks arbitration) = 0;
-    /// A posted word has reached its target, or its transaction was aborted.
+    /// A posted word has reached its target, or the word's transaction was aborted.
     virtual void landed(const Posted& posted, Clocks clock, Result result) = 0;
   };
 
   struct Hit {
     Word value;
-    Clocks ready;  ///< it may still be on its way
+    Clocks ready;  ///< the answer may still be under way
   };
 
   /// Becomes the bus's next master. Throws std::invalid_argument for a depth, line or latency timer that does not fit.
   Bridge(Bus& bus, const MasterConfig& master, const BridgeConfig& config, Client& client);
 
   unsigned master() const { return master_; }
-  /// A write certainly finds room (more of it may appear with time).
+  /// The FIFO certainly has room for a write (bus steps may free more room).
   bool has_room() const { return count_ < config_.post_depth; }
-  /// A write by the processor; clocks do not fall from call to call. Without room it waits (taken() follows) and the
-  /// processor with it.
+  /// A write by the processor; clocks do not fall from call to call. If the FIFO is full, the write and the processor
+  /// wait, and taken() follows.
   void write(const Posted& posted);
-  /// Answers from the line, when it holds the address.
+  /// Answers from the line, if the line holds the address.
   bool look_up(Address address, Hit& hit) const {
     if (address - line_address_ >= line_words_) return false;
     const Address word = address - line_address_;
@@ -60,16 +60,16 @@ class Bridge final : public Initiator {
   }
   /// A read that the line cannot answer; answered() follows.
   void read(Address address, Clocks clock);
-  /// The processor stands still until answered() or taken().
+  /// The processor waits for answered() or taken().
   bool blocked() const { return blocked_ != Blocked::no; }
-  /// It is a write that waits for room.
+  /// The processor waits with a write, for room in the FIFO.
   bool blocked_write() const { return blocked_ == Blocked::room; }
-  /// No posted word and no read is left.
+  /// No posted word and no read remains.
   bool idle() const { return count_ == 0 && !blocked(); }
   unsigned posted() const { return count_; }
-  /// A read goes to the bus with nothing of this processor before it.
+  /// A read would go to the bus at once: nothing of this processor is before it.
   bool is_clear() const { return !busy_ && count_ == 0; }
-  /// Leaves the bus at clock `now` and forgets everything: reset, or pulled out.
+  /// Leaves the bus at clock `now` and drops all its words: the processor is reset or pulled out.
   void clear(Clocks now);
   void list_state(state::Visitor& list);
 
@@ -95,7 +95,7 @@ class Bridge final : public Initiator {
   unsigned head_ = 0;
   unsigned count_ = 0;
   unsigned in_flight_ = 0;
-  bool busy_ = false;      // our transaction is on the bus or asks for it
+  bool busy_ = false;      // this bridge's transaction is on the bus or requests the bus
   bool answered_ = false;  // the read on the bus has given the processor its word
   Blocked blocked_ = Blocked::no;
   Address read_address_ = 0;

@@ -10,7 +10,7 @@ namespace pci {
 
 namespace {
 
-constexpr Clocks subtractive_clocks = 4;  // no DEVSEL# by then: master abort
+constexpr Clocks subtractive_clocks = 4;  // if no target has asserted DEVSEL# by then: master abort
 constexpr unsigned nobody = Arbiter::nobody;
 
 }  // namespace
@@ -48,7 +48,7 @@ void Bus::submit(unsigned master, Command command, Address address, unsigned wor
   port.speculative = false;
   port.attempted = false;
   ask(master, request);
-  if (finishing_) return;  // whoever comes next is chosen at the end of the present step
+  if (finishing_) return;  // the end of the present step chooses the next master
   if (running_)
     cut_by_timer();
   else
@@ -74,7 +74,7 @@ inline Clocks Bus::earliest_request(unsigned except) const {
   return earliest;
 }
 
-// The arbiter's choice among those who ask by clock `latest`. One who asks alone needs no choice.
+// The arbiter's choice among the masters that request the bus by clock `latest`. A single one needs no choice.
 inline unsigned Bus::winner(Clocks latest) const {
   if (asking_ == 0) return nobody;
   if ((asking_ & (asking_ - 1)) != 0) return arbiter_.pick(requests_, latest);
@@ -82,14 +82,16 @@ inline unsigned Bus::winner(Clocks latest) const {
   return requests_[only] <= latest ? only : nobody;
 }
 
-// An idle bus: the first to ask gets it; of several in the same clock the one that already has the grant, then the
-// arbiter's choice.
+// An idle bus goes to the first master that requests it. If several request it in the same clock, the master that
+// already has the grant comes first, then the arbiter's choice.
 void Bus::plan_idle() {
   Clocks first = earliest_request(nobody);
   chosen_ = nobody;
   next_ = never;
   if (first == never) return;
-  first = std::max(first, stalled_ - config_.grant_clocks);  // what waits through a stall is arbitrated at its end
+  first = std::max(
+      first,
+      stalled_ - config_.grant_clocks);  // masters that wait through a stall are arbitrated at the end of the stall
   const unsigned held = arbiter_.parked();
   chosen_at_ = first;
   if (held != nobody && requests_[held] == first && first >= stalled_) {
@@ -277,7 +279,7 @@ inline void Bus::move_words(Port& port, unsigned words) {
   port.done += words;
 }
 
-// `length` clocks of an attempt with `words` data phases, turnaround apart.
+// Books `length` clocks of an attempt with `words` data phases, without the turnaround.
 inline void Bus::account(Clocks words, Clocks length) {
   statistics_.address += 1;
   statistics_.data += words;
@@ -319,9 +321,9 @@ void Bus::finish() {
     ask(attempt_.master, free_ + port.config.request_off_after_stop + port.config.think_on_retry);
   } else if (attempt_.words < natural_words_) {
     port.statistics.timer_stops += 1;
-    ask(attempt_.master, last + 1);  // its own REQ# stays; the grant is another's
+    ask(attempt_.master, last + 1);  // its own REQ# stays asserted; another master has the grant
   } else if (ends_itself_) {
-    ask(attempt_.master, last);  // its REQ# has stood all the time
+    ask(attempt_.master, last);  // its REQ# has been asserted all the time
   } else {
     port.transaction.disconnects += 1;
     port.statistics.disconnects += 1;
@@ -331,7 +333,7 @@ void Bus::finish() {
   arbitrate(last);
 }
 
-// Hidden arbitration: who asked by the last data phase starts right after the turnaround.
+// Hidden arbitration: a master that requested the bus by the last data phase starts right after the turnaround.
 void Bus::arbitrate(Clocks last) {
   const unsigned next = winner(last);
   if (next != nobody && free_ >= stalled_)
@@ -370,7 +372,7 @@ unsigned Bus::withdraw(unsigned master, Clocks now) {
   Transaction& transaction = port.transaction;
   transaction.result = Result::withdrawn;
   if (running_ && attempt_.master == master) {
-    const Clocks end = std::max(now_, attempt_.frame + 1);  // FRAME# and IRDY# go away here
+    const Clocks end = std::max(now_, attempt_.frame + 1);  // FRAME# and IRDY# are released here
     unsigned words = 0;
     if (attempt_.kind == Attempt::Kind::data && end > attempt_.first)
       words = std::min(attempt_.words, static_cast<unsigned>((end - 1 - attempt_.first) / attempt_.step) + 1);

@@ -3,15 +3,16 @@
 //
 // A transaction of n words occupies 1 + F + (n - 1)(1 + W_s) + 1 clocks: the address phase, F = devsel + W_i for a
 // write or max(devsel, 2) + W_i for a read up to and with the first data phase, the further data phases, one
-// turnaround. Arbitration is hidden behind the running transaction; on an idle bus a master starts grant_clocks after
-// its request, or at once when the grant is parked on it. A transaction is cut by its target (disconnect, retry) or by
-// the latency timer once another master asks; the bus repeats the rest by itself. A stopped master drops REQ# for
-// request_off_after_stop clocks. Commands matter in two places: to what a target fetches ahead for a delayed read, and
-// to the latency timer, which lets Memory Write and Invalidate go on to the end of a cache line.
+// turnaround. Arbitration is hidden behind the running transaction. On an idle bus a master starts grant_clocks after
+// its request, or at once if the grant is parked on this master. The target cuts a transaction by disconnect or retry;
+// the latency timer cuts it once another master requests the bus. The bus repeats the rest by itself. A stopped master
+// drops REQ# for request_off_after_stop clocks. The command matters in two places: for what a target fetches ahead for
+// a delayed read, and for the latency timer, which lets Memory Write and Invalidate go on to the end of a cache line.
 //
-// Inaccuracies: masters are always ready (no IRDY# waits); the words of a write reach the target together at the end of
-// the attempt; those of a burst read are fetched at FRAME# with the clocks of their data phases (so windows whose reads
-// have effects need max_burst 1), a single word at its data phase; no parity, no LOCK#, no I/O or configuration cycles.
+// Inaccuracies: masters are always ready (no IRDY# waits). The words of a write reach the target together at the end of
+// the attempt. A single word is read at its data phase; the words of a burst read are fetched at FRAME# with the clocks
+// of their data phases, so windows whose reads have effects need max_burst 1. No parity, no LOCK#, no I/O or
+// configuration cycles.
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -26,13 +27,13 @@ namespace pci {
 enum class Result : std::uint8_t {
   done,
   master_abort,  ///< no target claimed the address; reads give all ones
-  target_abort,  ///< the target refused for good
+  target_abort,  ///< the target refused the access for good
   withdrawn,     ///< the master left the bus
 };
 
-/// A transaction as its master sees it, whatever number of attempts it took.
+/// A transaction as its master sees it, over all its attempts.
 struct Transaction {
-  std::uint64_t number = 0;  ///< on this bus, in order of their first FRAME#
+  std::uint64_t number = 0;  ///< on this bus, in the order of the first FRAME#
   Address address = 0;
   unsigned words = 0;  ///< wanted; after the end: transferred
   std::uint16_t master = 0;
@@ -51,7 +52,7 @@ struct Transaction {
   std::uint32_t disconnects = 0;
 };
 
-/// One time on the bus, from FRAME# to the last data phase (or stop).
+/// One attempt on the bus, from FRAME# to the last data phase (or stop).
 struct Attempt {
   enum class Kind : std::uint8_t { data, retry, master_abort, target_abort };
   std::uint16_t master = 0;
@@ -69,11 +70,12 @@ struct Attempt {
   Clocks last = 0;   ///< last data phase, or clock of the stop
 };
 
-/// What a target is told about an access.
+/// An access, as its target sees it.
 struct Access {
-  unsigned master;  ///< who drives the bus
+  unsigned master;  ///< the master that drives the bus
   Clocks clock;
-  unsigned agent = 0;  ///< for whom: MasterConfig::agent, or the far agent that a bridge between buses passes on
+  unsigned agent =
+      0;  ///< the agent that wants the access: MasterConfig::agent, or the agent of another bus for which a bridge acts
   Command command = Command::read;
 };
 
@@ -83,11 +85,11 @@ enum class Answer : std::uint8_t { accept, retry, abort };
 class Target {
  public:
   virtual ~Target() = default;
-  /// Asked at FRAME# of each attempt.
+  /// Called at FRAME# of each attempt.
   virtual Answer answer(Address /*offset*/, unsigned /*words*/, bool /*write*/, const Access&) {
     return Answer::accept;
   }
-  /// Of an access that it accepts: after how many words it disconnects.
+  /// For an access that the target accepts: after how many words the target disconnects.
   virtual unsigned most(Address /*offset*/, unsigned words, bool /*write*/, const Access&) { return words; }
   virtual Word read(Address offset, const Access& access) = 0;
   virtual void write(Address offset, Word value, const Access& access) = 0;
@@ -97,16 +99,16 @@ class Target {
 class Initiator {
  public:
   virtual ~Initiator() = default;
-  /// FRAME# of an attempt, decided at clock `now` <= attempt.frame. `first`: the first attempt of this transaction; a
-  /// write may then put more words into `room` (those submitted are its first attempt.wanted) and return the new
+  /// FRAME# of an attempt, decided at clock `now` <= attempt.frame. `first`: the first attempt of this transaction. A
+  /// write may then put more words into `room` (the submitted words are its first attempt.wanted) and return the new
   /// number.
   virtual unsigned framed(const Attempt& attempt, bool /*first*/, Clocks /*now*/, std::span<Word> /*room*/) {
     return attempt.wanted;
   }
-  /// A burst read's words, known ahead: word i arrives with the data phase at first + i * step.
+  /// The words of a burst read, known ahead: word i arrives with the data phase at first + i * step.
   virtual void arriving(const Attempt& /*attempt*/, std::span<const Word> /*words*/) {}
-  /// The end; `words` (of a read) stay valid until the next submission. The master may submit again, from
-  /// `transaction.ended` on.
+  /// The transaction has ended; `words` (of a read) stay valid until the next submission. The master may submit again,
+  /// from `transaction.ended` on.
   virtual void completed(const Transaction& transaction, std::span<const Word> words) = 0;
 };
 
@@ -118,7 +120,7 @@ class Monitor {
   virtual void ended(const Transaction&) {}
 };
 
-/// Hears that a bus's next_event() may have become another one.
+/// Called when the bus's next_event() may have changed.
 class PlanListener {
  public:
   virtual ~PlanListener() = default;
@@ -138,36 +140,36 @@ class Bus {
   /// Masters are numbered from 0 in order of addition. The initiator must outlive the bus. Throws std::invalid_argument
   /// for parameters that PCI forbids.
   unsigned add_master(const MasterConfig& config, Initiator& initiator);
-  /// A window [base, base + words) of a target; windows must not overlap. Gives its index.
+  /// A window [base, base + words) of a target; windows must not overlap. Returns the window's index.
   unsigned add_target(const TargetConfig& config, Target& target, Address base, std::uint64_t words);
 
-  /// Raises REQ# at clock `request` >= now() for `words` words from `address` on. Words of a write are put into
-  /// buffer(master) before. `speculative`: a read that ends at the first stop that left it at least one word. One
-  /// transaction per master at a time (std::logic_error otherwise).
+  /// Asserts REQ# at clock `request` >= now() for `words` words from `address` on. The caller puts the words of a write
+  /// into buffer(master) before. `speculative`: a read that ends at the first stop after which it has at least one
+  /// word. A master has one transaction at a time (std::logic_error otherwise).
   void submit(unsigned master, bool write, Address address, unsigned words, Clocks request, bool speculative = false);
-  /// The same with a command of the master's choice, for another agent than itself.
+  /// The same with a command that the master chooses, for an agent other than the master.
   void submit(unsigned master, Command command, Address address, unsigned words, Clocks request, unsigned agent);
-  /// The command that such a transaction has by itself: a read by the cache lines it touches; a plain write.
+  /// The default command of such a transaction: for a read by the cache lines that it touches; a plain write.
   Command command_of(bool write, Address address, unsigned words) const;
   std::span<Word> buffer(unsigned master);
   bool busy(unsigned master) const;
-  /// The master leaves at clock `now`: its request goes away, its running transaction breaks off, what its data phases
-  /// have moved so far is moved. completed() is not called. Gives the number of words moved.
+  /// The master leaves at clock `now`. Its request ends, its running transaction breaks off; words whose data phases
+  /// have passed are moved. completed() is not called. Returns the number of words moved.
   unsigned withdraw(unsigned master, Clocks now);
 
   /// From clock `now` on the arbiter grants nothing before clock `until`; a running attempt goes on to its end.
   void stall(Clocks now, Clocks until);
 
-  /// The clock of the next thing to happen here, or never.
+  /// The clock of the next event of this bus, or never.
   Clocks next_event() const { return next_; }
-  /// Lets the next thing happen.
+  /// Executes the next event.
   void step();
-  /// Lets everything up to and with `clock` happen.
+  /// Executes all events up to and with `clock`.
   void advance_to(Clocks clock);
   Clocks now() const { return now_; }
 
   void set_monitor(Monitor* monitor) { monitor_ = monitor; }
-  /// Not told of its own steps.
+  /// The listener is not called for the bus's own steps.
   void set_plan_listener(PlanListener* listener) { plan_listener_ = listener; }
   const BusConfig& config() const { return config_; }
   unsigned masters() const;
@@ -207,16 +209,16 @@ class Bus {
   BusConfig config_;
   Arbiter arbiter_;
   std::vector<Port> ports_;
-  std::vector<Clocks> requests_;  // by master: REQ# stands from here on, or never
-  std::uint32_t asking_ = 0;      // bit n: master n's request stands, or will
+  std::vector<Clocks> requests_;  // by master: the clock from which REQ# is asserted, or never
+  std::uint32_t asking_ = 0;      // bit n: master n's REQ# is asserted, or will be
   std::vector<Window> windows_;
   Attempt attempt_{};
   bool running_ = false;
-  bool finishing_ = false;  // an attempt has ended, and who comes next is not chosen yet
+  bool finishing_ = false;  // an attempt has ended, and the next master is not chosen yet
   bool ahead_ = false;      // the attempt's words have been read at FRAME#
   bool after_write_ = false;
-  unsigned chosen_ = Arbiter::nobody;  // who starts at next_ when idle
-  Clocks chosen_at_ = 0;               // and when he gets GNT#
+  unsigned chosen_ = Arbiter::nobody;  // the master that starts at next_ on an idle bus
+  Clocks chosen_at_ = 0;               // the clock at which this master gets GNT#
   unsigned natural_words_ = 0;
   bool ends_itself_ = false;  // natural_words_ is the master's own limit
   bool was_stalled_ = false;

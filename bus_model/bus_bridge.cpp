@@ -19,7 +19,7 @@ MasterConfig master_of(const BusBridgeConfig& config, const char* what) {
 
 }  // namespace
 
-// One direction: claims on `near`, acts on `far`.
+// One direction: claims addresses on `near`, is a master on `far`.
 class BusBridge::Direction {
  public:
   Direction(Bus& near, Bus& far, const BusBridgeConfig& config, Client* client)
@@ -66,9 +66,9 @@ class BusBridge::Direction {
     Address address;
     unsigned agent;
     unsigned wanted;
-    std::uint64_t writes_before;  // posted this way, which have to land first
+    std::uint64_t writes_before;  // posted in this direction; they have to land first
     State state = State::waiting;
-    std::uint64_t writes_back = 0;  // posted the other way, which have to land before the answer
+    std::uint64_t writes_back = 0;  // posted in the other direction; they have to land before the answer
     Clocks since = 0;
     Result result = Result::done;
     std::vector<Word> words;
@@ -118,7 +118,7 @@ class BusBridge::Direction {
 
   Clocks soon(Clocks clock) const { return std::max(clock + config_.forward, far_.now()); }
 
-  // The front of the FIFO asks for the far bus, unless it does already.
+  // The first word of the FIFO requests the far bus, unless it does already.
   void send(Clocks clock) {
     if (far_.busy(write_master_) || fifo_.empty()) return;
     far_.buffer(write_master_)[0] = fifo_.front().value;
@@ -149,7 +149,7 @@ class BusBridge::Direction {
     fetch(transaction.ended);
   }
 
-  // The oldest read whose turn has come asks for the far bus.
+  // The oldest read whose turn has come requests the far bus.
   void fetch(Clocks clock) {
     if (far_.busy(read_master_)) return;
     for (Read& read : reads_) {

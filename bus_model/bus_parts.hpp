@@ -1,5 +1,5 @@
 #pragma once
-// What a bus has of each of its masters and targets; for its own files.
+// The records that a bus keeps for its masters and targets; only files of this room include them.
 #include <vector>
 
 #include "bus_model/bus.hpp"
@@ -43,7 +43,7 @@ struct Bus::Window {
   Address fetch_address = 0;
   unsigned fetch_words = 0;
   Clocks fetch_ready = 0;
-  Clocks drained = 0;  // the posted-write queue is empty from here on
+  Clocks drained = 0;  // the posted-write queue is empty from this clock on
   TargetStatistics statistics;
 
   void list_state(state::Visitor& list) {

@@ -11,29 +11,29 @@ using Address = std::uint32_t;  ///< of a 32-bit word, not of a byte
 using Clocks = std::int64_t;
 
 inline constexpr Clocks never = INT64_MAX;
-/// A delayed read whose answer nobody fetches for so long is forgotten (PCI 2.1).
+/// A target drops the answer of a delayed read that no master has fetched for so long (PCI 2.1).
 inline constexpr Clocks discard_clocks = Clocks{1} << 15;
 
 enum class Arbitration : std::uint8_t {
   round_robin,  ///< the next master after the last owner
   fixed,        ///< the lowest number first
-  two_level,    ///< round robin of the first-level masters and, as one of them, the round robin of all others
+  two_level,    ///< round robin among the first-level masters; the round robin of all others counts as one of them
   host_fair,    ///< two_level with master 0 (the host bridge) alone on the first level: it gets every other turn
 };
 
 enum class Parking : std::uint8_t {
-  none,        ///< GNT# is taken away when nobody asks
-  last_owner,  ///< it stays with the last owner, which may start at once
-  first,       ///< it goes to master 0 (the host bridge)
+  none,        ///< no master keeps GNT# on an idle bus
+  last_owner,  ///< the last owner keeps GNT# and may start at once
+  first,       ///< master 0 (the host bridge) gets GNT#
 };
 
 /// PCI's memory commands; I/O and configuration cycles are not modelled.
 enum class Command : std::uint8_t {
   read,           ///< Memory Read: one or two words, nothing fetched ahead
-  read_line,      ///< to the end of a cache line
+  read_line,      ///< Memory Read: one or two words, no words fetched ahead
   read_multiple,  ///< more than one line
   write,
-  write_invalidate,  ///< of whole lines: the latency timer lets it go on to the end of a line
+  write_invalidate,  ///< whole lines: the latency timer lets the write go on to the end of a line
 };
 constexpr bool is_write(Command command) { return command >= Command::write; }
 
@@ -41,23 +41,24 @@ struct BusConfig {
   std::string name = "bus";
   Arbitration arbitration = Arbitration::round_robin;
   Parking parking = Parking::last_owner;
-  Clocks grant_clocks = 2;             ///< REQ# to FRAME# on an idle bus whose grant is parked elsewhere
-  bool fast_back_to_back = false;      ///< no turnaround after a write when the same master goes on
-  Clocks multi_transaction_timer = 0;  ///< MTT of the 430TX: an owner that asks again goes first for so long; 0: none
-  unsigned line_words = 8;             ///< words of a cache line, a power of two
+  Clocks grant_clocks = 2;         ///< REQ# to FRAME# on an idle bus whose grant is parked elsewhere
+  bool fast_back_to_back = false;  ///< no turnaround after a write if the same master goes on
+  Clocks multi_transaction_timer =
+      0;  ///< MTT of the 430TX: for so many clocks an owner that requests the bus again comes first; 0: none
+  unsigned line_words = 8;  ///< words of a cache line, a power of two
 };
 
 struct MasterConfig {
   std::string name = "master";
   Clocks latency_timer = 32;          ///< MLT: 8..248, a multiple of 8
-  Clocks request_off_after_stop = 2;  ///< clocks for which REQ# is dropped after a retry or disconnect
-  Clocks think_on_retry = 0;          ///< clocks beyond these before it repeats what a target has refused
-  unsigned max_burst = 0;             ///< ends its own bursts after so many words; 0: never
+  Clocks request_off_after_stop = 2;  ///< clocks for which REQ# is released after a retry or disconnect
+  Clocks think_on_retry = 0;          ///< clocks beyond these before the master repeats a refused transaction
+  unsigned max_burst = 0;             ///< the master ends its own bursts after so many words; 0: never
   bool first_level = false;           ///< with Arbitration::two_level
-  unsigned agent = 0;                 ///< who it is to targets, wherever they lie (see Access::agent)
+  unsigned agent = 0;                 ///< the master's number for targets, on whatever bus they are (see Access::agent)
 };
 
-/// How many words a target fetches ahead for a read that it delays, by the read's command; 0: all that are asked for.
+/// How many words a target fetches ahead for a delayed read, by the read's command; 0: all words of the request.
 struct Prefetch {
   unsigned read = 0;
   unsigned line = 0;
@@ -72,13 +73,13 @@ struct TargetConfig {
   int read_step = 0;     ///< W_s: wait states before each later data phase, at most 7
   int write_initial = 1;
   int write_step = 0;
-  unsigned max_burst = 0;     ///< disconnects after so many words; 0: never
-  bool delayed_read = false;  ///< a read is refused (retry) until the target has fetched it
+  unsigned max_burst = 0;     ///< the target disconnects after so many words; 0: never
+  bool delayed_read = false;  ///< the target refuses a read (retry) until the words are fetched
   Clocks fetch = 0;           ///< clocks of that fetch
-  Prefetch prefetch{};        ///< what it fetches; it disconnects where that ends
+  Prefetch prefetch{};        ///< how many words the target fetches; it disconnects after them
   unsigned post_words =
-      0;                  ///< room of a posted-write queue that refuses when it is full; 0: writes go straight through
-  Clocks post_drain = 1;  ///< clocks per word that leave that queue
+      0;  ///< length of a posted-write queue that refuses writes when full; 0: writes go straight through
+  Clocks post_drain = 1;  ///< clocks for each word that leaves the queue
 
   static TargetConfig sram();        ///< W_i 3/1, W_s 0/0
   static TargetConfig s5933();       ///< W_i 8/2, W_s 1/1
@@ -99,11 +100,11 @@ struct BridgeConfig {
 /// A transparent bridge between two buses.
 struct BusBridgeConfig {
   std::string name = "bridge";
-  unsigned post_depth = 32;     ///< words per direction, 1 to 256
-  unsigned delayed_reads = 4;   ///< that can be under way per direction
-  unsigned prefetch_lines = 2;  ///< lines that Memory Read Multiple fetches; Read Line fetches to the end of one,
-                                ///< Memory Read one word
-  Clocks forward = 3;           ///< clocks from the last data phase on one bus to REQ# on the other, at least 1
+  unsigned post_depth = 32;    ///< words per direction, 1 to 256
+  unsigned delayed_reads = 4;  ///< reads that can be under way per direction
+  unsigned prefetch_lines =
+      2;  ///< lines that Memory Read Multiple fetches; Read Line fetches to the end of one line, Memory Read one word
+  Clocks forward = 3;  ///< clocks from the last data phase on one bus to REQ# on the other, at least 1
   Clocks latency_timer = 32;
 };
 

@@ -31,33 +31,33 @@ class Histogram {
   Clocks max() const { return max_; }
   std::uint64_t zeros() const { return counts_[0]; }
   Clocks min() const { return count_ == 0 ? 0 : min_; }
-  /// The smallest value that at least `fraction` (0..1) of the entries do not exceed: exact up to `exact`, above that
-  /// the upper edge of its bin, less than 0.1 % above it and never more than max().
+  /// The smallest value that is not below `fraction` (0..1) of the entries. Exact up to `exact`; above, the upper edge
+  /// of the value's bin, less than 0.1 % too high and never more than max().
   Clocks percentile(double fraction) const;
   /// Entries in [2^k, 2^(k+1)); element 0 holds 0 and 1.
   std::array<std::uint64_t, 32> octaves() const;
   void list_state(state::Visitor& list);
 
  private:
-  static constexpr std::size_t bits = 10;  // below the highest one, that tell a value's bin
+  static constexpr std::size_t bits = 10;  // bits below the highest one that select a value's bin
   static constexpr std::size_t bins = exact + (32 - bits - 1) * (std::size_t{1} << bits);
   static std::size_t bin(Clocks value);
   static Clocks upper_edge(std::size_t bin);
 
-  std::vector<std::uint64_t> counts_ = std::vector<std::uint64_t>(exact);  // as far as there are entries
+  std::vector<std::uint64_t> counts_ = std::vector<std::uint64_t>(exact);  // only as long as the largest entry needs
   std::uint64_t count_ = 0;
   Clocks sum_ = 0;
   Clocks max_ = 0;
   Clocks min_ = std::numeric_limits<Clocks>::max();
 };
 
-/// Every clock since clock 0 is in exactly one of these.
+/// Each clock since clock 0 is counted in exactly one of these.
 struct BusStatistics {
   Clocks address = 0;         ///< address phases
   Clocks data = 0;            ///< data phases
   Clocks wait = 0;            ///< DEVSEL#, wait states, refused attempts
-  Clocks turnaround = 0;      ///< the idle clock that ends a transaction
-  Clocks idle_requested = 0;  ///< nobody on the bus, somebody asks
+  Clocks turnaround = 0;      ///< the idle clock at the end of a transaction
+  Clocks idle_requested = 0;  ///< no master on the bus, at least one requests it
   Clocks idle = 0;
   Clocks total() const { return address + data + wait + turnaround + idle_requested + idle; }
 };
@@ -67,8 +67,8 @@ struct MasterStatistics {
   std::uint64_t words_read = 0;
   std::uint64_t words_written = 0;
   std::uint64_t retries = 0;
-  std::uint64_t disconnects = 0;  ///< by the target, words left
-  std::uint64_t timer_stops = 0;  ///< by the latency timer, words left
+  std::uint64_t disconnects = 0;  ///< stops by the target with words left
+  std::uint64_t timer_stops = 0;  ///< stops by the latency timer with words left
   std::uint64_t aborts = 0;
   Clocks owned = 0;        ///< clocks on the bus
   Clocks arbitration = 0;  ///< REQ# to GNT#, of all transactions' first attempts in sum

@@ -1,4 +1,4 @@
-// Where the command line starts: what is asked for is read in cli/command_line.cpp and done in cli/.
+// The start of the program: cli/command_line.cpp reads the arguments, cli/ has the commands.
 #include <exception>
 #include <functional>
 
@@ -22,7 +22,7 @@ namespace {
 
 using Action = std::function<int()>;
 
-/// Does what is asked for.
+/// Executes the requested command.
 struct Perform {
   int operator()(const cli::RunOptions& options) const { return cli::run(options); }
   int operator()(const cli::ConfigOptions& options) const { return cli::print_config(options); }
@@ -40,7 +40,7 @@ struct Perform {
   int operator()(const cli::VectorOptions& options) const { return cli::vectors(options); }
 };
 
-/// Performs the action; one message on standard error when it fails.
+/// Performs the action; if it fails, prints one message on standard error.
 int guarded(const Action& action) {
   const auto fail = [](const char* message, int status) {
     io::print(stderr, "emulator: {}\n", message);
@@ -79,7 +79,7 @@ int guarded(const Action& action) {
   }
 }
 
-/// What was printed and is lost makes the command fail.
+/// Printed text that was lost makes the command fail.
 int printed(int status) {
   const std::string lost = io::flush_output();
   if (lost.empty()) return status;

@@ -29,7 +29,7 @@ print(sweep.text("any_miss", "f_p_missed", "load_peak"))
 
 # %% One row per run, as pandas has it.
 frame = sweep.to_frame("misses", "tasks.pid.response_ps.p99")
-print(frame.groupby(["machine.dsps", "future"])["misses"].mean().unstack())
+print(frame.pivot_table(index="machine.dsps", columns="future", values="misses"))
 
 # %% A picture: the share of the servo's deadlines that were missed.
 from matplotlib.figure import Figure

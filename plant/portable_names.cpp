@@ -1,4 +1,4 @@
-// What SUNDIALS and ODE use in place of the C library's names (portable_names.txt), with the C library's meaning.
+// Functions that SUNDIALS and ODE call instead of the C library's (portable_names.txt), with the C library's meaning.
 #include <cstdio>
 
 #include "plant/numerics/math.hpp"
@@ -19,7 +19,7 @@ void cmrc_libm_sincos(double x, double* sin, double* cos) {
 }
 #pragma GCC visibility pop
 
-// ODE's archive refers to these two as if they lay in the same file, which in a shared module they do not.
+// ODE's archive refers to these two as if they were in the same file, which is not so in a shared module.
 std::FILE* cmrc_libc_stderr = stderr;
 std::FILE* cmrc_libc_stdout = stdout;
 }

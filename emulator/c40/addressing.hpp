@@ -1,6 +1,5 @@
 #pragma once
-/// Address generation and guarded accesses (c40-isa.md 3.2 to 3.10), as small objects that a handler is put together
-/// from.
+/// Address generation and guarded accesses (c40-isa.md 3.2 to 3.10), as small objects from which handlers are composed.
 #include <bit>
 
 #include "c40/op.hpp"
@@ -10,7 +9,7 @@ namespace c40::execute {
 
 struct EffectiveAddress {
   Address address;
-  Word updated;  ///< ARn afterwards
+  Word updated;  ///< ARn after the access
 };
 
 inline Word reverse_bits(Word x) {
@@ -20,7 +19,7 @@ inline Word reverse_bits(Word x) {
   return __builtin_bswap32(x);
 }
 
-/// One correction only, and the sum is not masked again (c40-isa.md 3.9).
+/// Only one correction, and the sum is not masked again (c40-isa.md 3.9).
 inline Word circular(Word ar, Word bk, std::int64_t step) {
   const Word mask = bk == 0 ? 0u : ~Word{0} >> std::countl_zero(bk);
   const std::int64_t index = ar & mask;
@@ -50,7 +49,7 @@ inline EffectiveAddress form_indirect(const Core& core, std::uint8_t ar, std::ui
   }
 }
 
-/// A place in memory reached through access `slot` of the op. Usage: form all places of an instruction from the old
+/// A place in memory, accessed by access `slot` of the op. Usage: form all places of an instruction from the old
 /// registers; then update all (the J byte's last); then check the guards, and undo the updates if one does not hold.
 template <Kind kind, int slot>
 struct Place {
@@ -78,7 +77,7 @@ struct Place {
     }
   }
   void update(Core& core, const Op& op) const {
-    // A second operand through the same ARn that leaves it as it is must not take back the update of the first.
+    // A second operand that uses the same ARn without changing it must not undo the first operand's update.
     if constexpr (kind == Kind::indirect) {
       if (!isa::modn::modifies(op.modn[s])) return;
     }

@@ -1,6 +1,6 @@
 #pragma once
-/// A block: instructions that the exact engine once did one after the other, recorded: their handlers in a row, and the
-/// cycles and causes that the pipeline model gave.
+/// A block: a recorded sequence of instructions that the exact engine has executed once. It has their handlers in a
+/// row, and the cycles and causes from the pipeline model.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -14,19 +14,19 @@
 
 namespace c40 {
 
-/// Cycles by cause, of a block: by those causes that the pipeline model knows, which come first.
+/// Cycles of a block by cause. Only the causes of the pipeline model, which come first in Cause.
 inline constexpr std::size_t block_cause_count = static_cast<std::size_t>(Cause::wait_state) + 1;
 using Costs = std::array<std::uint16_t, block_cause_count>;
 
-/// Everything that the recorded timing and the chosen handlers depend on.
+/// Everything on which the recorded timing and the chosen handlers depend.
 struct CodeBlockKey {
-  static constexpr std::uint32_t set_condition = 1, repeat = 2, cached = 16, frozen = 32;  ///< of `mode`
+  static constexpr std::uint32_t set_condition = 1, repeat = 2, cached = 16, frozen = 32;  ///< bits of `mode`
   static constexpr unsigned repeat_single = 2;  ///< the first of two bits of `mode`: the state of RPTS
   Address pc = 0;
-  Address repeat_end = 0;  ///< RE while RM is set
+  Address repeat_end = 0;  ///< RE if RM is set
   PipelineId pipeline = 0;
-  std::uint32_t mode = 0;  ///< SET COND, RM, the state of RPTS, whether the cache is on, and frozen
-  std::uint32_t hits = 0;  ///< which of its words and those after it the cache has
+  std::uint32_t mode = 0;  ///< SET COND, RM, the state of RPTS, whether the cache is on, and whether it is frozen
+  std::uint32_t hits = 0;  ///< which of the block's words, and of those after it, are in the cache
   friend bool operator==(const CodeBlockKey&, const CodeBlockKey&) = default;
 };
 struct CodeBlockKeyHash {
@@ -38,30 +38,30 @@ struct CodeBlockKeyHash {
   }
 };
 
-/// An access of a block's instruction that goes through a window: the board is asked each time.
+/// An access of an instruction in a block through a window: the board answers each time anew.
 struct WindowAccess {
   std::size_t at = 0;  ///< the instruction
   std::uint8_t access = 0;
   const Memory::Area* area = nullptr;
-  Cycles start = 0;            ///< since the instruction began
+  Cycles start = 0;            ///< since the beginning of the instruction
   bool interlocked = false;    ///< LDII, STII and the like
-  std::optional<bool> lock{};  ///< what it makes of LOCK
+  std::optional<bool> lock{};  ///< the new state of LOCK, if the access changes it
 };
 
 struct CodeBlock {
   struct Exit {
     Cycles cycles = 0;
     PipelineId pipeline = 0;
-    bool chained = false;  ///< `next` may be kept: nothing but the pc decides which block follows.
+    bool chained = false;  ///< `next` may be kept: only the pc decides which block follows.
     Costs causes{};
-    std::uint64_t count = 0;  ///< runs of the whole block not yet in the chip's causes and instructions
+    std::uint64_t count = 0;  ///< runs of the whole block that are not yet added to the chip's causes and instructions
     std::size_t size = 0;     ///< instructions of the block
     CodeBlock* next = nullptr;
   };
   CodeBlockKey key;
-  std::vector<Op> ops;  ///< one per instruction, then the terminal if the last instruction is not one itself
+  std::vector<Op> ops;  ///< one per instruction, then the terminal, unless the last instruction ends the block itself
   std::size_t size = 0;
-  // Before instruction i; the last entry is after all, straight on.
+  // Before instruction i; the last entry is after all instructions, without a branch.
   std::vector<Cycles> start;
   std::vector<Costs> causes;
   std::vector<PipelineId> pipelines;
@@ -69,14 +69,15 @@ struct CodeBlock {
   std::vector<WindowAccess> windows;
   std::array<Exit, 2> exits{};
   Cycles last_start = 0;
-  bool repeats = false;    ///< ends at RE: the loop hardware decides
-  bool self_loop = false;  ///< following itself, it is in the same state again
+  bool repeats = false;    ///< ends at RE: the loop hardware decides what follows
+  bool self_loop = false;  ///< if it follows itself, the state is the same again
   bool only_nop = false;
-  bool plain = false;         ///< neither repeats nor uses the cache
-  bool in_one_go = false;     ///< from its first instruction to an exit: it does not repeat, or looks through windows
+  bool plain = false;  ///< neither repeats nor uses the cache
+  bool in_one_go =
+      false;  ///< runs from its first instruction to an exit in one go: it does not repeat and has no window access
   bool uses_cache = false;    ///< fetched while the cache was on
-  bool all_hits = false;      ///< `words` need not come into the cache
-  std::uint64_t checked = 0;  ///< the version of the cache in which its hits were last seen to be those of its key
+  bool all_hits = false;      ///< `words` are all in the cache already
+  std::uint64_t checked = 0;  ///< the version of the cache at which its hits were last compared with its key
   std::vector<Word> words;    ///< if it uses the cache
 
   const WindowAccess* window(std::size_t instruction) const {

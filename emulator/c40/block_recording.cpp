@@ -47,7 +47,7 @@ void BlockRecording::append(const Step& step, const StepContext& context) {
     op.direction = step.taken || (bound.flow == Flow::delayed && context.delay_taken) ? 1 : 0;
   for (std::uint8_t k = 0; k < 2; ++k)
     if ((step.windows >> k & 1u) != 0) {
-      op.access[k] = {};  // it misses each time
+      op.access[k] = {};  // the guard fails each time
       block_->windows.push_back({.at = size(),
                                  .access = k,
                                  .area = step.decoded->area[k],

@@ -1,5 +1,5 @@
 #pragma once
-/// A block while it is being recorded: the exact engine executes, and tells of each instruction that is through.
+/// A block during its recording: the exact engine executes, and reports each completed instruction.
 #include <memory>
 
 #include "c40/block.hpp"
@@ -11,26 +11,26 @@ class BlockRecording {
  public:
   BlockRecording(const CodeBlockKey& key, PipelineTable& pipelines);
 
-  /// Instructions so far.
+  /// Number of instructions so far.
   std::size_t size() const { return block_->size; }
-  /// The last instruction leaves the straight line, or ends a repetition: nothing more can follow.
+  /// The last instruction branches or ends a repetition: no instruction can follow.
   bool closed() const { return closed_; }
-  /// The block is long enough to be left at an instruction that stands in no slots.
+  /// The block is long enough to end at an instruction that is not in a delay slot.
   bool full() const;
-  /// No room for another instruction of a block that comes from the cache, with the slots that it has.
+  /// A block of cached code has no room for another instruction with its delay slots.
   bool crowded_by(const DecodedSlot* next) const;
   bool cached() const { return (block_->key.mode & CodeBlockKey::cached) != 0; }
 
-  /// How an instruction stood before and after it was executed.
+  /// The context of an instruction before and after its execution.
   struct StepContext {
     PipelineId before = 0, after = 0;
-    std::uint8_t slots = 0;    ///< of a delayed branch that were to come, itself included
-    bool delay_taken = false;  ///< afterwards
-    Cycles window_start = 0;   ///< of its access through a window, if it has one
+    std::uint8_t slots = 0;    ///< delay slots that were still to come, including this instruction
+    bool delay_taken = false;  ///< after the instruction
+    Cycles window_start = 0;   ///< the beginning of its access through a window, if it has one
   };
   void append(const Step& step, const StepContext& context);
 
-  /// Closes it where it stands. \param last the last instruction executed, in the block or not
+  /// Ends the recording. \param last the last instruction executed, in the block or not
   std::unique_ptr<CodeBlock> finish(const BoundInstruction& last);
 
  private:
@@ -39,7 +39,7 @@ class BlockRecording {
 
   PipelineTable& pipelines_;
   std::unique_ptr<CodeBlock> block_;
-  Cycles at_ = 0;  ///< since its beginning
+  Cycles at_ = 0;  ///< since the beginning of the block
   Costs costs_{};
   PipelineId after_;
   bool reads_repeat_ = false;

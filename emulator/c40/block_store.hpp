@@ -1,5 +1,5 @@
 #pragma once
-/// The blocks of a chip, by their keys, and how often each was run since somebody last asked.
+/// The blocks of a chip by their keys, and the number of runs of each since the last settle().
 #include <cstdint>
 #include <memory>
 #include <unordered_map>
@@ -12,20 +12,20 @@ namespace c40 {
 
 class BlockStore {
  public:
-  /// Null if there is none.
+  /// Null if there is no such block.
   CodeBlock* find(const CodeBlockKey& key) const;
   bool full() const;
-  /// Marks its words as code in `memory`.
+  /// Adds a block and marks its words as code in `memory`.
   void add(std::unique_ptr<CodeBlock> block, Memory& memory);
-  /// Throws all away, and takes their marks off the memory. Nothing may be left to settle.
+  /// Deletes all blocks and their marks in memory. All counts must be settled before.
   void clear(Memory& memory);
 
-  /// `times` runs of a whole block by one exit: added up when they are asked for.
+  /// Counts `times` runs of a whole block that end at this exit; settle() adds them up.
   void count(CodeBlock::Exit& exit, std::uint64_t times) {
     if (exit.count == 0 && times != 0) counted_.push_back(&exit);
     exit.count += times;
   }
-  /// Adds what was counted.
+  /// Adds the counts to the chip's causes and instructions.
   void settle(Causes& causes, std::uint64_t& instructions);
 
  private:
@@ -34,17 +34,18 @@ class BlockStore {
   std::vector<CodeBlock::Exit*> counted_;  ///< exits whose count is not 0
 };
 
-/// Instructions that no block can begin with: the exact engine does them each time, and no block is looked for.
+/// Addresses with which no block can begin: the exact engine executes these instructions each time, without a search
+/// for a block.
 class ExactAddresses {
  public:
   bool contains(Address pc) const {
     return entries_[pc % entries_.size()].known && entries_[pc % entries_.size()].pc == pc;
   }
-  /// \param only_outside the instruction left the chip by its access, to a register for example. Once the access stays
-  ///   inside, the address is forgotten (stayed_inside).
+  /// \param only_outside the instruction's access went outside the chip or to a register. Once such an access stays in
+  /// memory, the address is removed (stayed_inside).
   void add(Address pc, bool only_outside) { entries_[pc % entries_.size()] = {pc, true, only_outside}; }
   void remove(Address pc) { entries_[pc % entries_.size()] = {}; }
-  /// It was executed, and a block could have done it.
+  /// The instruction was executed, and a block could have done it.
   void stayed_inside(Address pc) {
     if (contains(pc) && entries_[pc % entries_.size()].only_outside) remove(pc);
   }
@@ -58,31 +59,32 @@ class ExactAddresses {
   std::array<Entry, 1024> entries_{};
 };
 
-/// Where the last run of blocks ended, as far as the next instruction can go on from there. At most one way at a time.
+/// The end of the last run of blocks, if the next instruction can continue from it. At most one of the three kinds at a
+/// time.
 class Continuation {
  public:
   void clear() { kind_ = Kind::none; }
-  /// A block was left by this exit, and nothing has happened since.
+  /// A block ended at this exit, and nothing has happened since.
   void after(CodeBlock::Exit& exit) {
     kind_ = Kind::exit;
     exit_ = &exit;
   }
-  /// The budget ended before instruction `at` of the block, or the exact engine has come back to there.
+  /// The budget ended before instruction `at` of the block, or the exact engine has returned to this instruction.
   void inside(CodeBlock& block, std::size_t at) {
     kind_ = Kind::inside;
     block_ = &block;
     at_ = at;
   }
-  /// The instruction at PC belongs to this block, which cannot do it: the exact engine must.
+  /// The instruction at PC belongs to this block, but the exact engine must execute it.
   void missed(CodeBlock& block) {
     kind_ = Kind::missed;
     block_ = &block;
   }
   bool is_inside() const { return kind_ == Kind::inside; }
   bool is_missed() const { return kind_ == Kind::missed; }
-  /// Instruction at which to go on in take_inside()'s block.
+  /// The instruction of take_inside()'s block with which to continue.
   std::size_t at() const { return at_; }
-  // Each is null where it is not so; else it clears.
+  // Each returns null if the continuation has another kind; else it returns the object and clears the continuation.
   CodeBlock::Exit* take_exit() { return take(Kind::exit) ? exit_ : nullptr; }
   CodeBlock* take_inside() { return take(Kind::inside) ? block_ : nullptr; }
   CodeBlock* take_missed() { return take(Kind::missed) ? block_ : nullptr; }

@@ -1,9 +1,9 @@
 #pragma once
-/// The instruction cache (c40-hardware.md 6): 4 segments of 32 words, fully associative, least recently used first, one
-/// word per miss. It holds the words themselves: code that was changed in memory runs as it was until CC clears the
-/// cache.
+/// The instruction cache (c40-hardware.md 6): 4 segments of 32 words, fully associative, least recently used replaced
+/// first, one word loaded per miss. The cache holds copies of the words: after a change in memory, the old code still
+/// runs until CC clears the cache.
 ///
-/// Inaccuracies: wrong-path fetches behind a branch are not made, so they load nothing.
+/// Inaccuracies: the fetches of the wrong path behind a branch are not modelled, so they load nothing.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -29,7 +29,7 @@ class Cache {
     return s != segment_count && (present_[s] >> (address & 31) & 1u) != 0 ? &words_[s][address & 31] : nullptr;
   }
 
-  /// For each of 32 words from an address on, bit 0 first: whether it will be a hit when they are fetched in order.
+  /// For each of 32 words from an address on, bit 0 first: whether fetching them in order gives a hit.
   std::uint32_t hits_from(Address address) const {
     const unsigned first = segment_of(address), shift = address % segment_words;
     std::uint32_t hits = first != segment_count ? present_[first] >> shift : 0;
@@ -48,7 +48,7 @@ class Cache {
     move_to_front(segment_of(address));
   }
 
-  /// Words of one segment, at least one, are fetched in order: those that were not there come into the cache.
+  /// Fetches words of one segment, at least one, in order: missing words are loaded.
   void load(Address address, std::span<const Word> words) {
     unsigned s = segment_of(address);
     if (s == segment_count) {
@@ -65,7 +65,7 @@ class Cache {
   /// CC: clears all P flags; segment addresses and their order stay.
   void clear() { present_ = {}; }
 
-  /// Calls visit(address) for each word that is there.
+  /// Calls visit(address) for each word in the cache.
   template <class Visit>
   void each_word(Visit&& visit) const {
     for (unsigned s = 0; s < segment_count; ++s)
@@ -77,7 +77,7 @@ class Cache {
   friend bool operator==(const Cache&, const Cache&) = default;
 
  private:
-  static constexpr Address nowhere = ~Address{0};  // no segment begins there: a start address has 27 bits
+  static constexpr Address nowhere = ~Address{0};  // no segment begins here: a start address has 27 bits
 
   unsigned segment_of(Address address) const {
     for (unsigned s = 0; s < segment_count; ++s)

@@ -52,7 +52,7 @@ void Chip::reset() { engine_->reset(); }
 void Chip::boot() { engine_->boot(); }
 Address Chip::pc() const { return engine_->state().core.pc; }
 
-// A jump from outside: nothing that the old place left pending takes effect at the new one.
+// set_pc cancels pending delayed branches, annulled slots and accesses.
 void Chip::set_pc(Address pc) {
   State& state = engine_->touch();
   state.core.pc = pc;
@@ -83,7 +83,7 @@ void Chip::set_register(isa::Register r, std::uint64_t value) {
 }
 
 Float40 Chip::float_register(isa::Register r) const {
-  if (!isa::is_extended(r)) throw std::out_of_range(fmt::format("{} holds no float", isa::name(r)));
+  if (!isa::is_extended(r)) throw std::out_of_range(fmt::format("{} cannot hold a float", isa::name(r)));
   const Core& core = engine_->state().core;
   return {core.e[isa::code(r)], core.r[isa::code(r)]};
 }
@@ -131,7 +131,7 @@ void Chip::set_window_listener(WindowListener* listener) { engine_->window_liste
 void Chip::attach(int port, PortListener* link) {
   check_port(port);
   if (link != nullptr && engine_->ports().listener(port) != nullptr)
-    throw std::invalid_argument(fmt::format("communication port {} is taken", port));
+    throw std::invalid_argument(fmt::format("communication port {} is already attached", port));
   engine_->ports().attach(port, link);
 }
 CommPort& Chip::port(int port) {
@@ -156,7 +156,7 @@ Cycles Chip::settled() const {
 bool Chip::watches_ports() const { return engine_->watched_ports() != 0; }
 
 void Chip::set_pin(Pin pin, bool level, Cycles at) {
-  if (pin == Pin::reset) throw std::invalid_argument("RESET: who drives it resets the chip");
+  if (pin == Pin::reset) throw std::invalid_argument("RESET: its driver calls reset() or boot()");
   engine_->peripherals().set_pin(pin, level, at);
 }
 void Chip::watch_pins(PinListener* listener, unsigned outputs, unsigned inputs) {

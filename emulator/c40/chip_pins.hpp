@@ -1,5 +1,5 @@
 #pragma once
-/// The pins of a chip: the levels that it reads, and what it drives, with whoever listens to that.
+/// The pins of a chip: the levels that the chip reads and drives, and the listener of the driven levels.
 #include <optional>
 
 #include "c40/board.hpp"
@@ -10,27 +10,28 @@ namespace c40 {
 
 class Pins {
  public:
-  /// \param tied what the board ties the pins to
+  /// \param tied the levels to which the board ties pins
   Pins(State& state, const Board::Pins& tied) : state_(state), tied_(tied) {}
 
-  /// The listener is told of the pins of which the bits are set in `outputs`; others drive those in `inputs`.
+  /// The listener is called for the pins whose bits are set in `outputs`; the pins in `inputs` have other drivers.
   void watch(PinListener* listener, unsigned outputs, unsigned inputs);
   bool watched() const { return watched_ != 0; }
-  /// Others drive some pin.
+  /// A pin has another driver.
   bool driven() const { return driven_ != 0; }
 
-  /// The level at IIOFn: an output's, else what the outside drives it to, else what the board ties it to.
+  /// The level at IIOFn: the chip's output, else the outside's level, else the level that the board ties.
   bool level(unsigned pin) const;
-  /// The outside drives IIOFn; true: it went low.
+  /// The outside drives IIOFn; returns true if IIOFn went low.
   bool set_iiof(Pin pin, bool level);
-  /// FLAG of a general-purpose input is read only: the level at the pin. After each write to IIF, or to a pin.
+  /// Updates FLAG of general-purpose inputs, which is the pin's level and read only. Call it after each write to IIF,
+  /// and each change of a pin.
   void show_inputs();
 
   /// A pin that both the outside and the chip drive.
   std::optional<Pin> contended() const;
-  /// Tells what has changed up to cycle `at`.
+  /// Reports to the listener what has changed up to cycle `at`.
   void tell(Cycles at);
-  /// When a watched pin of a timer changes next by itself; the greatest number if none does.
+  /// When a watched pin of a timer next changes by itself; the greatest number if never.
   Cycles next_change() const;
 
  private:
@@ -40,8 +41,8 @@ class Pins {
   State& state_;
   const Board::Pins& tied_;
   PinListener* listener_ = nullptr;
-  unsigned watched_ = 0;  ///< bit n: pin n is an output that somebody listens to
-  unsigned driven_ = 0;   ///< bit n: pin n is an input that others drive
+  unsigned watched_ = 0;  ///< bit n: pin n is an output with a listener
+  unsigned driven_ = 0;   ///< bit n: pin n is an input with another driver
 };
 
 }  // namespace c40

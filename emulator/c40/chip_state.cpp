@@ -1,6 +1,6 @@
-// What a chip and its parts are saved, loaded and compared by. What is made anew here after loading: blocks, sites, ids
-// of pipelines, marks of code, the next event of the timers, whether the DMA is active, whether the cache holds words
-// that memory no longer does.
+// The lists with which a chip and its parts are saved, loaded and compared. Derived values are computed again after
+// loading: blocks, decoded slots, ids of pipelines, marks of code, the next event of the timers, whether the DMA is
+// active, whether the cache holds words that memory has changed since.
 #include <algorithm>
 #include <utility>
 
@@ -30,7 +30,7 @@ void each_page(const Memory::Area& area, Visit&& visit) {
 
 }  // namespace
 
-// Not: what handlers tell the engine, which each instruction sets before it is read.
+// Not listed: values from handlers to the engine, which each instruction sets before they are read.
 void Core::list_state(state::Visitor& list) {
   list("registers", r);
   list("exponents", e);
@@ -112,7 +112,7 @@ void State::list_state(state::Visitor& list) {
   list("faulted", faulted);
 }
 
-/// Areas are whole while it lives.
+/// Areas are whole during its lifetime.
 class Memory::Joined {
  public:
   explicit Joined(Memory& memory) : memory_(memory), apart_(memory.apart_) { memory_.set_apart({}); }
@@ -125,7 +125,8 @@ class Memory::Joined {
   std::vector<AddressRange> apart_;
 };
 
-// The interface control registers as accesses find them: a write to the registers counts from the next instruction on.
+// The interface control registers with the values that accesses use: a write to the registers counts from the next
+// instruction on.
 void Memory::list_state(state::Visitor& list) {
   list("control", control_);
   if (list.loads()) note_paged();
@@ -179,9 +180,9 @@ void Memory::set_flat_pages(const std::vector<Address>& bases) {
       throw state::StateError("memory.flat_pages: not the pages of this board");
 }
 
-// Not what stands here for the time of one call only, from begin_following() on.
+// Not listed: members that live only from begin_following() on, during one call.
 void DmaSide::list_state(state::Visitor& list) {
-  // Those that are over, or not known, mean nothing; when they are taken out depends on how a run is cut.
+  // Accesses that have ended, or are not known, have no meaning; when they are removed depends on how a run is divided.
   std::erase_if(accesses_,
                 [&](const ProcessorAccess& access) { return !knows_accesses_ || access.end < chip_.state.dma.now; });
   list("accesses", accesses_);
@@ -197,15 +198,15 @@ void DmaSide::list_state(state::Visitor& list) {
   list("gained", gained_);
 }
 
-// Not: the fault, which a stop has told; `run_limit_` and what `advance` sets before it is read.
+// Not listed: the fault, which a stop has reported; `run_limit_`; and what `advance` sets before it is read.
 void Engine::list_state(state::Visitor& list) {
   settle_counts();
-  if (list.loads()) forget_pipelines();  // with the blocks, whose marks are taken off the memory as it was
+  if (list.loads()) forget_pipelines();  // together with the blocks, whose marks are removed from the memory as it was
   list("state", state_);
   list("memory", memory_);
   peripherals_.list_state(list);
 
-  if (state_.faulted) access_.set_told(false);  // nobody will answer it any more
+  if (state_.faulted) access_.set_told(false);  // nothing will answer the access any more
   access_.list_state(list);
   list("reported_breakpoint", reported_breakpoint_);
   Cycles idle_since = this->idle_since();
@@ -222,7 +223,7 @@ void Engine::list_state(state::Visitor& list) {
   code_ = {};
   decoded_slots_.forget();
   cache_.was_loaded(memory_);
-  flush_blocks();  // marks what the cache holds
+  flush_blocks();  // marks the words in the cache
 }
 
 void Chip::list_state(state::Visitor& list) { engine_->list_state(list); }

@@ -1,7 +1,7 @@
 #pragma once
-/// What no document settles about the instructions, as named constants: change one here and the emulator follows.
-/// Choices that are no yes or no are functions (docs/fidelity.md names every one, with what is known and from where).
-/// Those that decide how a word is read stand at the head of isa/table.cpp, those about time in timing_parameters.hpp.
+/// Properties of instructions that no document settles, as named constants: change one here and the emulator follows.
+/// Choices that are not a yes or no are functions (docs/fidelity.md names every one, with its evidence). Choices about
+/// how a word is read are at the top of isa/table.cpp, choices about time in timing_parameters.hpp.
 #include "c40/types.hpp"
 
 namespace c40::choices {
@@ -12,17 +12,17 @@ inline constexpr bool rnd_clears_zero = true;
 /// LDF || LDF leaves the mantissa of a zero that is not canonical in the J half's register, as on the VC33 board.
 inline constexpr bool j_load_keeps_mantissa = false;
 
-/// POPF loads the word as it stands, even if its exponent is that of zero. Else the zero becomes canonical.
+/// POPF loads the word unchanged, even if its exponent is that of zero. Else the zero becomes canonical.
 inline constexpr bool popf_keeps_bits = true;
 
-/// Bits 7..0 of what FRIEEE makes of +infinity and NaNs: 00h the greatest single, FFh the greatest number.
+/// Bits 7..0 of FRIEEE's result for +infinity and NaNs: 00h is the greatest single, FFh the greatest number.
 inline constexpr Word frieee_saturated_low_bits = 0x00;
 
 /// TOIEEE rounds to the nearest single, as RND does, instead of truncating.
 inline constexpr bool toieee_rounds = false;
 
-/// Z of an integer result that overflowed to a 32-bit output of 0 follows the output. Else it says that the true result
-/// is not 0.
+/// If an integer result overflows to a 32-bit output of 0, Z follows the output. Else Z says that the true result is
+/// not 0.
 inline constexpr bool zero_follows_output = true;
 
 /// ASH and ASH3 to the left report overflow in V and LV, as TI's C3x pages say and the VC33 board does.

@@ -1,6 +1,6 @@
 #pragma once
-/// Virtual time (ruling 1): an integer count of picoseconds, and clocks whose frequency is rational. No period is
-/// ever accumulated.
+/// Virtual time (ruling 1): an integer count of picoseconds, and clocks with a rational frequency. Periods are never
+/// accumulated.
 #include <chrono>
 #include <cstdint>
 #include <limits>
@@ -15,10 +15,10 @@ namespace c40 {
 using Time = std::chrono::duration<std::int64_t, std::pico>;
 using Ticks = std::int64_t;
 
-/// Later than everything that happens.
+/// Later than any event.
 inline constexpr Time never = Time::max();
 
-/// A clock of num/den hertz: tick n stands at phase + floor(n * 10^12 * den / num) picoseconds, for n of either sign.
+/// A clock of num/den hertz: tick n is at phase + floor(n * 10^12 * den / num) picoseconds, for n of either sign.
 class Clock {
  public:
   /// Throws std::invalid_argument unless 0 < num/den <= 10^12 and the reduced fraction 10^12 * den / num fits (it does
@@ -75,12 +75,12 @@ class Clock {
   std::int64_t per_ = 1;
 };
 
-/// How a real oscillator departs from its nominal frequency and phase.
+/// The deviation of a real oscillator from its nominal frequency and phase.
 struct Skew {
   std::int64_t ppm = 0;  ///< its frequency is (1 + ppm / 10^6) times the nominal one
   Time phase{0};         ///< instant of its tick 0
 
-  /// num/den hertz, so skewed. Throws std::invalid_argument where Clock does.
+  /// A clock of num/den hertz with this deviation. Throws std::invalid_argument where Clock does.
   constexpr Clock clock(std::int64_t num, std::int64_t den = 1) const {
     constexpr std::int64_t million = 1'000'000;
     if (ppm == 0) return Clock{num, den, phase};
@@ -89,7 +89,7 @@ struct Skew {
   }
 };
 
-/// A clock whose frequency may change while its ticks go on being counted.
+/// A clock whose frequency may change, with one continuous count of ticks.
 class PacedClock {
  public:
   explicit constexpr PacedClock(Clock clock) : clock_{clock} {}
@@ -98,9 +98,9 @@ class PacedClock {
   constexpr Ticks tick_at_or_after(Time time) const { return first_ + clock_.tick_at_or_after(time); }
   /// Whole ticks in a span of time, at the present frequency.
   constexpr Ticks ticks_in(Time span) const { return clock_.tick_at_or_before(clock_.at(0) + span); }
-  /// From tick `first` on, num/den hertz. Earlier ticks may not be asked for any more.
+  /// From tick `first` on, num/den hertz. Afterwards, earlier ticks may not be asked for.
   constexpr void change(Ticks first, std::int64_t num, std::int64_t den) { change(first, Skew{}, num, den); }
-  /// The same of an oscillator that departs from its nominal frequency by skew.ppm.
+  /// The same for an oscillator with a deviation of skew.ppm.
   constexpr void change(Ticks first, const Skew& skew, std::int64_t num, std::int64_t den) {
     clock_ = Skew{skew.ppm, at(first)}.clock(num, den);
     first_ = first;

@@ -1,6 +1,6 @@
 #pragma once
-/// What the exact engine keeps of code from one execution to the next: where instructions are being fetched, and what
-/// it met at each address; and one instruction on its way through.
+/// What the exact engine keeps of code between executions: the area of the present fetches, and for each address the
+/// decoded instruction; and one instruction during its execution.
 #include <array>
 #include <optional>
 #include <vector>
@@ -11,7 +11,7 @@
 
 namespace c40 {
 
-/// Where instructions are being fetched: as far around as all fetches are alike.
+/// The area of the present fetches: as far as all fetches around it are alike.
 struct CodeArea {
   const Memory::Area* area = nullptr;
   Memory::AccessInfo met;
@@ -20,26 +20,27 @@ struct CodeArea {
   std::uint64_t fetch_bits = 0;  ///< packed
 
   CodeArea() = default;
-  /// \param found memory with contents, in which `pc` lies
+  /// \param found memory with contents that contains `pc`
   CodeArea(const Memory& memory, const Memory::Area& found, Address pc);
   bool contains(Address pc) const { return pc - met.base < met.words; }
   Word word(Address pc) const { return words[pc - met.base]; }
 };
 
-/// An instruction as the exact engine last met it at an address. Its windows and the accesses through them stay as long
-/// as they hold for every way in which it can be executed.
+/// A decoded instruction with what the exact engine found at its last execution. Its windows and their accesses are
+/// kept as long as they hold for every way in which the instruction can be executed.
 struct DecodedSlot {
   bool known = false, set_condition = false, keeps_windows = false;
-  bool quick = false;  ///< nothing but its accesses, the pipeline and the PC needs attention
+  bool quick = false;  ///< only its accesses, the pipeline and the PC need attention
   bool stale = false;  ///< the windows hold for the last execution only
   BoundInstruction bound;
-  std::array<Op, 2> ops{};  ///< it, and what stops after it
+  std::array<Op, 2> ops{};  ///< the instruction, and the op that ends the run after it
   Demand demand;
-  std::array<const Memory::Area*, 2> area{};  ///< that each access was last in, where all of it is accessed alike
-  std::uint64_t data_bits = 0;                ///< its data accesses, packed
-  Transition transition;                      ///< the last one
+  std::array<const Memory::Area*, 2>
+      area{};                   ///< the area of each access's last place, if all of the area is accessed alike
+  std::uint64_t data_bits = 0;  ///< its data accesses, packed
+  Transition transition;        ///< the last transition of the pipeline
 
-  /// It is this instruction, bound.
+  /// Whether the slot holds this instruction, bound.
   bool is(Word word, bool with_set_condition) const {
     return known && bound.word == word && set_condition == with_set_condition;
   }
@@ -48,14 +49,14 @@ struct DecodedSlot {
   void forget_windows();
 };
 
-/// Sites, direct mapped by address.
+/// Decoded slots, direct mapped by address.
 class DecodedSlotTable {
  public:
   DecodedSlotTable() : decoded_slots_(count) {}
   DecodedSlot& operator[](Address pc) { return decoded_slots_[pc % count]; }
-  /// What is known of memory does not hold any more.
+  /// Drops all knowledge about memory.
   void forget();
-  /// Numbers of pipeline states are given out anew.
+  /// Drops all transitions: pipeline states get new numbers.
   void forget_transitions();
 
  private:
@@ -63,7 +64,7 @@ class DecodedSlotTable {
   std::vector<DecodedSlot> decoded_slots_;
 };
 
-/// What an interlocked instruction makes of LOCK once its access is through; nothing: it leaves it as it is.
+/// The state of LOCK after an interlocked instruction's access; nothing: unchanged.
 constexpr std::optional<bool> lock_after(isa::Operation operation) {
   using enum isa::Operation;
   if (operation == ldii || operation == ldfi) return true;
@@ -71,26 +72,26 @@ constexpr std::optional<bool> lock_after(isa::Operation operation) {
   return {};
 }
 
-/// One instruction on its way through the exact engine.
+/// One instruction during its execution by the exact engine.
 struct Step {
   DecodedSlot* decoded = nullptr;
   Access fetch;
   Word word = 0;
   bool fetched = true;
   bool from_cache = false, missed = false;  ///< the instruction cache: hit, miss
-  bool frozen = false;                      ///< it changes nothing
-  bool plain = true;                        ///< data in RAM whose wait states never change
-  bool repeatable = true;                   ///< plain, or one access through a window: a block can do it again
+  bool frozen = false;                      ///< it does not change
+  bool plain = true;                        ///< all data is in RAM whose wait states never change
+  bool repeatable = true;                   ///< plain, or one access through a window: a block can repeat it
   std::uint8_t windows = 0;                 ///< a bit for each access through a window
-  bool paged = false;                       ///< the engine's pages_ are what the page pins show afterwards
-  bool locks = false;                       ///< interlocked, and leaves the chip
+  bool paged = false;  ///< the engine's pages_ are the state of the page pins after the instruction
+  bool locks = false;  ///< interlocked, with an access outside the chip
   bool taken = false;
   std::uint8_t register_writes = 0;        ///< a bit for each access
-  std::array<Address, 2> address{};        ///< of each data access that was looked up
+  std::array<Address, 2> address{};        ///< of each data access that was resolved
   std::array<Cycles, 2> register_cycle{};  ///< when the access to a register takes place
   const StepTiming* timing = nullptr;
 
-  /// What it asks of the pipeline, but for the cost of a branch.
+  /// The instruction's demand on the pipeline, without the cost of a branch.
   Demand demand() const {
     Demand out = decoded->demand;
     out.fetch = fetch;

@@ -57,7 +57,7 @@ Word DmaSide::read(Address address, Cycles at) {
   return value;
 }
 
-// The word has moved in the cycle before.
+// The word was moved in the cycle before.
 void DmaSide::tell_probe(Address address, Word before, Word value, bool write, Cycles at) {
   chip_.probe.tell({.address = address,
                     .before = before,
@@ -116,7 +116,7 @@ std::optional<DmaContext::Span> DmaSide::acquire(const DmaPlace& place, Cycles f
       at = use.busy_until;
       continue;
     }
-    if (!beside_ && begins_within(unit, {at, end})) {  // a processor that stands still has posted a write
+    if (!beside_ && begins_within(unit, {at, end})) {  // a processor that is stopped has posted a write
       ++at;
       continue;
     }
@@ -143,7 +143,7 @@ DmaContext::Span DmaSide::take(Unit unit, const DmaPlace& place, Span span) {
   return span;
 }
 
-// Data accesses_ that the span leaves no room for wait until its end, and with them all that come later.
+// Data accesses_ for which the span leaves no room wait until its end, and all later accesses with them.
 void DmaSide::displace_data(Unit unit, Span span) {
   const bool bus = is_bus(unit);
   const auto meets = [&](const ProcessorAccess& access) {
@@ -174,7 +174,7 @@ DmaSide::Use DmaSide::use_by_processor(Unit unit, Cycles at) const {
   Use use{.busy_until = at};
   int data = 0, fetched = 0;
   const bool turns = bus && processor_wrote_until(unit, at);
-  // A read straight after a write has the bus for the cycle of the turn as well.
+  // A read directly after a write also has the bus in the cycle of the turnaround.
   const auto begins = [&](Cycles begin) {
     return begin == at || (turns && begin == at + timing::read_after_write_cycles);
   };
@@ -199,7 +199,7 @@ bool DmaSide::begins_within(Unit unit, Span span) const {
   });
 }
 
-// Straight after a write, whoever made it.
+// Directly after a write of the processor or the DMA.
 bool DmaSide::follows_write(Unit unit, Cycles at) const {
   return written_[static_cast<std::size_t>(unit)] == at || processor_wrote_until(unit, at);
 }
@@ -210,7 +210,7 @@ bool DmaSide::processor_wrote_until(Unit unit, Cycles at) const {
   });
 }
 
-// Priority 01: the processor wins the first conflict, then they take turns as long as conflicts follow each other
+// Priority 01: the processor wins the first conflict; while conflicts follow each other, processor and DMA take turns
 // (c40-hardware.md 3.4).
 bool DmaSide::wins(Word priority, Cycles at) {
   if (priority == priority_dma) return true;
@@ -222,14 +222,14 @@ bool DmaSide::wins(Word priority, Cycles at) {
   return turn;
 }
 
-// The conflict lasts as long as the access that the processor makes.
+// The conflict lasts as long as the processor's access.
 void DmaSide::lost_to_one_under_way(Cycles at, Cycles until) {
   DmaState& dma = chip_.state.dma;
   if (dma.conflict < at - 1) dma.lost = true;
   if (dma.lost) dma.conflict = until - 1;
 }
 
-// The link's next events are others after this: whoever drives it has to look.
+// This changes the link's next events: the link's driver has to look again.
 Word DmaSide::touch_port(const PortAccess& access, Cycles at) {
   const Word value = access.perform(chip_.ports[access.port]);
   chip_.ports.accessed(access, value, at, chip_.state.dma.current / 2);
@@ -250,7 +250,7 @@ void DmaSide::begin_following(bool beside_processor) {
   expect_fetches();
 }
 
-// Until the DMA goes on, nobody takes note of accesses: of those under way, only their end is known.
+// While the DMA rests, accesses are not noted: for those under way only the end is known.
 void DmaSide::know_accesses() {
   if (knows_accesses_) return;
   accesses_.clear();
@@ -277,7 +277,7 @@ void DmaSide::expect_fetches() {
   }
 }
 
-// After cycles in which the processor stood still: what the DMA has begun goes on.
+// After cycles in which the processor was stopped: the DMA continues what it has begun.
 void DmaSide::mark_under_way() {
   const PipelineId before = chip_.pipeline.id();
   pipeline_ = chip_.pipelines[before];
@@ -307,7 +307,7 @@ void DmaSide::reset() {
   stop.reset();
 }
 
-// The fetches of the next two instructions from memory: of the second, where it stands if nothing branches.
+// The fetches of the next two instructions from memory; for the second, its address if no branch is taken.
 std::array<std::optional<Access>, 2> DmaSide::fetches_from_memory() const {
   const Core& core = chip_.state.core;
   std::array<std::optional<Access>, 2> out{};

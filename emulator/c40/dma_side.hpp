@@ -1,10 +1,10 @@
 #pragma once
-/// Where the DMA coprocessor and the processor meet: memory ports, buses, ports, windows.
+/// Where the DMA coprocessor and the processor compete: memory ports, buses, ports, windows.
 ///
-/// The processor is ahead by the read stage of its next instruction: after each of its instructions the DMA follows up
-/// to there. In these cycles all data accesses are known, and the next two fetches can be told from the pipeline.
-/// Whatever the DMA takes is marked in the pipeline model, so that later fetches and accesses fit around it: a fetch
-/// that has slack costs nothing. A data access that the DMA displaces moves with everything after it.
+/// The processor is ahead by the read stage of its next instruction: after each instruction of the processor, the DMA
+/// advances to this stage. Up to there all data accesses are known, and the pipeline gives the next two fetches. Each
+/// cycle that the DMA uses is marked in the pipeline model, so that later fetches and accesses fit around it. A fetch
+/// with slack costs nothing. A data access that the DMA displaces moves together with everything after it.
 #include <array>
 #include <functional>
 #include <optional>
@@ -22,28 +22,28 @@
 
 namespace c40 {
 
-/// What one access at a time, or two, can use.
+/// A resource that one access, or two, can use at a time.
 enum class Unit : std::uint8_t { ram0, ram1, rom, local, global, peripheral, none };
 inline constexpr std::size_t unit_count = 7;
 
-/// A data access of the processor that the DMA has not passed yet.
+/// A data access of the processor in a cycle that the DMA has not reached yet.
 struct ProcessorAccess {
   Access access;
   Cycles begin = 0, end = 0;
 };
 
-/// What the DMA means for the instruction that is being executed.
+/// How the DMA affects the instruction in execution.
 enum class DmaEffect : std::uint8_t {
   none,
-  still_felt,  ///< it is at rest, but what it took still counts
-  under_way    ///< a channel goes on meanwhile
+  still_felt,  ///< the DMA is at rest, but the cycles that it used still count
+  under_way    ///< a channel continues meanwhile
 };
 
-/// The chip as the DMA coprocessor works on it. Marks what it takes in the pipeline, and charges the processor with
-/// what that costs.
+/// The chip as seen by the DMA coprocessor. Marks the cycles that the DMA uses in the pipeline, and charges the
+/// processor with their cost.
 class DmaSide final : public DmaContext {
  public:
-  /// The parts of the chip that the DMA meets.
+  /// The parts of the chip that the DMA needs.
   struct Parts {
     State& state;
     Memory& memory;
@@ -70,37 +70,37 @@ class DmaSide final : public DmaContext {
 
   // ---- around an instruction of the processor ----
 
-  /// Of the instruction that comes next.
+  /// The effect on the next instruction.
   DmaEffect effect() const {
     if (chip_.peripherals.dma_busy()) return DmaEffect::under_way;
     return undisturbed_ ? DmaEffect::still_felt : DmaEffect::none;
   }
-  /// Its accesses will be noted from now on; or not.
+  /// From now on accesses of the processor are noted, or not.
   void know_accesses();
   void know_no_accesses() { knows_accesses_ = false; }
-  /// What the instruction that was begun in cycle `before`, and is through, used.
+  /// Notes the resources used by the completed instruction that began in cycle `before`.
   void note_accesses(const Demand& demand, const StepTiming& timing, Cycles before);
-  /// What the instruction that is through would have taken if the DMA had been still, where that can differ.
+  /// The timing that the completed instruction would have had without the DMA, if that can differ.
   std::optional<StepTiming> without_dma(const Demand& demand);
   /// An instruction took `held` cycles longer because of the DMA.
   void charge(Cycles held);
-  /// One took so many less, because it had been held up before: set against the next cost.
+  /// An instruction took fewer cycles because of an earlier delay: deducted from the next cost.
   void gain(Cycles cycles) { gained_ += cycles; }
-  /// After cycles in which the processor stood still: what the DMA has begun goes on.
+  /// After cycles in which the processor was stopped: the DMA continues what it has begun.
   void mark_under_way();
   /// The pipeline was flushed for so many cycles.
   void flushed(int cycles);
-  /// The pipeline is another: nothing is known of how it would stand without the DMA.
+  /// The pipeline was replaced: its state without the DMA is unknown.
   void forget_undisturbed() { undisturbed_.reset(); }
 
-  // ---- while the DMA goes on ----
+  // ---- while the DMA runs ----
 
-  /// \param beside_processor the processor goes on as well
+  /// \param beside_processor the processor continues as well
   void begin_following(bool beside_processor);
   void end_following();
-  /// Of an access of the DMA in cycle `at`.
+  /// Reports an access of the DMA in cycle `at` to the probe.
   void tell_probe(Address address, Word before, Word value, bool write, Cycles at);
-  /// Whether it has touched a linked port since this was last asked.
+  /// Whether the DMA has accessed a linked port since the last call.
   bool take_touched_link() { return std::exchange(touched_link_, false); }
 
   std::optional<DmaRequest> request;  ///< reported and not answered
@@ -110,10 +110,10 @@ class DmaSide final : public DmaContext {
   void list_state(state::Visitor& list);
 
  private:
-  /// What the processor does with a unit in a cycle.
+  /// The processor's use of a resource in a cycle.
   struct Use {
-    bool data = false, fetch = false;  ///< an access that begins there would find no room beside the DMA's
-    Cycles busy_until = 0;             ///< of an access that began before; or the cycle itself
+    bool data = false, fetch = false;  ///< an access that begins in this cycle would find no room beside the DMA's
+    Cycles busy_until = 0;             ///< end of an access that began before; or the cycle itself
   };
   struct Fetch {
     Unit unit = Unit::none;
@@ -134,21 +134,22 @@ class DmaSide final : public DmaContext {
   static constexpr Cycles long_ago = -1000;
   Parts chip_;
   std::vector<ProcessorAccess> accesses_;
-  bool knows_accesses_ = false;  ///< of the instructions that are through; else only when they leave the buses
-  std::array<Cycles, unit_count> taken_until_{}, written_{};  ///< by the DMA: until when
+  bool knows_accesses_ =
+      false;  ///< accesses of completed instructions are known; else only when they release the buses
+  std::array<Cycles, unit_count> taken_until_{},
+      written_{};  ///< until when the DMA uses, and has written, each resource
   Cycles last_taken_ = long_ago;
   bool touched_link_ = false;
-  /// The pipeline as it would stand if the DMA had taken nothing: what the DMA costs an instruction is the difference.
+  /// The pipeline as it would be without the DMA. The difference is what the DMA costs an instruction.
   std::optional<PipelineId> undisturbed_;
-  Cycles gained_ = 0;  ///< cycles that instructions took less because of what the DMA had cost others before
+  Cycles gained_ = 0;  ///< cycles that instructions took less because of the DMA's earlier cost
 
   // From begin_following() to end_following().
-  bool beside_ =
-      false;  ///< the processor goes on: it fetches, and what the DMA takes is not there for its next instructions
+  bool beside_ = false;  ///< the processor continues: it fetches, and the cycles that the DMA uses are not free for its
+                         ///< next instructions
   bool disturbed_ = false;
-  Pipeline pipeline_;  ///< with what the DMA has taken
-  std::array<std::optional<Access>, 2>
-      next_fetches_{};  ///< of the next two instructions, as far as they are fetched from memory
+  Pipeline pipeline_;                                    ///< with the DMA's cycles
+  std::array<std::optional<Access>, 2> next_fetches_{};  ///< the next two instructions' fetches from memory
   std::array<Fetch, 2> fetches_{};
 };
 

@@ -50,7 +50,7 @@ void Engine::reset() {
   touch();
 }
 
-// The reset vector is an address, at a place that two pins choose (c40-hardware.md 1.2).
+// The address of the reset vector is one of four places, chosen by two pins (c40-hardware.md 1.2).
 void Engine::boot() {
   constexpr std::array<Address, 4> vectors{0x00000000u, 0x7FFFFFFFu, 0x80000000u, 0xFFFFFFFFu};
   constexpr Word interface_after_reset = 0x3E39FFF0u;
@@ -59,9 +59,9 @@ void Engine::boot() {
   try {
     state_.core.pc = peek(vector);
   } catch (const std::out_of_range&) {
-    throw std::out_of_range(fmt::format(
-        "the reset vector of RESETLOC {} stands at {:08X}h, where board {} has no memory{}", board_.pins.reset_location,
-        vector, board_.name, vector == 0 && board_.rom.empty() ? " and no boot ROM" : ""));
+    throw std::out_of_range(fmt::format("the reset vector of RESETLOC {} is at {:08X}h, where board {} has no memory{}",
+                                        board_.pins.reset_location, vector, board_.name,
+                                        vector == 0 && board_.rom.empty() ? " and no boot ROM" : ""));
   }
   if (!board_.has_peripherals) return;
   poke(Peripherals::global_interface, interface_after_reset);
@@ -83,7 +83,7 @@ void Engine::flush_blocks() {
   cache_.mark_code(memory_);
 }
 
-// What is known of memory was found with other interface control registers.
+// All knowledge about memory was found with the old values of the interface control registers.
 void Engine::forget_memory() {
   memory_.configure(state_.global_interface_control, state_.local_interface_control);
   code_ = {};
@@ -98,7 +98,7 @@ void Engine::set_probe(Probe* probe, ProbePlan plan) {
   cache_.mark_code(memory_);
 }
 
-// Ids are given out anew.
+// Pipeline states get new ids.
 void Engine::forget_pipelines() {
   flush_blocks();
   touch();
@@ -146,7 +146,7 @@ void Engine::process_code_writes() {
   flush_blocks();
 }
 
-// From outside: at once.
+// A write from outside: it acts at once.
 void Engine::set_status(Word value) {
   write_status(value);
   cache_.note_control(std::numeric_limits<Cycles>::min());
@@ -175,7 +175,7 @@ void Engine::stand_until(Cycles cycle) {
   if (pins_.watched() && !state_.held) peripherals_.advance_to(state_.cycle);
 }
 
-// One that is held drives nothing. What its timers would have done meanwhile nobody has seen.
+// A held chip drives no pin. No listener sees what its timers would have done meanwhile.
 void Engine::hold(bool held) {
   touch();
   if (pins_.watched() && held != state_.held) peripherals_.advance_to(state_.cycle);

@@ -1,10 +1,10 @@
 #pragma once
-/// What runs a chip. Two ways to the same result: the exact engine executes one instruction at a time and asks the
-/// pipeline model about each; blocks are what the exact engine once did, recorded: the same handlers in a row, and the
-/// cycles and causes that the same model gave. A block is left for the exact engine wherever its guards do not hold.
+/// Runs a chip, in two ways with the same result. The exact engine executes one instruction at a time and asks the
+/// pipeline model about each. A block is a recording of what the exact engine did: the same handlers in a row, with the
+/// cycles and causes that the same model gave. If a guard of a block does not hold, the exact engine takes over.
 ///
-/// The engine has the state and the loop that orders its parts. What lasts beyond one step belongs to a part, which
-/// knows no engine.
+/// The engine has the state and the loop that orders its parts. Whatever lasts beyond one step belongs to a part. The
+/// parts do not know the engine.
 #include <memory>
 #include <set>
 #include <vector>
@@ -24,14 +24,14 @@
 
 namespace c40 {
 
-/// The last cycles in IDLE, however they were cut.
+/// The last interval in IDLE, however the run was divided.
 class IdleSpan {
  public:
   void idled(Cycles from, Cycles until) {
     if (until_ != from) since_ = from;
     until_ = until;
   }
-  /// Since when the processor idles, if it does so in cycle `now`; else `now`.
+  /// Since when the processor idles, if it idles in cycle `now`; else `now`.
   Cycles since(Cycles now) const { return until_ == now ? since_ : now; }
   void set(Cycles since, Cycles now) { since_ = since, until_ = now; }
 
@@ -42,7 +42,7 @@ class IdleSpan {
 class Engine {
  public:
   explicit Engine(Board board);
-  Engine(const Engine&) = delete;  // its parts refer to each other
+  Engine(const Engine&) = delete;  // the parts refer to each other
   Engine& operator=(const Engine&) = delete;
 
   void reset();
@@ -55,9 +55,9 @@ class Engine {
   void stand_until(Cycles cycle);
   bool waits_in_idle() const;
   void settle_counts();
-  /// The state may be changed from outside after this.
+  /// After this call the state may be changed from outside.
   State& touch();
-  /// All but causes, instructions and pipeline are up to date at any time; those after settle_counts().
+  /// Always up to date, except causes, instructions and pipeline; for these call settle_counts() first.
   const State& state() const { return state_; }
   Memory& memory() { return memory_; }
   const Memory& memory() const { return memory_; }
@@ -66,7 +66,7 @@ class Engine {
   void flush_blocks();
   void set_probe(Probe* probe, ProbePlan plan);
   void list_state(state::Visitor& list);
-  /// By the program: CE, CF and CC act on later fetches only.
+  /// A write by the program: CE, CF and CC act on later fetches only.
   void write_status(Word value);
   void set_status(Word value);
   void complete_port(Cycles at);
@@ -76,29 +76,29 @@ class Engine {
   Pins& pins() { return pins_; }
   Peripherals& peripherals() { return peripherals_; }
   const Dma& dma() const { return dma_; }
-  /// What the processor waits for.
+  /// The access for which the processor waits.
   PendingAccess& access() { return access_; }
   Cycles idle_since() const { return idle_.since(state_.cycle); }
 
   TraceSink* trace = nullptr;
   WindowListener* window_listener = nullptr;
-  PeripheralNotifier tell;  ///< of what the peripherals do
+  PeripheralNotifier tell;  ///< reports what the peripherals do
   bool exact_only = false;
   std::set<Address> breakpoints;
 
  private:
   enum class Stepped : std::uint8_t { done, external, fault, breakpoint, port, horizon, software_interrupt };
 
-  /// No block goes on past there.
+  /// Blocks end before this instruction.
   bool ends_blocks(Address pc) const { return breakpoints.contains(pc) || probe_.at(pc); }
 
-  // engine.cpp: what is known of the chip's state, and forgotten
+  // engine.cpp: knowledge about the chip's state, and dropping it
   void forget_memory();
   void forget_pipelines();
   void process_code_writes();
   void settle_cache_control();
 
-  // engine_run.cpp: what the chip does next, and why it stops
+  // engine_run.cpp: the chip's next action, and why it stops
   Stepped advance(Cycles limit, bool single);
   Stepped act(Cycles limit, bool single);
   StopInfo stop(Stepped why);
@@ -134,7 +134,7 @@ class Engine {
   void advance_pc(Address pc);
   void emit_trace(const Step& step, const Core& before, Cycles cycle, const Causes& causes);
 
-  // engine_access.cpp: accesses that did not meet a known region, and faults
+  // engine_access.cpp: accesses whose region is not known yet, and faults
   Stepped resolve(Step& step);
   Stepped access_port(const Step& step, std::size_t k, Word& cell);
   Cycles access_start(const Step& step, std::size_t access, PipelineId before);
@@ -159,7 +159,8 @@ class Engine {
   bool recordable(const BoundInstruction& bound) const;
 
   // engine_blocks.cpp: running blocks
-  /// Where in a block a part of it began: its time is accounted for up to before `from`, all else up to before `seen`.
+  /// The beginning of a part of a block: its time is added up to `from` (exclusive), everything else up to `seen`
+  /// (exclusive).
   struct InBlock {
     std::size_t from = 0, seen = 0;
   };
@@ -178,7 +179,7 @@ class Engine {
 
   State state_;
   PipelineTable pipelines_;
-  PipelineNow pipeline_{pipelines_, state_.pipeline};  ///< state_.pipeline is brought up to date when it is asked for
+  PipelineNow pipeline_{pipelines_, state_.pipeline};  ///< settle() brings state_.pipeline up to date
   Board board_;
   Memory memory_;
   Ports ports_{state_.ports, tell};
@@ -192,13 +193,13 @@ class Engine {
   struct Scratch {
     std::array<Word, 2> cell{};
   };
-  /// The window that the instruction under way in a block looks through, and what it sees there.
+  /// The window of the present instruction in a block, and the value there.
   struct Opened {
     const WindowAccess* window = nullptr;
     Answer answer;
   } opened_;
-  std::array<Scratch, 2> scratch_{};  ///< stands for a register or a window during one instruction
-  Memory::OpenPages pages_;           ///< of the step under way
+  std::array<Scratch, 2> scratch_{};  ///< used instead of a register or a window during one instruction
+  Memory::OpenPages pages_;           ///< of the present step
   DecodedSlotTable decoded_slots_;
   CodeArea code_;
   InstructionCache cache_{state_};
@@ -207,9 +208,9 @@ class Engine {
   Continuation onward_;
   Dma dma_;
   DmaSide dma_side_;
-  DmaEffect dma_effect_ = DmaEffect::none;  ///< on the instruction that is being executed
+  DmaEffect dma_effect_ = DmaEffect::none;  ///< on the instruction in execution
   IdleSpan idle_;
-  Cycles run_limit_ = 0;  ///< of the present call: what the links do is known up to there
+  Cycles run_limit_ = 0;  ///< of the present call: the links are known up to this cycle
 };
 
 }  // namespace c40

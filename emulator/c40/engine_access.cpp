@@ -1,4 +1,4 @@
-// Accesses of an instruction that did not meet a known region: what is there, and who answers.
+// Accesses of an instruction whose region is not known yet: finds the region, or asks the outside.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ Engine::Stepped Engine::fail(Fault::Kind kind, std::string message, Address addr
   return Stepped::fault;
 }
 
-// A flat board has RAM everywhere, but not without end.
+// A flat board has RAM everywhere, up to a limit.
 Engine::Stepped Engine::nothing_at(std::string_view access, Address address) {
   if (board_.is_flat)
     return fail(Fault::Kind::not_modelled,
@@ -34,14 +34,14 @@ Engine::Stepped Engine::nothing_at(std::string_view access, Address address) {
               fmt::format("{} {:08X}h, which is reserved on board {}", access, address, board_.name), address);
 }
 
-// Since the instruction began, which finds the pipeline as it is `before`.
+// The access's beginning after the beginning of the instruction; the pipeline is in the state `before`.
 Cycles Engine::access_start(const Step& step, std::size_t access, PipelineId before) {
   Demand demand = step.demand();
   demand.count = static_cast<std::uint8_t>(access + 1);
   const int start = pipelines_.transition(before, demand, packed(demand), step.word).timing.start[access];
   const Access& data = demand.data[access];
-  // Registers on the chip answer a read at the end of the read stage: as they stand in the execute stage, in which they
-  // are written (fidelity.md).
+  // Registers on the chip answer a read at the end of the read stage, with their state in the execute stage, in which
+  // they are written (fidelity.md).
   const int later = data.resource == Resource::peripheral && !data.write ? 1 : 0;
   return std::max(start + later, 0);
 }
@@ -53,7 +53,7 @@ Cycles Engine::access_cycle(const Step& step, std::size_t access) {
   return cycle;
 }
 
-// An access did not meet a known region: find it, or stop.
+// The region of an access is not known: finds it, or stops the chip.
 Engine::Stepped Engine::resolve(Step& step) {
   const Core& core = state_.core;
   const std::size_t k = core.miss_access;
@@ -71,7 +71,7 @@ Engine::Stepped Engine::resolve(Step& step) {
     const Memory::AccessInfo met = memory_.meet(*area, address, write, pages_);
     step.paged |= met.paged;
     decoded.demand.data[k] = met.access;
-    // An area on two strobes, or with pages, is looked up at every access.
+    // An access to an area on two strobes, or with pages, is resolved each time.
     if (met.paged || met.words != area->words) decoded.area[k] = nullptr;
   }
   step.locks |= decoded.bound.row->interlocked && external(area->resource);
@@ -80,7 +80,7 @@ Engine::Stepped Engine::resolve(Step& step) {
   step.address[k] = address;
   Window& window = decoded.ops[0].access[k];
   if (area->data != nullptr) {
-    // Windows are whole areas, whose map of code words follows the data.
+    // Windows cover whole areas; an area's map of code words follows its data.
     step.plain &= decoded.area[k] != nullptr && !step.locks;
     step.repeatable &= step.plain;
     if (area->set_apart) [[unlikely]] {
@@ -131,7 +131,7 @@ Engine::Stepped Engine::resolve(Step& step) {
   return Stepped::done;
 }
 
-// Without a stop of the chip.
+// The answer without a stop of the chip, if there is one.
 bool Engine::answers_at_once(const ExternalAccess& access) {
   if (window_listener == nullptr || peripherals_.dma_active() || state_.dma.answered_until > access.cycle) return false;
   const std::optional<WindowAnswer> answer = window_listener->answer_at_once(access);
@@ -140,7 +140,7 @@ bool Engine::answers_at_once(const ExternalAccess& access) {
   return true;
 }
 
-// What the access finds. One that a link is concerned with, or that has to wait, stops the chip first.
+// Does the access to a port. If the port has a link, or the access has to wait, the chip stops first.
 Engine::Stepped Engine::access_port(const Step& step, std::size_t k, Word& cell) {
   const Core& core = state_.core;
   const bool write = core.miss_write;

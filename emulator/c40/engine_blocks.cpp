@@ -7,7 +7,7 @@
 
 namespace c40 {
 
-// Leaves a block before instruction `at`. What was done before `seen` is accounted for, time before `from`.
+// Leaves a block before instruction `at`. Time before `from`, and everything else before `seen`, is already added.
 void Engine::leave(CodeBlock& block, InBlock in, std::size_t at) {
   Core& core = state_.core;
   state_.cycle += block.start[at] - block.start[in.from];
@@ -19,7 +19,7 @@ void Engine::leave(CodeBlock& block, InBlock in, std::size_t at) {
   cache_.fetch(block, in.seen, at);
 }
 
-// `passes` passes through a repeated block are done: what the loop hardware made of them.
+// `passes` passes of a repeated block are done: updates the state of the loop hardware.
 CodeBlock::Exit& Engine::end_repeat(CodeBlock& block, std::uint32_t passes) {
   Core& core = state_.core;
   core.r[reg::RC] -= passes;
@@ -36,7 +36,7 @@ CodeBlock::Exit& Engine::end_repeat(CodeBlock& block, std::uint32_t passes) {
   return block.exits[0];
 }
 
-// How often a block that follows itself may run in one go.
+// How often a block that follows itself may run at once.
 std::uint32_t Engine::passes_within(const CodeBlock& block, Cycles limit) const {
   const Core& core = state_.core;
   if (!block.self_loop || core.r[reg::RS] != block.key.pc || ends_blocks(block.key.pc)) return 1;
@@ -46,7 +46,8 @@ std::uint32_t Engine::passes_within(const CodeBlock& block, Cycles limit) const 
   return static_cast<std::uint32_t>(std::clamp<Cycles>(affordable, 1, Cycles{count} + 1));
 }
 
-// A repeated block, as many passes as the budget covers. A handler may do several at once and takes them off loop_left.
+// Runs a repeated block for as many passes as the budget covers. A handler may do several at once and subtracts them
+// from loop_left.
 CodeBlock::Exit* Engine::run_repeated(CodeBlock& block, Cycles limit, Outcome& outcome) {
   Core& core = state_.core;
   const std::uint32_t passes = passes_within(block, limit);
@@ -54,7 +55,7 @@ CodeBlock::Exit* Engine::run_repeated(CodeBlock& block, Cycles limit, Outcome& o
   for (;;) {
     outcome = block.ops[0].handler(core, block.ops.data());
     if (outcome.exit > Exit::taken) [[unlikely]] {
-      const std::uint32_t done = passes - 1 - core.loop_left;  // whole passes before the one that was left
+      const std::uint32_t done = passes - 1 - core.loop_left;  // whole passes before the last one, which was left early
       core.r[reg::RC] -= done;
       if (done != 0) cache_.fetch(block, 0, block.size);
       blocks_.count(block.exits[1], done);
@@ -69,7 +70,7 @@ CodeBlock::Exit* Engine::run_repeated(CodeBlock& block, Cycles limit, Outcome& o
   }
 }
 
-// From an instruction on, as far as `budget` goes: cycles since the block's beginning.
+// Runs from an instruction on, as far as `budget` covers: cycles since the block's beginning.
 Outcome Engine::run_ops(CodeBlock& block, std::size_t from, Cycles budget) {
   Core& core = state_.core;
   core.loop_left = 0;
@@ -84,7 +85,7 @@ Outcome Engine::run_ops(CodeBlock& block, std::size_t from, Cycles budget) {
   return outcome;
 }
 
-// The rest of a block was run, to its end. The count that run_blocks will add stands for the whole block.
+// The rest of a block was run to its end. The count that run_blocks will add is for the whole block.
 CodeBlock::Exit& Engine::end_part(CodeBlock& block, InBlock in, const Outcome& outcome) {
   cache_.fetch(block, in.seen, block.size);
   CodeBlock::Exit& exit = block.repeats ? end_repeat(block, 1) : block.exits[outcome.exit == Exit::taken];
@@ -95,8 +96,8 @@ CodeBlock::Exit& Engine::end_part(CodeBlock& block, InBlock in, const Outcome& o
   return exit;
 }
 
-// Block after block, as long as each leads to one that is known. What every block costs is here: counts and cycles
-// only.
+// Block after block, as long as each leads to a known one. This is the cost of every block, so only counts and cycles
+// are added here.
 Engine::Stepped Engine::run_blocks(CodeBlock* block, std::size_t at, Cycles limit) {
   Core& core = state_.core;
   CodeBlock::Exit* exit = nullptr;
@@ -147,8 +148,8 @@ Engine::Stepped Engine::run_blocks(CodeBlock* block, std::size_t at, Cycles limi
   return Stepped::done;
 }
 
-// One that repeats or comes from the cache, from the middle, or with a budget that does not cover it. Null: it was
-// left.
+// Runs a block that repeats or comes from the cache, from its middle, or with a budget that does not cover it. Null:
+// the block was left early.
 CodeBlock::Exit* Engine::run_special(CodeBlock& block, InBlock in, Cycles limit, Outcome& outcome) {
   const Cycles budget = limit - state_.cycle + block.start[in.from];
   const bool part = in.from != 0 || block.last_start >= budget;
@@ -157,7 +158,7 @@ CodeBlock::Exit* Engine::run_special(CodeBlock& block, InBlock in, Cycles limit,
   return outcome.exit <= Exit::taken ? &end_part(block, in, outcome) : nullptr;
 }
 
-// The access that an instruction could not do goes through a window, as it did when the block was recorded: it is
+// An access that an instruction could not do goes through a window, as during the recording. Either the access is
 // answered (opened_), or the chip stops before it (access_). False: neither.
 bool Engine::reach_window(CodeBlock& block, InBlock& in, const Outcome& outcome) {
   const Core& core = state_.core;
@@ -196,7 +197,7 @@ bool Engine::reach_window(CodeBlock& block, InBlock& in, const Outcome& outcome)
   return true;
 }
 
-// The instruction whose access has been answered, whatever the budget, and what follows it.
+// Executes the instruction whose access is answered, whatever the budget, and those after it.
 Outcome Engine::pass_window(CodeBlock& block, const InBlock& in, Cycles limit) {
   const auto [window, answer] = opened_;
   const std::size_t k = window->access;
@@ -208,7 +209,7 @@ Outcome Engine::pass_window(CodeBlock& block, const InBlock& in, Cycles limit) {
   const Outcome outcome = run_ops(block, in.from, std::max(limit - state_.cycle - waited, Cycles{1}) + here);
   op.access[k] = {};
   if (outcome.at == &op && outcome.exit > Exit::taken && outcome.exit != Exit::left_after) {
-    state_.answers[k] = answer;  // another access of the instruction did not find what it had met before
+    state_.answers[k] = answer;  // another access of the instruction failed its guard
   } else {
     if (window->lock) state_.locked[window->area->resource == Resource::global] = *window->lock;
     settle_answer(answer);
@@ -233,8 +234,8 @@ void Engine::left_block(CodeBlock& block, InBlock in, const Outcome& outcome) {
   }
 }
 
-// After the exact engine did the instruction that the block could not: back into the block if everything is as
-// recorded.
+// The exact engine has executed an instruction that the block could not execute. Returns to the block if everything is
+// as recorded.
 void Engine::rejoin(CodeBlock& block) {
   const Core& core = state_.core;
   const std::size_t at = core.pc - block.key.pc;

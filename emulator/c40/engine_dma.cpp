@@ -1,4 +1,4 @@
-// The DMA coprocessor beside the processor: how far it goes, and why it stops the chip.
+// The DMA coprocessor beside the processor: how far it may advance, and why it stops the chip.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,18 +12,18 @@
 namespace c40 {
 namespace {
 
-/// The read stage of the next instruction stands one cycle before its execute stage.
+/// The read stage of the next instruction is one cycle before its execute stage.
 constexpr Cycles read_lead = 1;
-/// A DMA of the first priority can keep the processor from its bus for 2^32 words: after so long, who runs the chip is
-/// asked.
+/// A DMA with the higher priority can keep the processor from its bus for 2^32 words: after this number of cycles,
+/// run_until returns to its caller.
 constexpr Cycles starved_cycles = 10'000;
 
 }  // namespace
 
 bool Engine::waits_in_idle() const { return state_.core.idle && may_interrupt() && interrupts::pending(state_) == 0; }
 
-// How far the DMA may go while the processor runs or idles: everything that the processor does before is known. What
-// the links do is known up to `limit` only.
+// How far the DMA may advance while the processor runs or idles: all that the processor does before this cycle is
+// known. The links are known up to `limit` only.
 Cycles Engine::known_until(Cycles limit, bool idles) const {
   const Cycles until = idles ? std::max(limit, state_.cycle) : state_.cycle - read_lead;
   return uses_linked_port() ? std::min(limit, until) : until;
@@ -31,9 +31,9 @@ Cycles Engine::known_until(Cycles limit, bool idles) const {
 
 bool Engine::uses_linked_port() const { return ports_.attached() != 0 && (dma_.ports_used() & ports_.attached()) != 0; }
 
-// Lets the DMA follow the processor, or go on without it while it waits or idles; and the timers, each event in its
-// turn. A stop for the reason `limit`: the processor has not got its bus for so long, and the DMA has still not come to
-// where it follows.
+// Lets the DMA follow the processor, or run on without it while the processor waits or idles; and the timers, each
+// event in its turn. A stop with the reason `limit`: the processor did not get its bus for starved_cycles, and the DMA
+// has not reached the cycle up to which it follows.
 std::optional<StopInfo> Engine::run_dma(Cycles limit, bool processor_waits) {
   DmaSide& side = dma_side_;
   if (auto earlier = std::exchange(side.stop, std::nullopt)) return earlier;
@@ -55,7 +55,8 @@ std::optional<StopInfo> Engine::run_dma(Cycles limit, bool processor_waits) {
     if (request) return dma_stop(*request);
     if (side.take_touched_link()) return stop(Stepped::horizon);
     if (moved && !moves() && event > dma_.last_done())
-      break;  // at rest: how far the timers go beyond is for who knows whether anything else is to come
+      break;  // at rest: how far the timers go beyond is decided by the caller, who knows whether anything else will
+              // happen
     if (event <= to && state_.dma.now >= event) peripherals_.advance_to(event);
   }
   return std::nullopt;
@@ -72,7 +73,7 @@ StopInfo Engine::dma_stop(const DmaRequest& request) {
       fail(Fault::Kind::not_modelled,
            fmt::format("{} {:08X}h, which is {}", access, request.address, describe_register(request.address)),
            request.address);
-    fault_->cycle = request.cycle;  // the processor may be ahead, or wait since long ago
+    fault_->cycle = request.cycle;  // the processor may be ahead of this cycle, or may have waited for long
     return stop(Stepped::fault);
   }
   dma_side_.request = request;

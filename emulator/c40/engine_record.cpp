@@ -1,4 +1,4 @@
-// Recording blocks: the exact engine executes, and what it did is kept.
+// Records blocks: the exact engine executes, and its actions are kept.
 #include "c40/block_recording.hpp"
 #include "c40/engine.hpp"
 
@@ -20,11 +20,11 @@ CodeBlockKey Engine::key() {
   return key;
 }
 
-// PC is where by_blocks() looked.
+// PC is the address at which by_blocks() looked.
 CodeBlock* Engine::find_or_record(Cycles limit, Stepped& why) {
   const CodeBlockKey k = key();
   CodeBlock* const block = blocks_.find(k);
-  // The exit that led here leads here every time; but at a breakpoint, each run of blocks ends.
+  // This exit always leads here, so it is linked to the block. Not at a breakpoint, where each run of blocks ends.
   if (CodeBlock::Exit* from = onward_.take_exit(); from != nullptr && block != nullptr && from->chained)
     if (!ends_blocks(k.pc)) from->next = block;
   if (block != nullptr) {
@@ -38,7 +38,7 @@ CodeBlock* Engine::find_or_record(Cycles limit, Stepped& why) {
 
 bool Engine::recordable(const BoundInstruction& bound) const {
   using enum isa::Operation;
-  // Their slots are fetched before CF changes.
+  // The slots of these are fetched before CF changes.
   if (caching() && bound.flow == Flow::delayed && (bound.row->operation == lat || bound.row->operation == reti))
     return false;
   if (bound.flow == Flow::stop || bound.flow == Flow::annulling) return false;
@@ -46,12 +46,12 @@ bool Engine::recordable(const BoundInstruction& bound) const {
   return !(bound.writes_repeat && bound.flow == Flow::straight && (state_.core.modes & st::RM) != 0);
 }
 
-// Executes as it records. Whatever cannot stand in a block ends it.
+// Executes and records. An instruction that no block can contain ends the recording.
 void Engine::record(const CodeBlockKey& k, Cycles limit, Stepped& why) {
   Core& core = state_.core;
   BlockRecording recording(k, pipelines_);
   Step step;
-  while (!recording.closed()) {  // slots cannot be left to a block of their own
+  while (!recording.closed()) {  // a block cannot end between a branch and its delay slots
     const std::size_t n = recording.size();
     if (n != 0 && state_.cycle >= limit) return;
     if (recording.full() && core.delay_slots == 0) break;
@@ -82,7 +82,7 @@ void Engine::record(const CodeBlockKey& k, Cycles limit, Stepped& why) {
     }
     if (step.windows != 0) context.window_start = access_start(step, step.windows >> 1, context.before);
     for (std::size_t i = 0; i < step.decoded->demand.count; ++i)
-      if (step.decoded->demand.data[i].write && step.address[i] - k.pc <= n) return;  // it changes itself
+      if (step.decoded->demand.data[i].write && step.address[i] - k.pc <= n) return;  // the block changes its own code
     context.after = pipeline_.id();
     context.delay_taken = core.delay_taken;
     recording.append(step, context);

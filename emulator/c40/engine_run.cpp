@@ -1,4 +1,4 @@
-// The loop: what the chip does next, and why it stops.
+// The loop: the chip's next action, and why it stops.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ void Engine::pass(Cause cause, Cycles until) {
 
 StopInfo Engine::stop(Stepped why) {
   if (cache_.control_pending()) [[unlikely]]
-    settle_cache_control();  // the DMA may have gone on while the processor idled
+    settle_cache_control();  // the DMA may have run while the processor idled
   StopInfo info;
   switch (why) {
     case Stepped::done: break;
@@ -50,7 +50,7 @@ bool Engine::may_interrupt() const {
   return state_.core.delay_slots == 0 && state_.core.repeat_single == 0 && !access_.is_answered() && !access_.at_port();
 }
 
-// One thing: a stop, an interrupt entry, idling, a run of blocks, or one exact instruction.
+// One action: a stop, an interrupt entry, idling, a run of blocks, or one exact instruction.
 [[gnu::always_inline]] inline Engine::Stepped Engine::act(Cycles limit, bool single) {
   Core& core = state_.core;
   if (core.code_writes != 0) process_code_writes();
@@ -80,7 +80,7 @@ bool Engine::may_interrupt() const {
   if (dma_effect_ == DmaEffect::under_way)
     dma_side_.know_accesses();
   else if (!access_.any())
-    dma_side_.know_no_accesses();  // an access that is tried once more is of an instruction begun before
+    dma_side_.know_no_accesses();  // a repeated access belongs to an instruction that began before
   const bool one =
       single || trace != nullptr || waiting_interrupt || dma_effect_ != DmaEffect::none || cache_.control_pending();
   if (!one && !exact_only && !onward_.is_missed()) {
@@ -143,7 +143,7 @@ StopInfo Engine::run_until(Cycles limit, Cycles known) {
     access_.set_told(false);
     if (ports_.attached() != 0 && (watched_ports() & ~watched) != 0) return stop(Stepped::horizon);
   }
-  // Events of timers come in their turn, as the DMA does: where it is behind, they wait for it.
+  // Events of timers keep their order with the DMA: if the DMA is behind, they wait for it.
   if (!peripherals_.dma_active() || !uses_linked_port() || state_.dma.now >= state_.cycle - 1) reach_present();
   return {};
 }
@@ -175,7 +175,7 @@ StopInfo Engine::step() {
   return stop(why);
 }
 
-// What has happened by the present cycle: timers' events, and what the cache is told.
+// Executes everything up to the present cycle: timer events, and changes of the cache's control.
 void Engine::reach_present() {
   if (state_.cycle >= peripherals_.next_event()) {
     const bool waited = peripherals_.dma_waits() && !dma_.ends();
@@ -186,7 +186,7 @@ void Engine::reach_present() {
     settle_cache_control();
 }
 
-// A DMA that waited goes on no earlier than what it waited for.
+// A DMA that waited continues no earlier than the event for which it waited.
 void Engine::make_dma_current(bool waited) {
   if (waited && dma_.busy()) state_.dma.now = std::max(state_.dma.now, state_.cycle);
 }

@@ -1,4 +1,4 @@
-// The exact engine: one instruction at a time, through fetch, accesses and the pipeline model.
+// The exact engine: executes one instruction at a time, with fetch, accesses and the pipeline model.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,15 +26,15 @@ bool Engine::find_code(Address pc) {
   return true;
 }
 
-// Of the code that code_ describes.
+// For the code that code_ describes.
 bool Engine::caching() const { return code_.cacheable && cache_.on() && state_.core.repeat_single != 2; }
 
-// Whether blocks may hold the instruction at PC: what it is and what its fetch costs is known before.
+// Whether a block may contain the instruction at PC. Its word and the cost of its fetch must be known before.
 bool Engine::by_blocks() {
   const Address pc = state_.core.pc;
   if (!code_.contains(pc) && !find_code(pc)) {
     fault_.reset();
-    return true;  // the block that cannot be recorded finds out again
+    return true;  // recording a block fails and finds this again
   }
   if (!caching()) return !code_.met.paged;
   return !cache_.stale() && (!code_.met.paged || cache_.find(pc) != nullptr);
@@ -54,7 +54,7 @@ bool Engine::bind_slot(DecodedSlot& decoded, Word word, bool set_condition) {
   return true;
 }
 
-// Looks the instruction at PC up; nothing of the state changes.
+// Looks up the instruction at PC; does not change the state.
 bool Engine::fetch(Step& step) {
   const Core& core = state_.core;
   const Address pc = core.pc;
@@ -110,8 +110,8 @@ Engine::Stepped Engine::execute(Step& step) {
   }
 }
 
-// The execute stage of an annulled slot does not happen; the earlier stages of the first two slots did
-// (c40-isa.md 8.2). LDA in the first slot, which is over with its read stage, does not come here.
+// An annulled slot has no execute stage; the earlier stages of the first two slots do happen (c40-isa.md 8.2). An LDA
+// in the first slot is complete after its read stage and is not handled here.
 void Engine::annulled(const Step& step) {
   Core& core = state_.core;
   const BoundInstruction& bound = step.decoded->bound;
@@ -141,9 +141,9 @@ void Engine::account(const StepTiming& t) {
   add(causes, Cause::wait_state, t.wait_state);
 }
 
-// What the DMA costs an instruction is what it takes beyond what it would have taken without. What it takes less,
-// because it had been held up before, is set against the next cost: in all, the DMA is charged with no more than it
-// did.
+// The DMA's cost for an instruction is the cycles beyond those without the DMA. If an instruction took fewer cycles
+// because of an earlier delay, they are deducted from the next cost. In total the DMA is charged with exactly what it
+// caused.
 void Engine::account(const StepTiming& t, const std::optional<StepTiming>& without_dma) {
   if (!without_dma) return account(t);
   const int held = t.total - without_dma->total;
@@ -155,7 +155,7 @@ void Engine::account(const StepTiming& t, const std::optional<StepTiming>& witho
   dma_side_.charge(held);
 }
 
-// What the accesses of an instruction leave behind: the cache, the pages, LOCK.
+// The effects of an instruction's accesses on the cache, the pages and LOCK.
 void Engine::settle_accesses(const Step& step, Address pc) {
   if (step.from_cache && !step.frozen) cache_.hit(pc);
   if (step.missed && !step.frozen) cache_.load(pc, step.word, *code_.area);
@@ -172,7 +172,7 @@ void Engine::finish_step(const Step& step) {
     if ((step.register_writes >> k & 1u) != 0)
       peripherals_.write(step.address[k], scratch_[k].cell[0], step.register_cycle[k]);
   if (bound.writes_status) {
-    // LDIcond may leave ST as it is.
+    // LDIcond may leave ST unchanged.
     const bool written =
         !bound.row->conditional() || execute::holds(core, static_cast<isa::Condition>(bound.op.selector));
     if (written) write_status(core.r[reg::ST]);
@@ -181,7 +181,7 @@ void Engine::finish_step(const Step& step) {
   core.attention |= bound.writes_status || bound.writes_interrupts || !step.repeatable;
 }
 
-// Delayed branches take effect after their third slot; the loop hardware compares with RE.
+// Delayed branches take effect after their third slot; the loop hardware compares PC with RE.
 void Engine::advance_pc(Address pc) {
   Core& core = state_.core;
   if (core.delay_slots != 0 && --core.delay_slots == 0) {
@@ -204,13 +204,13 @@ void Engine::advance_pc(Address pc) {
   }
 }
 
-// `fresh`: every access is looked up, and seen.
+// `fresh`: each access is resolved again, so that it is seen.
 Engine::Stepped Engine::exact_step(Step& step, bool fresh) {
   if (trace != nullptr) return traced_step(step);
   return probe_.on_data() ? probed_step(step, fresh) : untraced_step(step, fresh);
 }
 
-// Accesses are told with the cycle in which the next instruction begins: what the DMA holds up is known before.
+// The probe gets accesses with the cycle in which the next instruction begins: the DMA's delay is known before.
 Engine::Stepped Engine::probed_step(Step& step, bool fresh) {
   const Address pc = state_.core.pc;
   const Stepped why = untraced_step(step, fresh);
@@ -230,7 +230,7 @@ Engine::Stepped Engine::traced_step(Step& step) {
   const StepTiming timing = *step.timing;
   step.timing = &timing;
   if (dma_effect_ == DmaEffect::under_way)
-    dma_side_.stop = run_dma(run_limit_, false);  // so that what it holds up stands in the record
+    dma_side_.stop = run_dma(run_limit_, false);  // so that the record includes the delay by the DMA
   probe_.tell_noted(before.pc, state_.cycle);
   emit_trace(step, before, cycle, causes);
   return why;
@@ -289,14 +289,14 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
   return Stepped::done;
 }
 
-// The last instruction of a repeated block may not control the program, nor may a delayed branch stand in the three
-// before (c40-isa.md 8.3).
+// The last instruction of a repeated block must not be program control. A delayed branch must not be one of the three
+// before it (c40-isa.md 8.3).
 bool Engine::illegal_in_repeat(Address pc, const BoundInstruction& bound) const {
   const Address left = state_.core.r[reg::RE] - pc;
   return bound.flow != Flow::straight && (left == 0 || (left <= 3 && bound.row->delay != isa::Delay::none));
 }
 
-// An annulled slot is fetched, and has no footprint.
+// An annulled slot is fetched but has no footprint.
 Demand Engine::demand_through(const Step& step, bool annulled) const {
   const BoundInstruction& bound = step.decoded->bound;
   if (!annulled) {
@@ -316,8 +316,8 @@ const Transition& Engine::executed_transition(const Step& step) {
   return step.decoded->transition = transition(demand_through(step, false), step.word);
 }
 
-// The common case of untraced_step at a fraction of its price: an instruction that is known, out of slots, meets the
-// windows it met before, and does nothing about interrupts. Else nothing has happened.
+// The common case of untraced_step, much cheaper: a known instruction outside delay slots whose accesses meet the same
+// windows as before and that does not affect interrupts. Else nothing has happened.
 bool Engine::quick_step() {
   Core& core = state_.core;
   const Address pc = core.pc;
@@ -338,7 +338,7 @@ bool Engine::quick_step() {
       decoded.set_condition != ((core.modes & st::SETCOND) != 0))
     return false;
   if ((core.modes & st::RM) != 0 && decoded.bound.flow != Flow::straight)
-    return false;  // perhaps where it may not stand
+    return false;  // perhaps the instruction is not allowed here
   core.pc = pc + 1;
   decoded.ops[0].pc = pc;
   const Exit exit = decoded.ops[0].handler(core, decoded.ops.data()).exit;
@@ -362,7 +362,8 @@ bool Engine::quick_step() {
   return true;
 }
 
-// Instruction after instruction, as long as nothing can have changed that advance() asked, and blocks cannot do it.
+// Executes instruction after instruction, as long as the conditions that advance() checked cannot have changed and no
+// block can be used.
 Engine::Stepped Engine::run_exactly(Cycles limit) {
   const Core& core = state_.core;
   Step step;

@@ -1,11 +1,11 @@
 #pragma once
 /// The C40's floating point, bit for bit, in integers only (c40-isa.md 2.2, 7.1 to 7.7, 7.10).
 ///
-/// A number is (e, m): e the signed exponent of bits 39..32, m the bits 31..0. Its value is M * 2^(e-31) with
-/// M = sign_extend(m) XOR 2^31, a 33-bit two's complement mantissa; e = -128 means zero whatever m is.
-/// Every operation returns its value and the flags V, Z, N, UF at their places in ST.
+/// A number is (e, m): e the signed exponent of bits 39..32, m the bits 31..0. Its value is M * 2^(e-31) with M =
+/// sign_extend(m) XOR 2^31, a 33-bit two's complement mantissa; e = -128 means zero whatever m is. Every operation
+/// returns its value and the flags V, Z, N, UF at their places in ST.
 ///
-/// What every inner loop runs is inlined by force: a call costs as much as the arithmetic.
+/// Functions in inner loops are always inlined: a call costs as much as the arithmetic.
 ///
 /// Inaccuracies: the seed tables of RCPF and RSQRF are a model (the ROM's contents are not published).
 #include <array>
@@ -52,10 +52,10 @@ constexpr Float40 from_bits(std::uint64_t bits) {
   return {static_cast<std::int8_t>(bits >> 32), static_cast<std::uint32_t>(bits)};
 }
 
-/// A memory word as it stands: the mantissa is kept even if the exponent is that of zero (NORM, POPF).
+/// A memory word unchanged: the mantissa is kept even if the exponent is that of zero (NORM, POPF).
 constexpr Float40 from_single_raw(std::uint32_t word) { return {static_cast<std::int8_t>(word >> 24), word << 8}; }
 [[gnu::always_inline]] constexpr Float40 from_single(std::uint32_t word) { return canonical(from_single_raw(word)); }
-/// What STF stores: bits 39..8, truncated.
+/// The value that STF stores: bits 39..8, truncated.
 constexpr std::uint32_t to_single(Float40 x) { return static_cast<std::uint32_t>(x.e) << 24 | x.m >> 8; }
 
 /// A 16-bit short float as the memory word of the same value; e = -8 is zero.
@@ -92,7 +92,7 @@ constexpr std::uint32_t short_to_single(std::uint32_t half) {
 
 constexpr FloatResult exact_zero() { return {zero(), st::Z}; }
 
-/// c40-isa.md 7.2. Both mantissas are aligned (floor, no cut-off) before they are added or subtracted.
+/// c40-isa.md 7.2. Both mantissas are aligned (floor, all bits kept) before they are added or subtracted.
 template <bool subtract>
 [[gnu::always_inline]] constexpr FloatResult add_aligned(Float40 a, Float40 b) {
   const std::int32_t e = a.e > b.e ? a.e : b.e;
@@ -134,17 +134,17 @@ constexpr FloatResult load(Float40 x) {
   return {value, value.e == zero_exponent ? st::Z : (value.m >> 31) * st::N};
 }
 
-/// c40-isa.md 7.4: to single precision, a half goes to the more positive neighbour. Z is always cleared; RND of zero
-/// sets UF.
+/// c40-isa.md 7.4: rounds to single precision; a half goes to the more positive neighbour. Z is always cleared; RND of
+/// zero sets UF.
 constexpr FloatResult rnd(Float40 x) {
   const std::int64_t m = mantissa(x);
   if (m == 0) return {zero(), st::UF};
   FloatResult r = normalise(x.e, m + 0x80);
-  r.value.m &= 0xFFFFFF00u;  // of an overflow too: the greatest single
+  r.value.m &= 0xFFFFFF00u;  // after an overflow too: the result is the greatest single
   return r;
 }
 
-/// c40-isa.md 7.5: floor, saturating whatever OVM is.
+/// c40-isa.md 7.5: floor; saturates for either value of OVM.
 constexpr FixResult fix(Float40 x) {
   const std::int64_t m = mantissa(x);
   const std::uint32_t sign = m < 0 ? st::N : 0u;
@@ -159,7 +159,7 @@ constexpr FloatResult from_integer(std::uint32_t word) {
   return normalise(31, static_cast<std::int32_t>(word));
 }
 
-/// c40-isa.md 7.7: m is taken without an implied bit.
+/// c40-isa.md 7.7: m has no implied bit here.
 constexpr FloatResult norm(Float40 x) {
   if (x.m == 0) return exact_zero();
   const std::uint32_t sign = (x.m >> 31) * st::N;
@@ -172,7 +172,7 @@ constexpr FloatResult norm(Float40 x) {
   return {{e, shifted ^ 0x80000000u}, sign};
 }
 
-/// c40-isa.md 2.3. The IEEE word is left in bits 39..8.
+/// c40-isa.md 2.3. The IEEE word is in bits 39..8 of the result.
 constexpr FloatResult to_ieee(Float40 x) {
   if (choices::toieee_rounds && x.e != zero_exponent) x = rnd(x).value;
   const std::uint32_t negative = x.m >> 31, f = x.m >> 8 & 0x7FFFFFu;
@@ -241,7 +241,7 @@ constexpr std::array<std::uint8_t, 512> root_seeds = [] {
   return table;
 }();
 
-/// The root of the magnitude: what the chip makes of a negative operand is not known.
+/// The root of the magnitude: the chip's result for a negative operand is not known.
 constexpr FloatResult rsqr(Float40 x) {
   std::int64_t m = mantissa(x);
   if (m == 0) return seed_of_zero();

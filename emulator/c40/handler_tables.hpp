@@ -1,11 +1,11 @@
 #pragma once
-// The handlers of each group of instructions, by operation and the kinds of its operands. Null: there is no such form.
+// The handlers of each group of instructions, by operation and kinds of operands. Null: this form does not exist.
 #include "c40/op.hpp"
 #include "isa/table.hpp"
 
 namespace c40::execute {
 
-/// dst <- op(src1, src2) on integers; `flags` says whether the condition flags follow.
+/// dst <- op(src1, src2) on integers; `flags`: whether the condition flags change.
 Handler integer_handler(isa::Operation operation, Kind a, Kind b, bool flags);
 Handler integer_store_handler(isa::Operation operation, Kind a, Kind b);
 
@@ -20,16 +20,16 @@ Handler conditional_load_handler(bool floating, Kind a);
 Handler store_handler(bool floating, Kind from, Kind to);
 Handler load_load_handler(bool floating);
 Handler store_store_handler(bool floating);
-/// `product`: the P field; `kind`: how both operands move, if they do so alike, else indirect.
+/// `product`: the P field; `kind`: the addressing of both operands if it is the same, else indirect.
 Handler multiply_add_handler(bool floating, bool subtract, int product, Kind kind);
-/// All passes of a repeat of the float MPYF3 || ADDF3 (P = 0) alone; null unless it accumulates its own product and
-/// moves as `kind` says.
+/// All passes of a repeat of a single float MPYF3 || ADDF3 (P = 0); null unless the instruction accumulates its own
+/// product and its addressing is `kind`.
 Handler repeated_multiply_add_handler(const Op& op, Kind kind);
 
 /// PUSH, POP, NOP, IACK and everything that changes the PC. `a` is the kind of src1; none for a relative target.
 Handler control_handler(const isa::Row& row, isa::Condition condition, Kind a, bool flags);
 
-/// What ends a run of ops.
+/// The handler that ends a run of ops.
 Outcome end_of_step(Core& core, const Op* op);
 Outcome end_of_block(Core& core, const Op* op);
 Outcome end_of_delay(Core& core, const Op* op);

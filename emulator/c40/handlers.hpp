@@ -1,5 +1,5 @@
 #pragma once
-/// Handlers put together from a body, the places of its operands and, for parallel instructions, a store.
+/// Handlers, composed of a body, the places of its operands and, for parallel instructions, a store.
 #include "c40/addressing.hpp"
 #include "c40/integer.hpp"
 
@@ -13,7 +13,7 @@ struct ParallelStore {
   void form(const Core& core, const Op& op) { place.form(core, op); }
   void update(Core& core, const Op& op) const { place.update(core, op); }
   void undo(Core& core, const Op& op) const { place.undo(core, op); }
-  /// The stored register as it is after the address updates and before any result.
+  /// The stored register's value after the address updates and before any result.
   void fetch(const Core& core, const Op& op) {
     value = floating ? float40::to_single({core.e[op.src3], core.r[op.src3]}) : core.r[op.src3];
   }
@@ -40,7 +40,7 @@ inline Outcome finish_store(Core& core, const Op* op, bool code, Address address
   return next(core, op);
 }
 
-/// dst <- body(src1, src2) [|| store]. `Form` says what the body works on.
+/// dst <- body(src1, src2) [|| store]. `Form`: the operands' type.
 template <class Form, Kind ka, Kind kb, class Store>
 Outcome compute(Core& core, const Op* op) {
   Place<ka, 0> a;
@@ -132,7 +132,7 @@ struct FloatForm {
 /// Input).
 constexpr int combination(Kind a, Kind b) { return static_cast<int>(a) * 8 + static_cast<int>(b); }
 
-/// The ways in which two-source instructions come (c40-isa.md 3.2 and 3.4); null for others.
+/// The combinations of operands of two-source instructions (c40-isa.md 3.2 and 3.4); null for others.
 template <class Form>
 Handler two_sources(Kind a, Kind b) {
   using enum Kind;

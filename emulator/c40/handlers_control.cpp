@@ -1,5 +1,5 @@
-// Stack, program control and traps (c40-isa.md 6.6 and 8). Handlers that change the PC return; in a delayed branch the
-// three slots follow, and the end of the block takes the branch.
+// Stack, program control and traps (c40-isa.md 6.6 and 8). Handlers that change the PC return; after a delayed branch
+// the three slots follow, and the end of the block takes the branch.
 #include "c40/handler_tables.hpp"
 #include "c40/handlers.hpp"
 
@@ -15,7 +15,7 @@ Address target_of(const Core& core, const Op& op, bool relative) {
   return relative ? op.pc + op.immediate : core.r[op.src1];
 }
 
-/// GIE and CF are saved, interrupts and the cache's updates stop (c40-isa.md 8.6).
+/// Saves GIE and CF, and stops interrupts and updates of the cache (c40-isa.md 8.6).
 void enter_handler(Core& core) {
   const Word modes = core.modes & ~(st::PGIE | st::PCF | st::GIE);
   core.modes = modes | (core.modes & st::GIE ? st::PGIE : 0u) | (core.modes & st::CF ? st::PCF : 0u) |
@@ -23,7 +23,7 @@ void enter_handler(Core& core) {
 }
 
 void delay(Core& core, bool taken, Address target, Address straight_on) {
-  core.delay_slots = 4;  // this instruction counts too
+  core.delay_slots = 4;  // this instruction is counted too
   core.delay_taken = taken;
   core.delay_target = taken ? target : straight_on;
   core.delay_repeat = false;
@@ -58,7 +58,7 @@ Outcome branch_delayed(Core& core, const Op* op) {
   return next(core, op);
 }
 
-/// The condition is that of the flags as they stand; the target is sampled before the counter counts.
+/// The condition uses the flags before the instruction; the target is read before the counter is decremented.
 template <bool relative, bool delayed>
 Outcome decrement_and_branch(Core& core, const Op* op) {
   const Address target = target_of(core, *op, relative);
@@ -218,7 +218,7 @@ template <bool floating>
 Outcome push(Core& core, const Op* op) {
   Place<Kind::direct, 0> top;
   top.formed.address = core.r[reg::SP] + 1;
-  // SP counts before the register is read: PUSH SP stores the new value, as an address update would (c40-isa.md 3.9).
+  // SP changes before the register is read: PUSH SP stores the new value, as an address update would (c40-isa.md 3.9).
   const Word value = floating              ? float40::to_single({core.e[op->src1], core.r[op->src1]})
                      : op->src1 == reg::SP ? top.formed.address
                                            : core.r[op->src1];
@@ -383,7 +383,7 @@ Outcome end_of_delay(Core& core, const Op* op) {
   return {op, core.delay_taken ? Exit::taken : Exit::not_taken};
 }
 
-// The terminal's constant says how many ops lie before it in the block.
+// The terminal's constant is the number of ops before it in the block.
 Outcome end_of_repeat(Core& core, const Op* op) {
   core.pc = op->pc;
   return {op, Exit::not_taken};

@@ -46,7 +46,7 @@ struct Ldf : Body {
 struct SilentLdf : Ldf {
   static constexpr bool sets_flags = false;
 };
-/// The exponent of a, the mantissa that dst had.
+/// The exponent of a, the old mantissa of dst.
 struct Lde : SilentLdf {
   static FloatResult run(Float40 a, Float40 b) { return {float40::canonical({a.e, b.m}), 0}; }
 };
@@ -65,7 +65,7 @@ struct UnaryForm {
   }
 };
 
-/// The source word as it stands, mantissa kept even if the exponent is that of zero.
+/// The source word unchanged: the mantissa is kept even if the exponent is that of zero.
 struct NormForm : UnaryForm<NormForm> {
   template <Kind kind, int slot, class B>
   static Float40 fetch(const Core& core, const Op& op, const Place<kind, slot>& a, const B&) {
@@ -149,7 +149,7 @@ Outcome store(Core& core, const Op* op) {
   return finish_store(core, op, code, place.formed.address);
 }
 
-/// Access 0 is the J byte (src3 -> dst2), access 1 the I byte (src1 -> dst); dst survives.
+/// Access 0 is the J byte (src3 -> dst2), access 1 the I byte (src1 -> dst); if both have one destination, dst stays.
 template <bool floating>
 Outcome load_load(Core& core, const Op* op) {
   Place<Kind::indirect, 0> j;
@@ -179,7 +179,7 @@ Outcome load_load(Core& core, const Op* op) {
   return next(core, op);
 }
 
-/// Access 0 is the J byte, written first; access 1 the I byte, whose value survives at one address.
+/// Access 0 is the J byte, written first; access 1 the I byte, whose value stays if both have one address.
 template <bool floating>
 Outcome store_store(Core& core, const Op* op) {
   Place<Kind::indirect, 0> j;
@@ -204,7 +204,7 @@ Outcome store_store(Core& core, const Op* op) {
   return next(core, op);
 }
 
-/// MPY3 || ADD3/SUB3: access 0 is the J byte, access 1 the I byte; dealt out by P (c40-isa.md 3.6).
+/// MPY3 || ADD3/SUB3: access 0 is the J byte, access 1 the I byte; P assigns them to the sources (c40-isa.md 3.6).
 template <bool floating, bool subtract, int p, Kind kind = Kind::indirect>
 Outcome multiply_add(Core& core, const Op* op) {
   Place<kind, 0> j;
@@ -260,7 +260,7 @@ Handler multiply_add_by_product(int p) {
   }
 }
 
-/// The inner loops of filters: both operands move the same way.
+/// The inner loops of filters: both operands have the same addressing.
 template <bool subtract>
 Handler float_multiply_add(int p, Kind kind) {
   if (p == 0 && kind == Kind::post) return &multiply_add<true, subtract, 0, Kind::post>;

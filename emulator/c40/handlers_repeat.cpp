@@ -1,5 +1,5 @@
 // RPTS of MPYF3 *ARj++,*ARi++,Rp || ADDF3 Rp,Rs,Rs: the inner loop of filters and matrices, all its passes in one call.
-// The same arithmetic as float40, on mantissas that stay unpacked from pass to pass.
+// The arithmetic is that of float40, on mantissas that stay unpacked between passes.
 #include <algorithm>
 
 #include "c40/addressing.hpp"
@@ -8,7 +8,7 @@
 namespace c40::execute {
 namespace {
 
-/// A float with its mantissa as float40::mantissa gives it: 33 bits, 0 for zero.
+/// A float with its mantissa in the form of float40::mantissa: 33 bits, 0 for zero.
 struct Wide {
   std::int32_t e;
   std::int64_t m;
@@ -17,7 +17,7 @@ struct Wide {
 Wide unpacked(Float40 x) { return {x.e, float40::mantissa(x)}; }
 Float40 packed(Wide x) { return x.m == 0 ? float40::zero() : float40::pack(x.e, x.m); }
 
-/// What lies outside the exponents' range, as float40::finish has it.
+/// Handles exponents outside the range, as float40::finish does.
 [[gnu::cold, gnu::noinline]] Wide saturated(Wide x, Word& range) {
   const FloatResult result = float40::finish(x.e, x.m);
   range |= result.flags & (st::V | st::UF);
@@ -33,7 +33,8 @@ Float40 packed(Wide x) { return x.m == 0 ? float40::zero() : float40::pack(x.e, 
   return result;
 }
 
-/// Of two words: 25-bit mantissas, so the product of the full ones, shifted down by 31, is theirs shifted by 15.
+/// The product of two words. Their mantissas have 25 bits, so the full product shifted down by 31 is the short product
+/// shifted by 15.
 [[gnu::always_inline]] inline Wide product_of(Word a, Word b, Word& range) {
   constexpr std::int32_t one = 1 << 23;
   const std::int32_t ea = static_cast<std::int32_t>(a) >> 24, eb = static_cast<std::int32_t>(b) >> 24;
@@ -52,7 +53,7 @@ Float40 packed(Wide x) { return x.m == 0 ? float40::zero() : float40::pack(x.e, 
   return normalised(e, s, range);
 }
 
-/// Where the passes of one operand read: a window of memory that holds all of them, or null.
+/// The memory that all passes of one operand read: a window that contains it, or null.
 template <Kind kind>
 struct Walk {
   const Word* data = nullptr;

@@ -16,7 +16,8 @@ void InstructionCache::add_change(Cycles executed, Word control) {
 }
 
 void InstructionCache::settle_control(Cycles fetched) {
-  if (state_.cache_changes == 0) note_control(std::numeric_limits<Cycles>::min());  // in a block, long ago
+  if (state_.cache_changes == 0)
+    note_control(std::numeric_limits<Cycles>::min());  // the change was in a block, long before
   std::size_t done = 0;
   for (; done < state_.cache_changes && state_.cache_change[done].executed < fetched; ++done) {
     const State::CacheChange& change = state_.cache_change[done];

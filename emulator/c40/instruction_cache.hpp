@@ -1,6 +1,6 @@
 #pragma once
-/// The instruction cache as the engine uses it: when CE, CF and CC act, what fetching does to its words, and what is
-/// known of them.
+/// The instruction cache as the engine uses it: when CE, CF and CC act, how fetches change the cached words, and what
+/// is known about these words.
 #include <cstddef>
 #include <cstdint>
 
@@ -14,56 +14,56 @@ class InstructionCache {
  public:
   explicit InstructionCache(State& state) : state_(state) {}
 
-  // As the fetch stage sees it now.
+  // As the fetch stage sees CE now.
   bool on() const { return (state_.cache_control & st::CE) != 0; }
   bool frozen() const { return (state_.cache_control & st::CF) != 0; }
   const Word* find(Address pc) const { return state_.cache.find(pc); }
 
-  /// ST says otherwise than the fetch stage.
+  /// ST and the fetch stage differ.
   bool control_pending() const {
     return state_.cache_changes != 0 || ((state_.core.modes ^ state_.cache_control) & bits) != 0;
   }
-  /// What executed in cycle `executed` may have changed CE or CF, or written CC. No more than three instructions can
-  /// have executed before a fetch: throws std::logic_error for more changes.
+  /// An instruction that executed in cycle `executed` may have changed CE or CF, or written CC. At most three
+  /// instructions can execute before a fetch: throws std::logic_error for more changes.
   void note_control(Cycles executed) {
     const Word control = state_.core.modes & bits;
     if (control != last_control() || state_.cache_clear) [[unlikely]]
       add_change(executed, control);
   }
-  /// The next instruction is fetched in cycle `fetched` or later, with what had been executed before: CE, CF and CC act
-  /// no earlier.
+  /// The next instruction is fetched in cycle `fetched` or later, after the instructions executed before: CE, CF and CC
+  /// act no earlier.
   void settle_control(Cycles fetched);
 
-  /// A word has been fetched that was there.
+  /// A fetched word was in the cache.
   void hit(Address pc) { state_.cache.touch(pc); }
-  /// One that was not comes in.
+  /// A fetched word was not in the cache and is loaded.
   void load(Address pc, Word word, const Memory::Area& area);
-  /// What fetching instructions [from, to) of a block does to the cache.
+  /// The effect on the cache of fetching instructions [from, to) of a block.
   void fetch(const CodeBlock& block, std::size_t from, std::size_t to) {
     if (!block.uses_cache || from == to || (block.key.mode & CodeBlockKey::frozen) != 0) return;
     const Address begin = block.key.pc + static_cast<Address>(from), end = block.key.pc + static_cast<Address>(to);
     if (!block.all_hits || !state_.cache.is_latest(begin) || !state_.cache.is_latest(end - 1))
       fetch_words(block, from, to);
   }
-  /// It has of the block's words what it had when the block was recorded.
+  /// The cache holds the same of the block's words as when the block was recorded.
   bool fits(CodeBlock& block) const { return is_unchanged_for(block) || has_words_of(block); }
-  /// A block that was found by what the cache has fits.
+  /// The block was found by the cache's contents, so it fits.
   void note_fit(CodeBlock& block) const { block.checked = version_; }
-  /// Nothing has come into it or left it since it was last seen to fit.
+  /// Nothing was loaded or removed since the block was last known to fit.
   bool is_unchanged_for(const CodeBlock& block) const { return block.checked == version_; }
-  /// Which of 32 words from an address on it has.
+  /// Which of 32 words from an address on the cache holds.
   std::uint32_t hits_from(Address pc) const { return state_.cache.hits_from(pc); }
 
-  /// A word of memory was changed.
+  /// A word of memory has changed.
   void memory_written(Address address) { stale_ |= find(address) != nullptr; }
-  /// It holds words that memory no longer does.
+  /// The cache holds words that differ from memory.
   bool stale() const { return stale_; }
-  /// Marks what it holds as code: a write to it makes it stale.
+  /// Marks the cached words as code: a write to one of them makes the cache stale.
   void mark_code(Memory& memory) const;
 
-  /// The chip's state is another: of a chip that was reset.
+  /// The chip was reset: its state was replaced.
   void was_reset();
-  /// The same, of one that was loaded.
+  /// The chip was loaded: its state was replaced.
   void was_loaded(const Memory& memory);
 
  private:
@@ -76,7 +76,7 @@ class InstructionCache {
   void fetch_words(const CodeBlock& block, std::size_t from, std::size_t to);
 
   State& state_;
-  std::uint64_t version_ = 1;  ///< rises when words come into the cache or leave it
+  std::uint64_t version_ = 1;  ///< rises when a word is loaded or removed
   bool stale_ = false;
 };
 

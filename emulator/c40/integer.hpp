@@ -1,6 +1,6 @@
 #pragma once
 /// Integer semantics (c40-isa.md 5, 6.1 to 6.3, 7.8, 7.9, 7.11). Each body computes `dst <- op(src1, src2)` and, if
-/// `flags`, the condition flags. Saturation happens whatever becomes of the flags.
+/// `flags`, the condition flags. Saturation happens with or without flags.
 #include "c40/addressing.hpp"
 
 namespace c40::execute::integer {
@@ -10,7 +10,7 @@ struct Shifted {
   Word carry;
 };
 
-/// Class A and B: the wrapped result with its carry and overflow becomes the written value.
+/// Classes A and B: makes the written value from the wrapped result with its carry and overflow.
 template <bool flags, bool set_carry, bool saturates = true>
 [[gnu::always_inline]] inline Word arithmetic(Core& core, Word wrapped, Word carry, bool overflow) {
   const Word true_sign = overflow ? ~wrapped : wrapped;
@@ -130,7 +130,7 @@ C40_BODY(
     Mpyi, Writes,
     const std::int64_t product = std::int64_t{static_cast<std::int32_t>(a)} * static_cast<std::int32_t>(b);
     const bool overflow = product != static_cast<std::int32_t>(product);
-    // A wrapped product may have either sign, so the true one is given instead of being derived.
+    // A wrapped product may have either sign, so the true sign is passed instead of derived.
     Word out = static_cast<Word>(product);
     if (overflow) [[unlikely]] {
       if ((core.modes & st::OVM) != 0) out = product < 0 ? 0x80000000u : 0x7FFFFFFFu;

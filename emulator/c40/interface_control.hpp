@@ -1,6 +1,6 @@
 #pragma once
-/// The memory interface control registers, GMICR and LMICR (c40-hardware.md 1.4): which addresses of a bus belong to
-/// which of its two strobes, and how each strobe's ready signal is formed.
+/// The memory interface control registers, GMICR and LMICR (c40-hardware.md 1.4): the addresses of a bus's two strobes,
+/// and how each strobe's ready signal is formed.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -10,7 +10,7 @@
 namespace c40 {
 
 struct InterfaceControl {
-  /// SWW: what ends an access. `either` and `both` (unverified; as on the C3x).
+  /// SWW: the signal that ends an access. `either` and `both` (unverified; as on the C3x).
   enum class Ready : std::uint8_t { external, internal, either, both };
   struct Strobe {
     Ready ready = Ready::external;
@@ -18,8 +18,9 @@ struct InterfaceControl {
     unsigned page_bits = 1;  ///< a page is 2^page_bits words
   };
   std::array<Strobe, 2> strobe;
-  std::uint64_t strobe0_words = 0;  ///< STRB0 covers so many words from the start of the bus's range, STRB1 the rest
-  bool strobe_switch = false;       ///< a cycle between back-to-back reads that change strobe
+  std::uint64_t strobe0_words =
+      0;                       ///< STRB0 covers this number of words from the start of the bus's range, STRB1 the rest
+  bool strobe_switch = false;  ///< one more cycle between successive reads on different strobes
 
   static constexpr Word writable = 0x3FFFFFF0u;  ///< CE0, CE1, DE, AE are pins; bits 31, 30 are reserved
 
@@ -34,7 +35,7 @@ struct InterfaceControl {
     return out;
   }
 
-  /// Wait states of an access for which the board's RDY pin asks for `external`.
+  /// Wait states of an access for which the board's RDY pin requests `external`.
   constexpr int waits(unsigned which, int external) const {
     const Strobe& s = strobe[which];
     switch (s.ready) {

@@ -165,7 +165,7 @@ const Memory::Area* Memory::add(Area area) {
                         (place != areas_.begin() && (*std::prev(place))->contains(area.base));
   if (overlaps) throw std::invalid_argument(fmt::format("region {} overlaps another one", area.name));
   if (area.kind == Region::Kind::ram || area.kind == Region::Kind::rom) {
-    // Fresh zero pages from the system: a large SRAM costs nothing until it is used.
+    // The system gives zero pages on demand: a large SRAM costs nothing until it is used.
     auto* data = static_cast<Word*>(std::calloc(std::size_t{area.words} + area.words / 32 + 1, sizeof(Word)));
     if (data == nullptr) throw std::bad_alloc();
     contents_.emplace_back(data);
@@ -174,11 +174,11 @@ const Memory::Area* Memory::add(Area area) {
   return areas_.insert(place, std::make_unique<Area>(std::move(area)))->get();
 }
 
-// Pages of a flat board leave room for what is there: on-chip RAM, peripheral registers.
+// Pages of a flat board leave out what is already there: on-chip RAM, peripheral registers.
 const Memory::Area* Memory::make_flat_page(Address address) {
   Area area;
   area.base = address & ~(flat_page_words - 1);
-  Address end = area.base + (flat_page_words - 1);  // the last word of it
+  Address end = area.base + (flat_page_words - 1);  // its last word
   for (const auto& other : areas_) {
     const Address last = other->base + (other->words - 1);
     if (last < address) area.base = std::max(area.base, last + 1);
@@ -195,11 +195,11 @@ const Memory::Area* Memory::make_flat_page(Address address) {
   return std::as_const(*this).find(address);
 }
 
-// ---- words set apart for a probe ----
+// ---- areas with words of a probe ----
 
 namespace {
 
-/// Where the parts of [base, base + words) begin, each inside one range or outside all.
+/// Where the parts of [base, base + words) begin; each part is inside one range or outside all.
 std::vector<std::uint64_t> borders(const Memory::Area& area, const std::vector<AddressRange>& ranges) {
   const std::uint64_t begin = area.base, end = begin + area.words;
   std::vector<std::uint64_t> places{begin};
@@ -245,7 +245,7 @@ void Memory::divide(const Area& area) {
   }
 }
 
-// The contents of whole areas are what their pieces hold.
+// Copies the contents of the pieces back into the whole areas.
 void Memory::gather() const {
   for (const auto& whole : divided_)
     for (const auto& piece : areas_)

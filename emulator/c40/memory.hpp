@@ -1,8 +1,8 @@
 #pragma once
-/// Memory: regions are objects, so an access needs one subtraction and one comparison to know that it lies in the
-/// region it met first. What the region's board asks for by RDY and what GMICR and LMICR say make the wait states.
+/// Memory: regions are objects, so one subtraction and one comparison tell whether an access is in the region of the
+/// last access. The wait states follow from the board's RDY and from GMICR and LMICR.
 ///
-/// Inaccuracies: a region answers on whichever strobe the registers give its addresses to.
+/// Inaccuracies: a region answers on the strobe to which the registers assign its addresses, whichever that is.
 #include <array>
 #include <cstddef>
 #include <memory>
@@ -22,20 +22,20 @@ class Visitor;
 
 namespace c40 {
 
-/// A region with its contents. Behind the last word lies a bit map of the words that belong to predecoded blocks.
+/// A region with its contents. After the last word, a bit map marks the words that belong to predecoded blocks.
 class Memory {
  public:
   struct Area {
     std::string name;
     Address base = 0;
-    Word words = 0;  ///< Whole address space: flat areas are made page by page.
+    Word words = 0;  ///< Whole address space: the pages of a flat board are made one by one.
     Region::Kind kind = Region::Kind::ram;
     Resource resource = Resource::ideal;
     int read_waits = 0, write_waits = 0, page_waits = 0;
     Word* data = nullptr;    ///< null unless RAM or ROM
     bool made = false;       ///< a page of a flat board
-    bool set_apart = false;  ///< words of a probe: every access to them is looked up
-    bool piece = false;      ///< of an area in which words are set apart
+    bool set_apart = false;  ///< words of a probe: each access is resolved anew
+    bool piece = false;      ///< part of an area with words of a probe
 
     bool contains(Address address) const { return address - base < words; }
     Word* code_map() const { return data + words; }
@@ -43,37 +43,36 @@ class Memory {
     void unmark_code(Address address) const { code_map()[(address - base) >> 5] &= ~(1u << ((address - base) & 31)); }
   };
 
-  /// Pages that were last accessed, by bus and strobe: the PAGE pins.
+  /// The last accessed pages, by bus and strobe: the PAGE pins.
   struct OpenPages {
     std::array<std::array<std::uint32_t, 2>, 2> page{};
     std::array<std::array<bool, 2>, 2> open{};
     friend bool operator==(const OpenPages&, const OpenPages&) = default;
   };
-  /// What an address is met with: how it is accessed, and how far around it the same holds.
+  /// How an address is accessed, and how far around it the same holds.
   struct AccessInfo {
     Access access;
     Address base = 0;
     Word words = 0;
-    bool paged = false;  ///< The wait states depend on the page accessed before.
+    bool paged = false;  ///< The wait states depend on the page of the access before.
   };
 
   explicit Memory(const Board& board);
 
-  /// GMICR and LMICR have these values from now on.
+  /// GMICR and LMICR get these values.
   void configure(Word global, Word local);
-  /// `pages` matter to, and are changed by, accesses to a strobe where some region counts them.
+  /// `pages` matters only for strobes on which some region has page_waits; such accesses change it.
   AccessInfo meet(const Area& area, Address address, bool write, OpenPages& pages) const;
 
-  /// The area of an address, or null for a reserved one. On a flat board a page is made when it is first asked for;
-  /// null where that would be more than the board's flat_words_max.
+  /// The area of an address, or null for a reserved one. On a flat board a page is made on the first access; null if
+  /// this would exceed the board's flat_words_max.
   const Area* find(Address address);
   const Area* find(Address address) const;
   const std::vector<std::unique_ptr<Area>>& areas() const { return areas_; }
-  /// These words, and no others, stand in areas of their own from now on. No window, no mark of code may be kept from
-  /// before.
+  /// Puts exactly these words into areas of their own. Windows and marks of code from before become invalid.
   void set_apart(std::vector<AddressRange> ranges);
-  /// Contents page by page, those that are all 0 left out; of a flat board, which pages there are. No block may stand
-  /// in them while they are set: areas go and come.
+  /// Contents page by page, without the pages that are all 0; for a flat board also which pages exist. While the state
+  /// is set no block may be in these areas: areas are created and deleted.
   void list_state(state::Visitor& list);
 
  private:
@@ -97,7 +96,7 @@ class Memory {
   std::vector<std::unique_ptr<Area>> areas_;    // by base
   std::vector<std::unique_ptr<Word, Free>> contents_;
   std::vector<AddressRange> apart_;
-  std::vector<std::unique_ptr<Area>> divided_;  ///< areas whose contents stand in pieces
+  std::vector<std::unique_ptr<Area>> divided_;  ///< areas whose contents are in pieces
 };
 
 }  // namespace c40

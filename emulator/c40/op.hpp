@@ -1,10 +1,9 @@
 #pragma once
 /// One predecoded instruction, and the state that instructions work on.
 ///
-/// Handlers follow each other by tail calls: each does its work and then calls the next op's handler. One that cannot
-/// go on (a guard does not hold, the block ends) returns instead. A handler commits nothing before all its guards have
-/// passed, so any instruction can be left and done again by the exact engine, which runs the same handlers one at a
-/// time.
+/// Handlers follow each other by tail calls: each does its work and then calls the next op's handler. A handler that
+/// cannot continue (a guard fails, the block ends) returns. A handler changes nothing before all its guards have
+/// passed, so any instruction can be left and repeated by the exact engine, which runs the same handlers one at a time.
 #include <array>
 #include <cstdint>
 
@@ -22,14 +21,14 @@ namespace c40 {
 struct Op;
 struct Core;
 
-/// Why a run of handlers came back.
+/// Why a run of handlers returned.
 enum class Exit : std::uint64_t {
-  not_taken,   ///< the end of the block, straight on (or a branch not taken)
+  not_taken,   ///< the end of the block without a branch (or with a branch not taken)
   taken,       ///< the end of the block, at a branch's target
-  miss,        ///< an access did not meet its region: nothing of `at` was done
-  left_after,  ///< `at` was done; what follows must be looked up afresh
+  miss,        ///< an access failed its guard: nothing of `at` was done
+  left_after,  ///< `at` was done; the next instruction must be looked up anew
   trap_out,    ///< SWI: nothing of `at` was done
-  cut          ///< `at` is the first op that the budget does not cover: nothing of it was done
+  cut          ///< the budget does not cover `at`: nothing of it was done
 };
 struct Outcome {
   const Op* at;
@@ -37,7 +36,7 @@ struct Outcome {
 };
 using Handler = Outcome (*)(Core&, const Op*);
 
-/// The memory that one access of an op met when it was recorded: guard, fast path and timing in one.
+/// The memory of one access of an op when it was recorded: guard, fast path and timing in one.
 struct Window {
   Word* data = nullptr;
   Address base = 0;
@@ -64,9 +63,10 @@ inline constexpr std::uint8_t AR0 = 8, DP = 16, IR0 = 17, IR1 = 18, BK = 19, SP 
                               IIF = 24, RS = 25, RE = 26, RC = 27, R11 = 31;
 }  // namespace reg
 
-/// The program's state. Mantissas and exponents lie apart; the flags of ST are kept in the form that sets them fastest.
+/// The program's state. Mantissas and exponents are separate; each flag of ST is kept in the form that is fastest to
+/// set.
 struct Core {
-  std::array<Word, 32> r{};          ///< Primary register file, bits 31..0; ST only while it is being read or written.
+  std::array<Word, 32> r{};          ///< Primary register file, bits 31..0; ST only during a read or write of it.
   std::array<std::int32_t, 32> e{};  ///< Exponents of R0 to R11, at their codes.
   Word negative = 0;                 ///< N is bit 31
   Word zero = 1;                     ///< Z is (zero == 0)
@@ -76,7 +76,7 @@ struct Core {
   Word modes = 0;                    ///< All other bits of ST
   Address pc = 0;
   Address delay_target = 0;
-  std::uint32_t delay_slots = 0;  ///< Instructions until a delayed branch takes effect; 0: none pending
+  std::uint32_t delay_slots = 0;  ///< Instructions until a delayed branch takes effect; 0: no branch is pending
   bool delay_taken = false;
   bool delay_repeat = false;  ///< The pending branch is RPTBD: RM is set at its end
   bool annul = false;         ///< The pending slots are annulled
@@ -84,13 +84,13 @@ struct Core {
   std::uint8_t repeat_single = 0;  ///< RPTS: 1 before the first execution, 2 after (no further fetch)
   Word ivtp = 0, tvtp = 0;
 
-  // Not part of the state: what handlers tell the engine.
+  // Not part of the state: values from handlers to the engine.
   std::uint32_t loop_left = 0;  ///< Further passes through a repeated block
   Address miss_address = 0;
   Word miss_value = 0;
   std::uint8_t miss_access = 0;
   bool miss_write = false;
-  bool attention = false;  ///< Something changed that decides about interrupts, or code was written
+  bool attention = false;  ///< A change that affects interrupts, or a write to code
   std::uint8_t code_writes = 0;
   std::array<Address, 2> code_written{};
 
@@ -98,7 +98,7 @@ struct Core {
   Word status() const {
     return modes | sticky | range | (carry & st::C) | (zero == 0 ? st::Z : 0u) | (negative >> 31) * st::N;
   }
-  /// Bits of ST as they are, with no rule about RM.
+  /// The bits of ST as given, without the rule for RM.
   void set_status(Word value) {
     constexpr Word flags = st::C | st::V | st::Z | st::N | st::UF | st::LV | st::LUF;
     modes = value & 0xFFFFu & ~flags & ~st::CC;
@@ -118,7 +118,7 @@ enum class Kind : std::uint8_t {
   reg,
   constant,
   direct,
-  offset,    ///< *+ARn(d), *-ARn(d), *ARn: ARn stays
+  offset,    ///< *+ARn(d), *-ARn(d), *ARn: ARn does not change
   indirect,  ///< any form
   post,      ///< *ARn++(d), for the multiply-adds
   circular   ///< *ARn++(d)%, for the multiply-adds

@@ -46,7 +46,7 @@ void PendingAccess::answer_port(Word value, Cycles at) {
   forget();
 }
 
-// What is left over from an access that has been answered means nothing.
+// The rest of an answered access has no meaning.
 void PendingAccess::list_state(state::Visitor& list) {
   std::size_t window_slot = at_window() ? slot_ : no_slot, port_slot = at_port() ? slot_ : no_slot;
   list("waiting_access", window_slot);

@@ -1,6 +1,5 @@
 #pragma once
-/// The access that the instruction at PC has begun and that somebody outside has to answer: to a window, or to a
-/// communication port.
+/// The unanswered access of the instruction at PC, to a window or to a communication port; the outside answers it.
 #include <array>
 #include <cstddef>
 #include <utility>
@@ -15,36 +14,36 @@ class PendingAccess {
  public:
   explicit PendingAccess(State& state) : state_(state) {}
 
-  /// The instruction's access `slot` begins; an access of the DMA to a window, where one is under way, goes first.
+  /// The instruction's access `slot` begins. If the DMA has an access to a window under way, that one comes first.
   void begin(std::size_t slot, const ExternalAccess& access);
   void begin(std::size_t slot, const PortAccess& access);
-  /// It will not be asked for any more.
+  /// The access is not needed any more.
   void forget();
 
   bool at_window() const { return kind_ == Kind::window; }
   bool at_port() const { return kind_ == Kind::port; }
   bool any() const { return kind_ != Kind::none; }
-  /// The instruction at PC goes on with an answer.
+  /// The instruction at PC has an answer to continue with.
   bool is_answered() const { return state_.answers[0].given || state_.answers[1].given; }
-  /// With this one.
+  /// The instruction has this answer.
   bool is_answer_to(std::size_t slot, Address address, bool write) const {
     const Answer& answer = state_.answers[slot];
     return answer.given && answer.address == address && answer.write == write;
   }
   Answer take_answer(std::size_t slot) { return std::exchange(state_.answers[slot], {}); }
-  /// As last begun.
+  /// The access begun last.
   const ExternalAccess& window() const { return window_; }
   const PortAccess& port() const { return port_; }
-  /// When it begins.
+  /// When the access begins.
   Cycles cycle() const { return at_port() ? port_.cycle : window_.cycle; }
 
-  /// The answer to an access to a window. Throws std::logic_error if none in this direction is waiting, and
+  /// Answers an access to a window. Throws std::logic_error if no such access in this direction waits, and
   /// std::invalid_argument for a negative number of cycles.
   void answer_window(bool write, Word value, Cycles arbitration, Cycles transfer);
   /// The access to the port has taken place in cycle `at`.
   void answer_port(Word value, Cycles at);
 
-  /// Whether the last run ended with a stop: who runs the chip knows of the access, and bounds the DMA by it.
+  /// Whether the last run ended with a stop: the caller then knows the access and limits the DMA by it.
   void set_told(bool told) { told_ = told; }
   bool is_told() const { return any() && told_; }
 
@@ -57,10 +56,10 @@ class PendingAccess {
 
   State& state_;
   Kind kind_ = Kind::none;
-  std::size_t slot_ = no_slot;  ///< which of the instruction's accesses
+  std::size_t slot_ = no_slot;  ///< the number of the access within the instruction
   ExternalAccess window_{};
   PortAccess port_{};
-  Cycles held_ = 0;  ///< how long it was held off by the DMA's access to a window
+  Cycles held_ = 0;  ///< how long the DMA's access to a window delayed it
   bool told_ = false;
 };
 

@@ -11,8 +11,8 @@ namespace {
 using interrupts::iiof_flag;
 using interrupts::timer_flags;
 
-// What DIE selects for a started channel goes to the DMA instead of IIF (c40-hardware.md 3.8). Codes of channels 0 and
-// 1: 2 an IIOF pin of their own, 3 timer 0; of the others: 2 to 5 IIOF0 to 3, 6 and 7 the timers.
+// An event that DIE selects for a started channel goes to the DMA instead of IIF (c40-hardware.md 3.8). Codes of
+// channels 0 and 1: 2 an IIOF pin of their own, 3 timer 0; of the others: 2 to 5 IIOF0 to 3, 6 and 7 the timers.
 auto selects(Word flag) {
   return [flag](int channel, bool write, Word code) -> bool {
     const unsigned own_pin = static_cast<unsigned>(2 * channel + write);
@@ -121,7 +121,7 @@ void Peripherals::pins_changed() {
   expect();
 }
 
-// ---- what goes on by itself ----
+// ---- changes without an access ----
 
 void Peripherals::end_dma_block(Cycles at) {
   if (!dma_.ends_at(at)) return;

@@ -1,6 +1,6 @@
 #pragma once
-/// What surrounds the processor core on the chip: its registers in memory, the timers' events, the flags that they, the
-/// DMA and the pins raise, and when the next of all that is due.
+/// The parts of the chip around the processor core: its registers in memory, the events of the timers, the flags that
+/// timers, DMA and pins raise, and the next event of all these.
 #include <cstddef>
 
 #include "c40/chip_pins.hpp"
@@ -18,38 +18,38 @@ class Peripherals {
   Peripherals(State& state, Dma& dma, Pins& pins, const PeripheralNotifier& tell)
       : state_(state), dma_(dma), pins_(pins), tell_(tell) {}
 
-  /// A register on the chip as it stands in cycle `at`; false if nothing of the kind is at the address, or the FIFO is
-  /// empty.
+  /// The value of a register on the chip in cycle `at`. False if there is no such register at the address, or the FIFO
+  /// is empty.
   bool read(Address address, Cycles at, Word& value) const;
-  /// False if nothing of the kind is at the address, or it is a port's: an access to a port can wait.
+  /// False if there is no such register at the address, or it belongs to a port: an access to a port can wait.
   bool write(Address address, Word value, Cycles at);
-  /// GMICR or LMICR was written, and memory does not yet follow them.
+  /// GMICR or LMICR was written, and memory does not use the new value yet.
   bool interface_changed() const { return interface_changed_; }
   void interface_settled() { interface_changed_ = false; }
 
-  /// An event: for the DMA if a started channel selects it in DIE (c40-hardware.md 3.8), else a flag of IIF.
+  /// An event: goes to the DMA if a started channel selects it in DIE (c40-hardware.md 3.8), else sets a flag of IIF.
   void raise(Word flag);
   /// The outside drives a pin from cycle `at` on.
   void set_pin(Pin pin, bool level, Cycles at);
   bool heeds(Pin pin) const;
   bool timer_drives_dma(std::size_t timer) const;
-  /// An instruction, or who stands outside, may have changed what the chip drives.
+  /// An instruction, or the outside, may have changed what the chip drives.
   void pins_changed();
 
-  /// All that happens by itself up to cycle `at`.
+  /// Executes all events up to cycle `at`.
   void advance_to(Cycles at);
-  /// Before it, no peripheral does anything by itself that the processor, or who watches pins, could see.
+  /// Before this cycle, no peripheral changes by itself in a way that the processor, or a listener of pins, could see.
   Cycles next_event() const { return next_event_; }
-  /// In one cycle, a block of the DMA ends before the timers' events and the processor's access to a port.
+  /// Within one cycle, the end of a DMA block comes before the timers' events and the processor's access to a port.
   void end_dma_block(Cycles at);
 
-  /// A channel of the DMA is started, or an access of it under way.
+  /// A DMA channel is started, or one of its accesses is under way.
   bool dma_active() const { return dma_active_; }
   bool dma_busy() const { return dma_active_ && dma_.busy(); }
   bool dma_waits() const { return dma_active_ && !dma_.busy(); }
-  /// After whatever may have started or stopped a channel.
+  /// To be called after anything that may have started or stopped a channel.
   void watch_dma();
-  /// After whatever changed the state from outside: finds out anew what follows from it.
+  /// To be called after a change of the state from outside: computes derived values again.
   void state_changed();
 
   void list_state(state::Visitor& list);

@@ -44,11 +44,11 @@ void PipelineDiagram::instruction(const TraceRecord& record) {
   fill(execute + port, execute + waited, 'b');
   fill(execute + waited, execute + waited + 1, 'E');
   if (!visible) return;
-  // What the DMA holds up shows as stages that last longer; which of their cycles are its, the causes do not say: the
+  // A delay by the DMA shows as stages that last longer. The causes do not say which of their cycles are the DMA's: the
   // last ones are drawn so.
   Cycles held = cause(Cause::dma_conflict);
   for (Cycles c = execute - 1; held > 0 && c > record.cycle + at.fetch; --c) {
-    if (c == read || c == decode) continue;  // an instruction is in each stage for a cycle of its own
+    if (c == read || c == decode) continue;  // each instruction has its own cycle in each stage
     put(cells, c, 'd');
     --held;
   }
@@ -66,8 +66,8 @@ void PipelineDiagram::interrupt(Word vector, Cycles cycle) {
   if (put(cells, cycle, 'I')) rows_.push_back({cells, fmt::format("interrupt {:02X}h", vector)});
 }
 
-/// Every tenth cycle has its number, and the first if there is room. Numbers that are too long to stand beside one
-/// another take turns in several lines.
+/// Every tenth cycle has its number, and the first one if there is room. Numbers too long for one line alternate
+/// between several lines.
 std::vector<std::string> PipelineDiagram::ruler() const {
   const auto width = static_cast<std::size_t>(last_ - first_ + 1);
   std::vector<std::string> lines;

@@ -1,5 +1,5 @@
 #pragma once
-/// The pipeline as the manual's figures draw it: one line per instruction, one column per cycle, each stall labelled.
+/// The pipeline as in the manual's figures: one line per instruction, one column per cycle, each stall with its letter.
 #include <functional>
 #include <string>
 #include <vector>
@@ -13,15 +13,15 @@ class PipelineDiagram final : public TraceSink {
   static constexpr Cycles widest = 200;
 
   /// The cycles from first to last. Throws std::invalid_argument if there are none, or more than `widest`.
-  /// \param text of the instruction at an address, from its word. \param next hears everything too; may be null and
-  /// must outlive this.
+  /// \param text of the instruction at an address, from its word. \param next gets everything too; may be null and must
+  /// outlive this object.
   PipelineDiagram(Cycles first, Cycles last, std::function<std::string(Address, Word)> text, TraceSink* next = nullptr);
 
   void instruction(const TraceRecord& record) override;
   void interrupt(Word vector, Cycles cycle) override;
 
-  /// F fetch, D decode, R read, E execute; `-` holds the stage before, `p`, `b` and `d` wait for a port, for a shared
-  /// bus and for the DMA.
+  /// F fetch, D decode, R read, E execute; `-` extends the stage before it; `p`, `b` and `d` wait for a port, a shared
+  /// bus and the DMA.
   std::string text() const;
 
  private:

@@ -1,10 +1,10 @@
 #pragma once
-/// What the pipeline model tells of one instruction to those who trace it.
+/// The pipeline model's stages of one instruction, for traces.
 #include <cstdint>
 
 namespace c40 {
 
-/// The cycle in which the instruction stood in each stage, and how many its fetch took.
+/// The cycle of the instruction in each stage, and the number of cycles of its fetch.
 struct PipelineStages {
   std::int16_t fetch = 0, fetch_cycles = 0, decode = 0, read = 0, execute = 0;
   friend bool operator==(const PipelineStages&, const PipelineStages&) = default;

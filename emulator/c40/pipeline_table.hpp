@@ -1,6 +1,6 @@
 #pragma once
-/// States of the pipeline by number, and what the pipeline model makes of an instruction in each, remembered: the model
-/// costs some hundred host instructions, and the same few transitions come again and again.
+/// Numbered states of the pipeline, and for each the remembered results of the pipeline model. The model costs some
+/// hundred host instructions, and the same few transitions come again and again.
 #include <cstdint>
 #include <deque>
 #include <limits>
@@ -13,7 +13,7 @@ namespace c40 {
 
 using PipelineId = std::uint32_t;
 
-/// All of a demand but the footprint, in one number.
+/// A demand without its footprint, in one number.
 constexpr std::uint64_t packed(const Access& access) {
   return static_cast<std::uint64_t>(access.resource) | std::uint64_t{access.write} << 3 |
          std::uint64_t{access.strobe1} << 4 | std::uint64_t{access.waits} << 5;
@@ -32,9 +32,9 @@ constexpr std::uint64_t packed(const Demand& demand) {
          packed_data(demand);
 }
 
-/// What the pipeline model makes of an instruction in a state of the pipeline: it depends on nothing else.
+/// The pipeline model's result for an instruction in a state of the pipeline. It depends on nothing else.
 struct Transition {
-  std::uint64_t demand = ~std::uint64_t{0};  ///< packed, but for the footprint, which is the word's
+  std::uint64_t demand = ~std::uint64_t{0};  ///< packed, without the footprint, which follows from the word
   PipelineId before = 0;
   Word word = 0;
   StepTiming timing;
@@ -43,18 +43,18 @@ struct Transition {
 
 class PipelineTable {
  public:
-  static constexpr PipelineId drained = 0;  ///< of an empty pipeline
+  static constexpr PipelineId drained = 0;  ///< the empty pipeline
 
   PipelineTable();
-  /// The number of a state. It stays until clear().
+  /// The number of a state, valid until clear().
   PipelineId intern(const Pipeline& pipeline);
   const Pipeline& operator[](PipelineId id) const { return states_[id]; }
-  /// Of the instruction `word` with the demand `demand`, of which `bits` is the packed form. The reference holds until
-  /// the next call.
+  /// The transition of the instruction `word` with the demand `demand`; `bits` is the packed demand. The reference is
+  /// valid until the next call.
   const Transition& transition(PipelineId before, const Demand& demand, std::uint64_t bits, Word word);
-  /// So many states that memory asks for clear().
+  /// There are so many states that clear() is needed to limit memory.
   bool full() const { return full_; }
-  /// Numbers are given out anew.
+  /// Drops all states; numbers start again.
   void clear();
 
  private:
@@ -64,8 +64,7 @@ class PipelineTable {
   bool full_ = false;
 };
 
-/// The state of the pipeline of one chip: by its number as long as that is known; else `state`, which somebody may have
-/// changed.
+/// The pipeline state of one chip: its number if known, else `state`, which a caller may have changed.
 class PipelineNow {
  public:
   PipelineNow(PipelineTable& table, Pipeline& state) : table_(table), state_(state) {}
@@ -82,13 +81,13 @@ class PipelineNow {
   void settle() {
     if (id_ != unknown) state_ = table_[id_];
   }
-  /// The same, and `state` may be changed after it.
+  /// The same; afterwards the caller may change `state`.
   Pipeline& release() {
     settle();
     id_ = unknown;
     return state_;
   }
-  /// Only `state` counts, whatever went before.
+  /// From now on only `state` counts.
   void forget() { id_ = unknown; }
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-/// The communication ports of a chip and who stands at their other ends.
+/// The communication ports of a chip, and the links at their other ends.
 #include <array>
 
 #include "c40/peripherals/comm_port.hpp"
@@ -18,13 +18,13 @@ class Ports {
   /// Bit n: port n has a listener.
   Word attached() const { return attached_; }
 
-  /// An access that nobody outside need know of before it takes place.
+  /// An access that takes place without telling the outside before.
   bool is_free(const PortAccess& access) const {
     return listener(access.port) == nullptr && access.ready(sides_[static_cast<std::size_t>(access.port)]);
   }
-  /// Tells of an access that has taken place in cycle `at`.
+  /// Reports an access that has taken place in cycle `at`.
   /// \param read the value of a read
-  /// \param channel of the DMA; -1: the processor's
+  /// \param channel the DMA channel; -1: the processor
   void accessed(const PortAccess& access, Word read, Cycles at, int channel);
 
   void about_to_reset(Cycles at);

@@ -1,6 +1,6 @@
 #pragma once
-/// Who is told of chosen instructions and accesses of a chip, while the chip goes on as if nobody looked. What is not
-/// chosen costs nothing: blocks end before chosen instructions, and chosen words stand in areas of their own.
+/// A probe gets chosen instructions and accesses of a chip, without changing anything. Other instructions cost nothing
+/// more: blocks end before chosen instructions, and chosen words are in areas of their own.
 #include <optional>
 #include <set>
 #include <utility>
@@ -13,20 +13,20 @@ namespace c40 {
 /// An access to a chosen word, after it.
 struct ProbedAccess {
   Address address = 0;
-  Word before = 0;  ///< of memory: what the word held; else the value read or written
-  Word value = 0;   ///< read or written
+  Word before = 0;  ///< for memory: the word's old value; else the value read or written
+  Word value = 0;   ///< the value read or written
   bool write = false;
   bool interrupt = false;  ///< the entry to an interrupt saves the PC
-  int channel = -1;        ///< of the DMA; -1: the processor's
-  Address pc = 0;          ///< of the instruction; of the DMA: where the processor stands
-  Cycles cycle = 0;        ///< when it is done: of an instruction, when the next one begins
+  int channel = -1;        ///< the DMA channel; -1: the processor
+  Address pc = 0;          ///< address of the instruction; for the DMA: the processor's PC
+  Cycles cycle = 0;        ///< when the access is done: for an instruction, when the next one begins
 };
 
-/// Must change nothing of the chip.
+/// Must not change the chip.
 class Probe {
  public:
   virtual ~Probe() = default;
-  /// A chosen instruction is next, from this cycle on; told once for a cycle.
+  /// A chosen instruction is next, from this cycle on; called once for a cycle.
   virtual void reaches(Address pc, Cycles cycle) = 0;
   virtual void accessed(const ProbedAccess& access) = 0;
 };
@@ -38,10 +38,10 @@ struct AddressRange {
   friend bool operator==(const AddressRange&, const AddressRange&) = default;
 };
 
-/// What a probe is told of.
+/// What a probe gets.
 struct ProbePlan {
-  std::set<Address> code;          ///< before the instructions there
-  std::vector<AddressRange> data;  ///< after accesses there: memory, peripheral registers, windows
+  std::set<Address> code;          ///< before the instructions at these addresses
+  std::vector<AddressRange> data;  ///< after accesses to these addresses: memory, peripheral registers, windows
 };
 
 /// A chip's probe, if it has one.
@@ -67,15 +67,15 @@ class ProbePoint {
     told_ = cycle;
     probe_->reaches(pc, cycle);
   }
-  /// The chip's state is another: the same cycle may come again.
+  /// The chip's state was replaced: the same cycle may come again.
   void restart() { told_.reset(), noted_.clear(); }
-  /// Of an instruction that may yet not take place.
+  /// Drops the accesses of an instruction that may not take place.
   void forget() { noted_.clear(); }
   void note(const ProbedAccess& access) {
     if (sees(access.address)) noted_.push_back(access);
   }
   bool has_noted() const { return !noted_.empty(); }
-  /// The instruction is through.
+  /// The instruction is complete.
   void tell_noted(Address pc, Cycles cycle) {
     for (ProbedAccess& access : noted_) {
       access.pc = pc, access.cycle = cycle;

@@ -10,7 +10,7 @@ static_assert(cause_count == static_cast<std::size_t>(Cause::halted) + 1 && name
               "each cause has one name, in the order of Cause");
 namespace {
 
-/// How many instructions after this one the first of the routine that it calls is executed; 0 if it calls none.
+/// The number of instructions from this one to the first instruction of the routine that it calls; 0 if it calls none.
 int instructions_to_arrival(Word word) {
   const isa::Decoded decoded = isa::decode(word);
   const auto* instruction = std::get_if<isa::Instruction>(&decoded);
@@ -19,7 +19,7 @@ int instructions_to_arrival(Word word) {
     case isa::Operation::call:
     case isa::Operation::trap: return 1;
     case isa::Operation::laj:
-    case isa::Operation::lat: return 4;  // three slots lie between
+    case isa::Operation::lat: return 4;  // three slots are in between
     default: return 0;
   }
 }
@@ -76,8 +76,7 @@ std::map<Address, Routine> routines(const ProfileCounts& counts, const std::set<
   for (const auto& [address, calls] : counts.calls()) all[address].calls = calls;
   for (const auto& [address, entry] : counts.instructions()) {
     auto after = all.upper_bound(address);
-    if (after == all.begin())
-      after = std::next(all.try_emplace(address).first);  // code before everything that was called
+    if (after == all.begin()) after = std::next(all.try_emplace(address).first);  // code before all called routines
     std::prev(after)->second.own.add(entry);
   }
   std::erase_if(all, [](const auto& routine) { return routine.second.own.instructions == 0; });

@@ -15,8 +15,8 @@ using isa::Instruction;
 using isa::Operation;
 using isa::Register;
 
-constexpr Address slots = 3;    // instructions behind a delayed branch that run with it
-constexpr Address fetched = 3;  // words behind the one that executes that are in the pipeline
+constexpr Address slots = 3;    // instructions after a delayed branch that are executed with it
+constexpr Address fetched = 3;  // words after the executing one that are already in the pipeline
 constexpr isa::RegisterSet repeat_registers =
     isa::set_of(Register::RS) | isa::set_of(Register::RE) | isa::set_of(Register::RC);
 
@@ -76,7 +76,7 @@ std::optional<Instruction> SelfCheck::at(Address address) const {
     const isa::Decoded decoded = isa::decode(chip_.peek(address));
     if (const auto* instruction = std::get_if<Instruction>(&decoded)) return *instruction;
   } catch (const std::out_of_range&) {
-    // No memory there: the fetch itself will say so.
+    // No memory there: the fetch itself reports this.
   }
   return std::nullopt;
 }
@@ -100,7 +100,7 @@ void SelfCheck::run_ended() {
     report(Rule::reserved, pc, chip_.cycle(), reserved->word, std::string(isa::describe(reserved->reason)));
     diagnostics_.back().section = section(reserved->reason);
   } catch (const std::out_of_range&) {
-    // No memory there: the fault says so.
+    // No memory there: the fault reports this.
   }
 }
 
@@ -139,7 +139,7 @@ void SelfCheck::check_slots(const TraceRecord& record, const Instruction& branch
         fmt::format("slot {} of {} at {:08X}h", slot, isa::disassemble(record.word, record.pc), record.pc);
     if (isa::is_program_control(*in_slot)) found(fmt::format("program control may not stand in {}", of));
     if (links && (written(*in_slot) & isa::set_of(Register::R11)) != 0)
-      found(fmt::format("R11 holds the way back and may not be written in {}", of));
+      found(fmt::format("R11 holds the return address and may not be written in {}", of));
     if (operation == Operation::rptb && (written(*in_slot) & repeat_registers) != 0)
       found(fmt::format("RS, RE and RC may not be written in {}", of));
   }
@@ -178,7 +178,7 @@ void SelfCheck::check_block(const TraceRecord& record, const Instruction& repeat
   }
 }
 
-// A repeat inside a block overwrites RS, RE and RC; by the block's last instruction they have to be back.
+// A repeat inside a block overwrites RS, RE and RC; they have to be restored before the block's last instruction.
 void SelfCheck::check_nesting(const TraceRecord& record, const Instruction& instruction) {
   const Block around{before(Register::RS), before(Register::RE)};
   const bool inside = (before(Register::ST) & st::RM) != 0 && record.pc >= around.start && record.pc <= around.end;
@@ -186,8 +186,8 @@ void SelfCheck::check_nesting(const TraceRecord& record, const Instruction& inst
   while (!open_.empty() && record.pc == open_.back().end) {
     const Block broken = open_.back();
     open_.pop_back();
-    const bool more = static_cast<std::int32_t>(before(Register::RC)) >
-                      0;  // in the last pass ST comes back without RM (c40-isa.md 1.4)
+    const bool more =
+        static_cast<std::int32_t>(before(Register::RC)) > 0;  // in the last pass ST is read without RM (c40-isa.md 1.4)
     if (before(Register::RS) != broken.start || before(Register::RE) != broken.end ||
         (more && (before(Register::ST) & st::RM) == 0))
       report(Rule::repeat_nesting, record.pc, record.cycle, record.word,
@@ -196,7 +196,7 @@ void SelfCheck::check_nesting(const TraceRecord& record, const Instruction& inst
   }
 }
 
-// The chip has stopped before a branch that may not stand at the end of a repeated block (c40-isa.md 8.3).
+// The chip has stopped before a branch that is not allowed at the end of a repeated block (c40-isa.md 8.3).
 void SelfCheck::check_repeat_end(const Instruction& instruction) {
   const Address pc = chip_.pc(), end = static_cast<Address>(chip_.register_value(Register::RE));
   if ((chip_.register_value(Register::ST) & st::RM) == 0 || known_.contains({Rule::repeat_block, pc})) return;

@@ -1,6 +1,6 @@
 #pragma once
-/// Rules of the manual that a program may break without the chip noticing, checked instruction by instruction while it
-/// runs. A trace sink: with it the chip runs without blocks, and nothing observable changes.
+/// Rules of the manual that a program can break without a visible effect on the chip, checked at each instruction of a
+/// run. A trace sink: with it the chip runs without blocks, and nothing observable changes.
 #include <array>
 #include <functional>
 #include <map>
@@ -15,25 +15,24 @@
 namespace c40 {
 
 enum class Rule : std::uint8_t {
-  delay_slot,      ///< program control in a slot, or a slot that spoils what its branch has set up
-  repeat_block,    ///< an end before the beginning, or an end that the repeat cannot leave from
-  repeat_nesting,  ///< a repeat inside a block, and the block's registers not restored
+  delay_slot,      ///< program control in a slot, or a slot that destroys what its branch has set up
+  repeat_block,    ///< an end before the beginning, or an end at which the repeat does not work
+  repeat_nesting,  ///< a repeat inside a block without restoring the block's registers
   repeat_single,   ///< RPTS before program control
-  self_modifying,  ///< a store to a word that the pipeline has fetched already
-  interlocked,     ///< an interlocked load straight behind an interlocked store
-  circular,        ///< a circular step outside what the buffer allows
-  reserved,  ///< a word that is no instruction: reserved mode, register code, condition or bits; the chip stops with a
-             ///< fault
+  self_modifying,  ///< a store to a word that is already in the pipeline
+  interlocked,     ///< an interlocked load directly after an interlocked store
+  circular,        ///< a circular step outside the buffer's limits
+  reserved,        ///< a reserved word: reserved mode, register code, condition or bits; the chip stops with a fault
 };
 /// "delay_slot"
 std::string_view name(Rule rule);
 std::vector<std::string_view> rule_names();
 /// "c40-isa.md", or "c40-hardware.md"
 std::string_view document(Rule rule);
-/// One breach; later ones of the same rule at the same place are only counted.
+/// One broken rule at one place; repetitions are only counted.
 struct Diagnostic {
   Rule rule{};
-  std::string_view section;  ///< where the rule stands, in the document that document() names
+  std::string_view section;  ///< section of the rule, in the document that document() names
   Address pc = 0;
   Cycles cycle = 0;
   std::string instruction;  ///< disassembled
@@ -43,20 +42,20 @@ struct Diagnostic {
 
 class SelfCheck final : public TraceSink {
  public:
-  /// \param next hears everything too; may be null. Both must outlive this.
+  /// \param next gets everything too; may be null. Both must outlive this object.
   explicit SelfCheck(const Chip& chip, TraceSink* next = nullptr);
 
-  /// Takes note of registers that were changed from outside.
+  /// Reads registers that were changed from outside.
   void look();
   void hand_on_to(TraceSink* next) { next_ = next; }
-  /// To be called when a run has ended: a chip that a reserved word, or a branch that may not stand there, has stopped
-  /// sends no record of it.
+  /// To be called when a run has ended: if a reserved word, or a branch that is not allowed, has stopped the chip,
+  /// there is no trace record of it.
   void run_ended();
 
   void instruction(const TraceRecord& record) override;
   void interrupt(Word vector, Cycles cycle) override;
 
-  /// Hears every breach, also one that was known: `count` says how many there have been.
+  /// Called for every broken rule, also a known one: `count` is the number so far.
   std::function<void(const Diagnostic&)> on_breach;
 
   /// In the order in which they were found.
@@ -81,8 +80,8 @@ class SelfCheck final : public TraceSink {
   const Chip& chip_;
   TraceSink* next_;
   std::array<Word, isa::register_count> before_{};
-  std::optional<Address> interlocked_store_;  ///< the instruction before was one, at this address
-  std::vector<Block> open_;                   ///< blocks that an inner repeat has broken into
+  std::optional<Address> interlocked_store_;  ///< the address, if the instruction before was an interlocked store
+  std::vector<Block> open_;                   ///< blocks interrupted by an inner repeat
   std::vector<Diagnostic> diagnostics_;
   std::map<std::pair<Rule, Address>, std::size_t> known_;
 };

@@ -1,5 +1,5 @@
 #pragma once
-/// What two chips that should be alike are compared by.
+/// Values with which two chips that should be equal are compared.
 #include <cstdint>
 #include <vector>
 
@@ -7,9 +7,9 @@
 
 namespace c40 {
 
-/// Of all words of RAM that are not 0, whatever areas they lie in.
+/// A digest of all words of RAM that are not 0, in any area.
 std::uint64_t digest(const Memory& memory);
-/// What a program or a debugger can see of a chip, but its RAM, as 64-bit numbers.
+/// Everything of a chip that a program or a debugger can see, except its RAM, as 64-bit numbers.
 std::vector<std::uint64_t> snapshot(const Chip& chip);
 
 }  // namespace c40

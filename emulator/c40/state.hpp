@@ -1,6 +1,6 @@
 #pragma once
-/// What programs and peripherals of a chip can be told apart by, in one place. Memory contents are apart (Memory); what
-/// the engine has besides, between two calls, it lists itself (chip_state.cpp).
+/// The state of a chip that its program or its peripherals can distinguish. Memory contents are in Memory. The engine
+/// lists its further state between two calls itself (chip_state.cpp).
 #include "c40/cache.hpp"
 #include "c40/memory.hpp"
 #include "c40/op.hpp"
@@ -11,7 +11,7 @@
 
 namespace c40 {
 
-/// The machine's answer to an external access of the instruction that waits for it.
+/// The machine's answer to an external access of the waiting instruction.
 struct Answer {
   bool given = false;
   bool write = false;
@@ -31,8 +31,8 @@ struct State {
   Word global_interface_control = 0, local_interface_control = 0;
   Cache cache;
   Word cache_control = 0;  ///< CE and CF, as the fetch stage sees them
-  /// What instructions have done to CE, CF and CC, each until the first fetch after its execute stage; `cache_changes`
-  /// of them.
+  /// Changes of CE, CF and CC by instructions; each is kept until the first fetch after its execute stage.
+  /// `cache_changes` is their number.
   struct CacheChange {
     Cycles executed = 0;
     Word control = 0;
@@ -41,17 +41,18 @@ struct State {
   };
   std::array<CacheChange, 4> cache_change{};
   std::size_t cache_changes = 0;
-  bool cache_clear = false;  ///< the instruction under way has written CC
+  bool cache_clear = false;  ///< the present instruction has written CC
   Memory::OpenPages open_pages;
-  std::array<bool, 2> locked{};  ///< LLOCK, LOCK are low: the local, the global bus is kept by an interlocked access.
+  std::array<bool, 2> locked{};  ///< LLOCK, LOCK are low: an interlocked access keeps the local, the global bus.
   std::array<CommPort, port_count> ports{};
   std::array<Timer, timer_count> timers{};
   DmaState dma;
-  bool stalled_on_port = false;  ///< The instruction at PC has begun an access that a FIFO does not answer yet.
+  bool stalled_on_port = false;  ///< The instruction at PC has begun an access for which a FIFO is not ready yet.
   std::uint8_t iiof_levels = 0;  ///< Bit n: IIOFn is held active, which is low.
-  std::uint8_t iiof_driven = 0;  ///< Bit n: the outside has driven IIOFn, and what the board ties it to counts no more.
+  std::uint8_t iiof_driven =
+      0;  ///< Bit n: the outside has driven IIOFn; the board's tied level does not count any more.
   bool nmi_low = false;
-  std::array<Drive, pin_count> drives{};  ///< of watched outputs, as last told
+  std::array<Drive, pin_count> drives{};  ///< of watched outputs, as last reported
   Cycles drives_told = 0;                 ///< up to this cycle
   bool held = false;                      ///< In reset.
   bool faulted = false;

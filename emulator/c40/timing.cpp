@@ -6,7 +6,7 @@
 namespace c40 {
 namespace {
 
-constexpr unsigned first_address_register = 8;  // AR0; AR1..AR7, DP, IR0, IR1, BK, SP follow
+constexpr unsigned first_address_register = 8;  // AR0; then AR1..AR7, DP, IR0, IR1, BK, SP
 
 constexpr bool in_block(Resource r) { return r == Resource::ram0 || r == Resource::ram1 || r == Resource::rom; }
 constexpr bool on_bus(Resource r) { return r >= Resource::local; }
@@ -32,12 +32,12 @@ std::int8_t clamp8(int value, int low) { return static_cast<std::int8_t>(std::cl
 }  // namespace
 
 int Pipeline::port_use(std::size_t block, int cycle) const {
-  if (cycle >= 0 || cycle < -window) return 0;  // nothing on chip is reserved at T or later
+  if (cycle >= 0 || cycle < -window) return 0;  // no resource on the chip is reserved at T or later
   return static_cast<int>(ports_[block] >> (2 * (cycle + window)) & 3u);
 }
 
-// Fetches have the lowest priority and come in program order: they must fit around the data accesses, and nothing has
-// to fit around them.
+// Fetches have the lowest priority and are in program order: they fit around the data accesses, and nothing has to fit
+// around them.
 int Pipeline::place_fetch(const Access& fetch, int from) const {
   int cycle = from;
   if (in_block(fetch.resource)) {
@@ -113,7 +113,7 @@ StepTiming Pipeline::advance(const Demand& demand) {
     if (next - a >= longest) longest = next - a, waits = std::max(waits, int{access.waits});
   }
 
-  // Writes: execute moves until they fit; only one write waits on a bus.
+  // Writes: execute moves until they fit; only one write waits for a bus.
   const int e_read = a + longest;
   int e = e_read;
   std::array<int, block_count> block_writes{};
@@ -148,7 +148,7 @@ StepTiming Pipeline::advance(const Demand& demand) {
   out.total = t;
   out.branch = t - (e + 1);
 
-  // The delay is charged from the back: what comes later in the pipeline hides what came earlier.
+  // The delay is charged from the last stage back: a delay in a later stage hides one in an earlier stage.
   int rest = e;
   const auto charge = [&rest](int& cause, int cycles) {
     const int share = std::min(rest, std::max(cycles, 0));
@@ -168,7 +168,7 @@ StepTiming Pipeline::advance(const Demand& demand) {
   const auto stage = [](int cycle) { return static_cast<std::int16_t>(cycle); };
   out.stages = {stage(f), stage(demand.fetched ? length : 0), stage(d), stage(a), stage(e)};
 
-  // Make everything relative to the new T.
+  // Makes all times relative to the new T.
   ready_ = [&] {
     std::uint32_t next = 0;
     const auto set = [&](int i, int when) {
@@ -212,7 +212,7 @@ StepTiming Pipeline::advance(const Demand& demand) {
     if (bus_reads[b]) bus.read_strobe1 = last_strobe1[b];
     if (bus.read_end == -2) bus.read_strobe1 = false;  // too long ago to matter
   }
-  // Cycles before the next fetch can no longer matter.
+  // Cycles before the next fetch do not matter any more.
   const int keep = window + fetch_ready_;
   for (auto& ports : ports_) ports &= ~std::uint64_t{0} << (2 * keep);
   for (auto& bus : buses_) bus.busy &= ~std::uint64_t{0} << keep;

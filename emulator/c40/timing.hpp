@@ -1,14 +1,14 @@
 #pragma once
-/// The pipeline model (c40-hardware.md 7.5): when each instruction gets through fetch, decode, read and execute, and
-/// what delayed it. It knows nothing of what instructions do: it is fed with a description of each instruction in
-/// program order. It is the only place where time is computed: the exact engine runs it per instruction, and a block's
-/// constants are what it said while the block was recorded.
+/// The pipeline model (c40-hardware.md 7.5): the cycles of each instruction in fetch, decode, read and execute, and the
+/// causes of its delay. The model does not know what instructions do: it gets a description of each instruction in
+/// program order. Time is computed only here: the exact engine calls the model per instruction, and a block's constants
+/// are the model's results during the recording.
 ///
 /// All times are relative to T, "the cycle in which the next instruction without conflicts would execute". T is the
 /// chip's cycle count. A standard branch moves T by its whole cost, so its refill is charged to the branch itself.
 ///
-/// Inaccuracies: stalls imposed from outside (a shared bus) hold everything, posted writes included. A change of strobe
-/// between a fetch and a data read costs nothing.
+/// Inaccuracies: stalls from outside (a shared bus) stop everything, posted writes included. A change of strobe between
+/// a fetch and a data read costs nothing.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -23,7 +23,7 @@ class Visitor;
 
 namespace c40 {
 
-/// What an access occupies. `ideal` never conflicts (board `flat`, hits of the instruction cache).
+/// The resource that an access uses. `ideal` never conflicts (board `flat`, hits of the instruction cache).
 enum class Resource : std::uint8_t { ideal, ram0, ram1, rom, local, global, peripheral };
 
 constexpr bool external(Resource r) { return r == Resource::local || r == Resource::global; }
@@ -32,11 +32,11 @@ struct Access {
   Resource resource = Resource::ideal;
   std::uint8_t waits = 0;
   bool write = false;
-  bool strobe1 = false;  ///< where a change of strobe costs a cycle (STRB SWITCH): the access is on STRB1
+  bool strobe1 = false;  ///< if a change of strobe costs a cycle (STRB SWITCH): the access is on STRB1
   friend bool operator==(const Access&, const Access&) = default;
 };
 
-/// What an instruction does to the pipeline wherever its operands lie. Masks are by register code.
+/// What an instruction does to the pipeline, wherever its operands are. Masks are by register code.
 struct Footprint {
   std::uint32_t address_uses = 0;   ///< registers used in address generation (decode)
   std::uint32_t operand_reads = 0;  ///< address registers read as plain operands
@@ -44,7 +44,7 @@ struct Footprint {
   std::uint32_t early_writes = 0;   ///< address registers written in read (LDA)
 };
 
-/// One instruction as it goes through: its footprint, where it was fetched, its data accesses.
+/// One instruction as the model gets it: its footprint, its fetch, its data accesses.
 struct Demand {
   Footprint footprint;
   Access fetch;
@@ -55,7 +55,8 @@ struct Demand {
   int flush_cost = 0;  ///< cost of a standard branch in this direction; 0 for everything else
 };
 
-/// Cycles that one instruction added to T, by cause; `start` is when each data access begins, relative to T before.
+/// Cycles that one instruction added to T, by cause; `start` is the beginning of each data access, relative to the old
+/// T.
 struct StepTiming {
   int total = 1;
   int branch = 0;
@@ -65,49 +66,47 @@ struct StepTiming {
   int wait_state = 0;
   int execute() const { return total - branch - register_conflict - memory_conflict - cache_miss - wait_state; }
   std::array<int, 2> start{};
-  PipelineStages stages;  ///< relative to T before
+  PipelineStages stages;  ///< relative to the old T
   friend bool operator==(const StepTiming&, const StepTiming&) = default;
 };
 
-/// What the past still means for the next instructions, relative to T and normalised, so that equal futures compare
-/// equal.
+/// What still affects the next instructions, relative to T and normalised: equal futures have equal values.
 class Pipeline {
  public:
-  /// Cycles before T that can matter still, and cycles from T on that an access can be known to take.
+  /// Cycles before T that can still matter, and the number of cycles from T on for which accesses can be known.
   static constexpr int depth = 24, furthest = 64 - depth;
-  /// Lets one instruction through.
+  /// Advances by one instruction.
   StepTiming advance(const Demand& demand);
-  /// Empties the pipeline at T (reset, interrupt entry); bus writes under way go on.
+  /// Empties the pipeline at T (reset, interrupt entry); bus writes under way continue.
   void flush(int cycles);
-  /// Lets `cycles` pass with nothing issued (idle): everything under way completes.
+  /// `cycles` pass without an instruction (idle): everything under way completes.
   void drain();
-  /// Somebody else, the DMA, has a resource in the cycles [from, to), relative to T: what comes later fits around it.
+  /// The DMA uses a resource in the cycles [from, to), relative to T; later accesses fit around this.
   void take(Resource resource, int from, int to);
-  /// An access of an instruction that is already through is not made in [from, to), relative to T, after all.
+  /// An access of a completed instruction in [from, to), relative to T, is cancelled.
   void give_back(Resource resource, int from, int to);
-  /// T moves on by `cycles`, because an access of an instruction that is already through has to wait; what is over
-  /// stays where it is.
+  /// T advances by `cycles`, because an access of a completed instruction has to wait; what is over does not move.
   void hold(int cycles);
-  /// An access of an instruction that is already through takes place in [from, to), relative to T, after such a wait.
+  /// An access of a completed instruction takes place in [from, to), relative to T, after such a wait.
   void make_again(const Access& access, int from, int to);
-  /// The cycles [from, to), relative to T, in which the next instruction and the one after it are fetched, as far as
-  /// what is through decides it; from == to: it is not fetched from there.
+  /// The cycles [from, to), relative to T, of the fetches of the next two instructions, as far as completed
+  /// instructions decide them; from == to: no fetch from this resource.
   struct Interval {
     int from = 0, to = 0;
   };
   std::array<Interval, 2> expected_fetches(const std::array<std::optional<Access>, 2>& fetches) const;
-  /// When the data accesses of all instructions that are through are over, relative to T; nothing if that was long ago.
+  /// The end of the data accesses of all completed instructions, relative to T; nothing if it was long ago.
   std::optional<int> busy_until(Resource resource) const;
 
   friend bool operator==(const Pipeline&, const Pipeline&) = default;
   std::uint64_t hash() const;
   void list_state(state::Visitor& list);
-  /// Of the next instruction, relative to T.
+  /// For the next instruction, relative to T.
   int earliest_fetch() const { return fetch_ready_; }
 
  private:
   struct Bus {
-    std::uint64_t busy = 0;  ///< cycles taken by data, bit 0 is T - window
+    std::uint64_t busy = 0;  ///< cycles used by data, bit 0 is T - window
     std::int8_t free = -1;   ///< first cycle after all data accesses
     std::int8_t write_end = -2;
     std::int8_t read_end = -2;
@@ -124,7 +123,7 @@ class Pipeline {
   void settle(int shift, int fetch_ready, int read_entered);
 
   std::int8_t fetch_ready_ = -3;   ///< earliest fetch of the next instruction
-  std::int8_t read_entered_ = -2;  ///< when the last instruction left decode
+  std::int8_t read_entered_ = -2;  ///< the cycle in which the last instruction left decode
   std::uint32_t ready_ = 0;        ///< two bits per address register: stall of its use in the next instruction
   std::array<std::uint64_t, block_count> ports_{};  ///< two bits per cycle and block, bit 0 is T - window
   std::array<Bus, bus_count> buses_{};

@@ -1,5 +1,5 @@
 #pragma once
-// Every number of the timing model that the documents leave open or give as a class, in one place (docs/fidelity.md).
+// All numbers of the timing model that the documents do not give exactly, in one place (docs/fidelity.md).
 
 namespace c40::timing {
 
@@ -28,11 +28,11 @@ inline constexpr int block_ports = 2;
 
 /// An external write occupies its bus for this many cycles plus its wait states; a read takes 1 + waits.
 inline constexpr int external_write_cycles = 2;
-/// A read straight after a write on the same external bus takes one cycle more.
+/// A read directly after a write on the same external bus takes one cycle more.
 inline constexpr int read_after_write_cycles = 1;
 /// The peripheral bus takes one access per cycle, in either direction (unverified).
 inline constexpr int peripheral_write_cycles = 1;
-/// With STRB SWITCH set, a read straight after a read on the other strobe of the bus takes so many cycles more
+/// With STRB SWITCH set, a read directly after a read on the other strobe of the bus takes this many cycles more
 /// (unverified).
 inline constexpr int strobe_switch_cycles = 1;
 /// Cycles per tick of a timer's internal clock, H1/2 (c40-hardware.md 4).

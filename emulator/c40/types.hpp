@@ -1,5 +1,5 @@
 #pragma once
-// Small vocabulary of the chip: cycles, and what each of them was spent on.
+// Basic types of the chip: cycles, and the causes of cycles.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -15,14 +15,14 @@ using isa::Word;
 /// H1 periods: one H1 period is one instruction cycle, two CLKIN periods (c40-hardware.md 0.3).
 using Cycles = std::int64_t;
 
-/// What a cycle was spent on. Every cycle of a chip has exactly one cause.
+/// The cause of a cycle. Every cycle of a chip has exactly one cause.
 enum class Cause : std::uint8_t {
   execute,            ///< an instruction advanced
   branch,             ///< the pipeline refills after a standard branch, call, return, trap or repeat set-up
   register_conflict,  ///< address generation waited for a register
   memory_conflict,    ///< on-chip port or bus taken by another access of the processor
   dma_conflict,       ///< on-chip port or bus taken by the DMA coprocessor
-  cache_miss,         ///< reserved for the instruction cache
+  cache_miss,         ///< the instruction cache did not have the word
   wait_state,         ///< wait states of a region
   bus_arbitration,    ///< waited for a shared bus (reported by the machine)
   bus_transfer,       ///< waited for a shared bus to move the word (reported by the machine)

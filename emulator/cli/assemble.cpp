@@ -14,7 +14,7 @@
 namespace cli {
 namespace {
 
-/// NAME=NUMBER; without a number it is `otherwise`, if there is one.
+/// NAME=NUMBER; without a number the value is `otherwise`, if there is one.
 std::pair<std::string, toolchain::Word> assignment(const std::string& text, std::string_view option,
                                                    std::optional<toolchain::Word> otherwise) {
   const auto equals = text.find('=');
@@ -40,7 +40,7 @@ toolchain::Options toolchain_options(const AssembleOptions& options) {
   return out;
 }
 
-/// \param read sources with what they include, or objects
+/// \param read the input files: sources with what they include, or objects
 void check_files(const std::vector<std::string>& read, const std::string& output, const std::string& role,
                  const std::optional<std::string>& text_path) {
   io::FileRoles files;
@@ -48,7 +48,7 @@ void check_files(const std::vector<std::string>& read, const std::string& output
   files.writes("-o", output).writes(role, text_path.value_or(""));
 }
 
-/// Both files, or none.
+/// Writes the object file and the listing; if one fails, none is written.
 void write(toolchain::Object object, int version, const std::string& path, const std::optional<std::string>& text_path,
            const std::string& text) {
   object.version = version;

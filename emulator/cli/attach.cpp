@@ -15,13 +15,13 @@ Attach::Attach(const RunOptions& options) : waits_(options.debug_wait) {
   if (waits_ && !options.debug_port) throw InputError("--debug-wait: needs --debug PORT");
   if (!options.debug_port) return;
   if (options.profile)
-    throw InputError("--debug: a run with a profile has no snapshots, on which going back rests; one of the two");
+    throw InputError("--debug: going back needs snapshots, and a run with --profile has none; give one of the two");
   try {
     listener_.emplace(*options.debug_port);
   } catch (const std::system_error& error) {
     throw InputError(fmt::format("--debug: {}", error.what()));
   }
-  io::print(stderr, "emulator: an editor may attach at port {} of this machine\n", listener_->port());
+  io::print(stderr, "emulator: an editor may attach to port {} of this machine\n", listener_->port());
 }
 
 bool Attach::begin(cmrc::Simulation& simulation) { return !waits_ || serve(simulation); }

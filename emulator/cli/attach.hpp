@@ -1,5 +1,5 @@
 #pragma once
-// A run of the dock that an editor may attach to.
+// A run of the dock to which an editor may attach.
 #include <optional>
 
 #include "cli/options.hpp"
@@ -10,14 +10,14 @@ namespace cli {
 
 class Attach {
  public:
-  /// Listens, if that is asked for, and says where. \throws InputError for a port that is taken
+  /// Listens if the option is given, and prints the port. \throws InputError for a port that is in use
   explicit Attach(const RunOptions& options);
 
-  /// Before the run: waits for an editor, if that is asked for. False: the editor ended the run.
+  /// Before the run: waits for an editor if --debug-wait is given. False: the editor ended the run.
   bool begin(cmrc::Simulation& simulation);
-  /// Between two slices: an editor has come, and the run has to stop for it.
+  /// Between two slices: an editor has connected, and the run has to stop for it.
   bool wanted() const { return listener_ && listener_->has_client(); }
-  /// Serves it until it goes. False: it ended the run.
+  /// Serves the editor until it disconnects. False: the editor ended the run.
   bool serve(cmrc::Simulation& simulation);
 
  private:

@@ -36,12 +36,13 @@ Assignment assignment_of(std::string_view option, const std::string& text) {
 
 [[noreturn]] void no_device(std::string_view option, const std::string& name, const std::vector<std::string>& known) {
   throw InputError(
-      known.empty() ? fmt::format("{}: there is no device {}; no board has any that takes or sends words", option, name)
-                    : fmt::format("{}: there is no device {} that takes or sends words; {} is expected", option, name,
-                                  fmt::join(known, ", ")));
+      known.empty()
+          ? fmt::format("{}: there is no device {}; no board has a device that takes or sends words", option, name)
+          : fmt::format("{}: there is no device {} that takes or sends words; {} is expected", option, name,
+                        fmt::join(known, ", ")));
 }
 
-/// The one of this name, with or without the chip's before it.
+/// The device of this name, with or without the chip's name before it.
 template <class Board, class Find>
 auto find_device(std::string_view option, const std::vector<std::pair<std::string, Board*>>& boards,
                  const std::string& name, Find&& names_of) {
@@ -114,7 +115,7 @@ void add_inputs(const NamedBoards& boards, const ExecOptions& options) {
     if (*options.console_input != live)
       console.input = input_from("--console-input", *options.console_input, DeviceKind::console, false);
   } else if (options.console_record) {
-    throw InputError("--console-record: needs --console-input, which it records");
+    throw InputError("--console-record: needs --console-input, whose characters it records");
   }
   for (const auto& [option, texts, script] : {std::tuple{"--device-input", &options.device_inputs, false},
                                               {"--device-script", &options.device_scripts, true}})

@@ -1,5 +1,5 @@
 #pragma once
-// What stands at the other side of a board's devices: files, standard input, the terminal (docs/boards.md).
+// The outside of a board's devices: files, standard input, the terminal (docs/boards.md).
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -15,34 +15,35 @@
 
 namespace cli {
 
-/// Whose devices, and the name of the chip.
+/// Each chip's name, and the board whose devices the chip has.
 using NamedBoards = std::vector<std::pair<std::string, machine::BoardDescription*>>;
 
 /// Gives the devices what --console-input, --device-input and --device-script say. \throws InputError
 void add_inputs(const NamedBoards& boards, const ExecOptions& options);
-/// The files of these options, and of --device-output and --console-record.
+/// Registers the files of these options and those of --device-output and --console-record.
 void add_device_files(const ExecOptions& options, io::FileRoles& files);
 
-/// What devices send goes to files and to the terminal; what is typed live comes to the console.
+/// Writes what devices send to files and to the terminal; gives live input to the console.
 class BoardConsole {
  public:
-  /// \param boards the chips' names, and their devices, null for none; they must outlive it
-  /// \param shows the characters of a console on standard output as they come: of one chip only
+  /// \param boards the chips' names and devices; a null pointer: the chip has none. The devices must outlive this
+  /// object.
+  /// \param shows prints the characters of a console on standard output at once; of one chip only
   BoardConsole(std::vector<std::pair<std::string, machine::BoardDevices*>> boards, const ExecOptions& options,
                bool shows);
 
-  /// Standard input is typed while the program runs (--console-input live).
+  /// Standard input goes to the console while the program runs (--console-input live).
   bool is_live() const { return live_ != nullptr; }
   bool may_be_typed() const { return is_live() && !at_end_; }
-  /// Takes what has been typed by now: it comes to the console in this cycle.
+  /// Takes the input typed until now; the console gets it in this cycle.
   void listen(c40::Cycles now);
 
-  /// Writes the files. \param states the final states of the chips, which the hash is of
+  /// Writes the files. \param states the final states of the chips, for the hash
   void run_ended(const std::vector<std::string>& states);
   /// No chip has a device.
   bool empty() const;
   std::string text() const;
-  /// "hash ..." over inputs and states, or nothing where no chip has a device.
+  /// "hash ..." over inputs and states; empty if no chip has a device.
   std::string hash_text() const;
   void add_to(nlohmann::ordered_json& root) const;
 

@@ -50,7 +50,7 @@ c40::PipelineDiagram parse_window(const std::string& text, const Image& image, c
 
 }  // namespace
 
-/// Each may be absent.
+/// Each part may be absent.
 struct ChipListeners::Parts {
   Parts(const c40::Chip& chip_, const Image& image_) : chip(chip_), image(image_), entry(chip_.pc()) {}
   const c40::Chip& chip;
@@ -62,7 +62,7 @@ struct ChipListeners::Parts {
   c40::ProfileCounts counts;
   std::optional<c40::Profile> profile;
   std::optional<c40::PipelineDiagram> pipeline;
-  c40::TraceSink* first = nullptr;  ///< each hands on to the one before
+  c40::TraceSink* first = nullptr;  ///< each passes events to the one before
 
   std::string profile_report(bool json) const {
     c40::Causes outside = chip.causes();

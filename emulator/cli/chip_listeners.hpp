@@ -1,5 +1,5 @@
 #pragma once
-// What `exec` was asked to watch of a chip, alone or in a network, and how it is told.
+// What `exec` watches of a chip, alone or in a network, and the text that it prints.
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -14,17 +14,17 @@ namespace cli {
 
 class ChipListeners {
  public:
-  /// The chip stands at its program's entry.
+  /// Construct this while the chip is at its program's entry.
   /// \param number of the chip in a network, else 0
-  /// \param trace the file for its instructions, if any
-  /// \throws InputError for a --pipeline that is none
+  /// \param trace the file for the chip's instructions, if any
+  /// \throws InputError for a --pipeline that is not FIRST:LAST
   ChipListeners(const c40::Chip& chip, const toolchain::Image& image, const ExecOptions& options, unsigned number,
                 const std::optional<std::string>& trace);
   ~ChipListeners();
 
-  /// To be given to the chip; null: nobody listens.
+  /// For the chip; null if there is no listener.
   c40::TraceSink* sink() const;
-  /// Writes what belongs into files.
+  /// Writes the files that the options name.
   void run_ended();
   /// Empty without --check.
   std::string checks_text() const;
@@ -39,11 +39,11 @@ class ChipListeners {
 
 /// Registers that differ from their value after reset, with their fields, and the words in the FIFOs.
 std::string peripherals_text(const c40::Chip& chip);
-/// Every register by name, with its fields.
+/// Adds every register by name, with its fields.
 void add_peripherals(const c40::Chip& chip, nlohmann::ordered_json& out);
-/// FIFO contents and word counts of each port.
+/// Adds FIFO contents and word counts of each port.
 void add_ports(const c40::Chip& chip, nlohmann::ordered_json& out);
-/// `reserved`: the accesses that a board ignores; nothing of a board where they are faults.
+/// `reserved`: the accesses that a board ignores. Adds nothing for a board on which such accesses are faults.
 void add_reserved(const machine::IgnoredAccesses& ignored, nlohmann::ordered_json& out);
 
 }  // namespace cli

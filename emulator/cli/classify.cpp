@@ -1,4 +1,4 @@
-// emulator classify: what every word is
+// emulator classify: what each word is
 #include <fmt/format.h>
 #include <unistd.h>
 

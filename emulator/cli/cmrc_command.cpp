@@ -1,5 +1,5 @@
-// emulator limits: studies of many runs are commands of the Python package, cmrc, which stands beside this program. In
-// a wheel the program stands in the package, and what starts it there says where the commands are: CMRC_SCRIPTS.
+// emulator limits. Studies of many runs are commands of the Python package, cmrc, which is installed beside this
+// program. In a wheel the program is inside the package; the variable CMRC_SCRIPTS then says where the commands are.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -27,7 +27,7 @@ int cmrc_command(const CmrcCommandOptions& options) {
   pointers.push_back(nullptr);
   ::execv(program.c_str(), pointers.data());
   throw InputError(
-      fmt::format("{0}: is a command of the Python package, and {1} cannot be started: {2}. Where cmrc is installed "
+      fmt::format("{0}: is a command of the Python package, and {1} cannot be started: {2}. If cmrc is installed "
                   "elsewhere: cmrc {0}. To install it: pip install . in the folder of the sources, or make build",
                   options.name, program, std::strerror(errno)));
 }

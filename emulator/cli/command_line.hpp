@@ -1,5 +1,5 @@
 #pragma once
-// The arguments of the command `emulator`: what can be asked for (docs/cli.md).
+// The arguments of the command `emulator` (docs/cli.md).
 #include <string>
 #include <variant>
 

@@ -1,4 +1,4 @@
-// emulator compare: a run beside its ideal.
+// emulator compare: a run and its ideal run.
 #include "cmrc/run/compare_with_ideal.hpp"
 
 #include <cmath>

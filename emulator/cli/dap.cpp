@@ -14,7 +14,7 @@
 namespace cli {
 namespace {
 
-/// A key of `launch` that is a text, or several.
+/// A key of `launch` whose value is a text or a list of texts.
 std::vector<std::string> texts_of(const debugger::dap::Json& arguments, const char* key) {
   const auto found = arguments.find(key);
   if (found == arguments.end() || found->is_null()) return {};
@@ -39,7 +39,7 @@ std::optional<Number> number_of(const debugger::dap::Json& arguments, const char
   return found->get<Number>();
 }
 
-/// The keys mean what the options of `emulator debug` do.
+/// The keys have the meaning of the options of `emulator debug`.
 DebugOptions options_of(const debugger::dap::Json& arguments) {
   DebugOptions options;
   ExecOptions& exec = options.exec;
@@ -83,7 +83,7 @@ debugger::dap::Launched launch(const debugger::dap::Json& arguments) {
 
 int dap(const DapOptions& options) {
   if (!options.port) {
-    // What the protocol does not say must not get among its messages.
+    // Standard output carries the protocol: other output must not get between its messages.
     const int out = dup(STDOUT_FILENO);
     dup2(STDERR_FILENO, STDOUT_FILENO);
     const debugger::dap::Ended ended = debugger::dap::serve(STDIN_FILENO, out, launch);
@@ -93,7 +93,7 @@ int dap(const DapOptions& options) {
   }
   try {
     debugger::dap::Listener listener(*options.port);
-    io::print("emulator dap: listening at port {} of this machine\n", listener.port());
+    io::print("emulator dap: listening on port {} of this machine\n", listener.port());
     std::fflush(stdout);
     for (;;) {
       const int client = listener.accept();

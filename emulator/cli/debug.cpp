@@ -1,4 +1,4 @@
-// emulator debug: a program, a network or the dock, by commands.
+// emulator debug: a program, a network or the dock, controlled by commands.
 #include <unistd.h>
 
 #include "cli/debug_target.hpp"

@@ -18,11 +18,11 @@ DebugTarget network_of(const DebugOptions& options) {
   const RunOptions& run = options.run;
   if (run.dsps || run.config || run.preset || run.duration_s || run.seed || !run.settings.empty() || run.resume)
     throw InputError(
-        "debug: --dsps, --config, --preset, --duration, --seed, --set and --snapshot are the dock's, and a program or "
-        "network is given");
+        "debug: --dsps, --config, --preset, --duration, --seed, --set and --snapshot are for the dock, and a program "
+        "or network is given");
   if (options.exec.console_input == "-" || options.exec.console_input == "live")
-    throw InputError("debug: --console-input: a file is expected; standard input is the debugger's");
-  if (options.exec.console_record) throw InputError("debug: --console-record: exec writes it");
+    throw InputError("debug: --console-input: a file is expected; the debugger reads standard input itself");
+  if (options.exec.console_record) throw InputError("debug: --console-record: only exec writes this file");
   require_boot_for_roms(options.exec);
   if (options.exec.network && options.exec.boot)
     throw InputError("--boot: of a --network file, boot = true of a [[chip]] says it");
@@ -38,13 +38,13 @@ DebugTarget dock_of(const DebugOptions& options) {
   const ExecOptions& exec = options.exec;
   if (exec.console_input || !exec.device_inputs.empty() || !exec.device_scripts.empty())
     throw InputError(
-        "debug: --console-input, --device-input and --device-script are of programs and networks; give a PROGRAM or "
+        "debug: --console-input, --device-input and --device-script are for programs and networks; give a PROGRAM or "
         "--network");
   require_boot_for_roms(exec);
   if (!exec.links.empty() || !exec.nets.empty() || !exec.actions.empty() || exec.entry || exec.load_at ||
       exec.memory_max || exec.boards.size() > 1 || !exec.loads.empty() || !exec.pokes.empty() || !exec.until.empty())
     throw InputError(
-        "debug: --link, --net, --action, --entry, --load-at, --load, --poke, --until and --memory-max are of programs "
+        "debug: --link, --net, --action, --entry, --load-at, --load, --poke, --until and --memory-max are for programs "
         "and networks; give a PROGRAM or --network");
   RunOptions run = options.run;
   if (!exec.boards.empty()) run.board = exec.boards.front();

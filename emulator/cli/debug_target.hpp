@@ -1,5 +1,5 @@
 #pragma once
-// What a debugger is asked to debug: a program, a network or the dock.
+// The object of a debugger: a program, a network or the dock.
 #include <memory>
 
 #include "cli/options.hpp"
@@ -9,14 +9,14 @@
 
 namespace cli {
 
-/// With all that it stands on.
+/// The object, with everything that it refers to.
 struct DebugTarget {
   std::unique_ptr<machine::Network> network;
   std::unique_ptr<cmrc::Simulation> simulation;
   std::unique_ptr<machine::debug::Debuggee> debuggee;
 };
 
-/// \throws InputError, and what reading programs and configurations throws
+/// \throws InputError, and the errors of reading programs and configurations
 DebugTarget debug_target(const DebugOptions& options);
 
 }  // namespace cli

@@ -43,7 +43,7 @@ int exec(const ExecOptions& options) {
   if (options.boards.size() > 1) throw InputError("--board: one chip has one board");
   if (options.link_trace) throw InputError("--link-trace: there is no link");
   if (options.perfetto)
-    throw InputError("--perfetto: it draws the links of a network; one program has --trace, --events");
+    throw InputError("--perfetto: draws the links of a network; for one program there are --trace and --events");
   machine::BoardDescription chosen = board_named(options, options.boards.empty() ? "default" : options.boards.front());
   if (options.programs.empty() && !boots_rom(options, chosen))
     throw InputError(

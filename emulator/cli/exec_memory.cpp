@@ -30,8 +30,8 @@ void load(c40::Chip& chip, const Image& image, const c40::Board& board) {
   }
 }
 
-/// Where the chip will look for it: as a stream in the memory that the pins choose, or as it is, with a reset vector of
-/// its own.
+/// Puts the image where the chip will look for it: as a stream in the memory that the pins choose, or as it is, with a
+/// reset vector of its own.
 void place(c40::Chip& chip, const Image& image, const Boot& boot) {
   if (machine::reset_source(boot.board) == machine::ResetSource::vector) return load(chip, image, boot.board);
   try {
@@ -63,9 +63,9 @@ std::optional<Boot> parse_boot(const ExecOptions& options, const machine::BoardD
   const std::string& text = *options.boot;
   if (text == "reset") {
     if (!given.has_pins)
-      throw InputError(fmt::format(
-          "--boot reset: board {} says nothing of its pins; a board file with [pins] is expected (docs/boards.md)",
-          given.board.name));
+      throw InputError(
+          fmt::format("--boot reset: board {} has no [pins]; a board file with [pins] is expected (docs/boards.md)",
+                      given.board.name));
     if (machine::reset_source(given.board) == machine::ResetSource::ports)
       throw InputError(
           "--boot reset: the board's pins choose the communication ports; say through which the program comes: --boot "
@@ -88,8 +88,8 @@ std::optional<Boot> parse_boot(const ExecOptions& options, const machine::BoardD
   if (given.has_pins &&
       (given.board.rom.empty() || asked.reset_location != tied.reset_location || asked.iiof != tied.iiof))
     throw InputError(
-        fmt::format("--boot {}: for that, [pins] of board {} would be romen = true, resetloc = 0, iiof = \"{:04b}\"; "
-                    "--boot reset starts as they are",
+        fmt::format("--boot {}: needs [pins] of board {} with romen = true, resetloc = 0, iiof = \"{:04b}\"; "
+                    "--boot reset starts with the board's own pins",
                     text, given.board.name, asked.iiof));
   return boot;
 }
@@ -152,7 +152,8 @@ void prepare(c40::Chip& chip, const ExecOptions& options, const Image& image, co
   if (boots_rom(options, board) && !boot->port)
     for (const auto& [base, words] : rom_contents(options, &image)) write_words(chip, base, words, "--rom");
   else if (!options.roms.empty())
-    throw InputError("--rom: with --boot PORT the program comes through the port; --boot ADDRESS or reset is expected");
+    throw InputError(
+        "--rom: with --boot PORT the chip gets its program through the port; --boot ADDRESS or reset is expected");
   else if (!boot->port)
     place(chip, image, *boot);
   try {

@@ -29,12 +29,12 @@ struct NetworkDump {
   c40::Address address = 0, count = 0;
 };
 
-/// Of chip 2: FILE.chip2.
+/// The file for one chip, for example FILE.chip2.
 std::optional<std::string> trace_file(const ExecOptions& options, std::size_t chip) {
   return options.trace ? std::optional(fmt::format("{}.chip{}", *options.trace, chip)) : std::nullopt;
 }
 
-/// What is asked of each chip.
+/// The listeners of each chip.
 class Watched {
  public:
   Watched(Network& network, const ExecOptions& options) {
@@ -95,10 +95,10 @@ std::string sentence(const Network& network, const machine::NetworkStop& stop, b
   switch (stop.reason) {
     case machine::NetworkStop::Reason::ended:
       return failed == 0 ? "every chip has ended" : fmt::format("every chip has ended, {} of them in a fault", failed);
-    case machine::NetworkStop::Reason::deadlock: return "nothing can happen any more, and chips wait";
+    case machine::NetworkStop::Reason::deadlock: return "no event is left, and chips wait";
     case machine::NetworkStop::Reason::limit:
       return asked ? "the cycles of --cycles have passed" : "--max-cycles reached";
-    case machine::NetworkStop::Reason::interrupted: return "by a signal";
+    case machine::NetworkStop::Reason::interrupted: return "ended by a signal";
   }
   return {};
 }
@@ -214,7 +214,7 @@ void print_json(const Network& network, const machine::NetworkStop& stop, const 
 
 /// The instant that --cycles or --max-cycles of chip 0 means.
 machine::Time end_of(const Network& network, const ExecOptions& options) {
-  constexpr double most_seconds = 9e6;  // of 64 bits of picoseconds
+  constexpr double most_seconds = 9e6;  // the limit of 64 bits of picoseconds
   const std::int64_t cycles = options.cycles.value_or(options.max_cycles);
   const auto most = static_cast<std::int64_t>(most_seconds * static_cast<double>(network.clock(0).hertz()));
   if (cycles > most)
@@ -227,7 +227,7 @@ machine::Time end_of(const Network& network, const ExecOptions& options) {
 
 int exec_network(const ExecOptions& options) {
   if (!options.roms.empty())
-    throw InputError("--rom: it is for one chip; a network's chips have the ROMs of their boards (region.file)");
+    throw InputError("--rom: is for one chip; the chips of a network have the ROMs of their boards (region.file)");
   if (options.console_input == "live")
     throw InputError(
         "--console-input live: one chip has a live console; a network takes a file, or - for standard input");
@@ -237,7 +237,7 @@ int exec_network(const ExecOptions& options) {
         "(docs/networks.md)");
   if (options.load_at && std::none_of(options.programs.begin(), options.programs.end(),
                                       [](const std::string& p) { return p.ends_with(".hex"); }))
-    throw InputError("--load-at: only a .hex file needs it; other programs say where they stand");
+    throw InputError("--load-at: is for .hex files only; other programs contain their addresses");
   Network network(described(options), options.turn_order);
   place_in_chips(network, options);
   std::vector<NetworkDump> dumps;

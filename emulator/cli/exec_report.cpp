@@ -1,4 +1,4 @@
-// What exec tells of its one chip, as text and as JSON.
+// The result of exec for one chip, as text and as JSON.
 #include "cli/exec_report.hpp"
 
 #include <fmt/format.h>
@@ -28,7 +28,7 @@ std::string register_name(Register reg) {
   return name;
 }
 
-/// Exact: a register's mantissa fits a double.
+/// Exact, because a register's mantissa fits into a double.
 double to_double(c40::Float40 value) {
   return std::ldexp(static_cast<double>(c40::float40::mantissa(value)), value.e - 31);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What exec tells of its one chip when the run is over.
+// The result of exec for one chip, after the run.
 #include <optional>
 #include <span>
 #include <utility>
@@ -19,7 +19,7 @@ struct Dump {
 
 /// ADDRESS:COUNT of --dump. \throws InputError
 std::pair<toolchain::Address, toolchain::Address> parse_dump(const std::string& text, const toolchain::Image& image);
-/// \throws InputError that begins with `what` for an address without memory
+/// \throws InputError that begins with `what` for an address that is not in memory
 Dump read_dump(const c40::Chip& chip, toolchain::Address address, toolchain::Address count,
                std::string_view what = "--dump");
 

@@ -22,7 +22,7 @@ using toolchain::Address;
 using toolchain::Image;
 using toolchain::Word;
 
-/// Stops at a branch to itself and at an IDLE that nothing can end; the words that may be one are breakpoints.
+/// Stops at a branch to itself and at an IDLE that nothing can end. Words that may be such a branch are breakpoints.
 class Run final : private machine::ChipRunner {
  public:
   Run(c40::Chip& chip, const Image& image, const Until& until, const ExecOptions& options, Surroundings& around)
@@ -43,7 +43,7 @@ class Run final : private machine::ChipRunner {
 
  private:
   static constexpr c40::Cycles slice =
-      50'000;  // after which is asked whether to stop: a moment, also where each instruction is written
+      50'000;  // cycles between two looks at signals: a moment even when each instruction is written to a trace
 
   std::optional<Span> span() override {
     for (const auto& [address, word] : until_.words)
@@ -52,7 +52,7 @@ class Run final : private machine::ChipRunner {
         return {};
       }
     if (std::exchange(passes_, false)) {
-      around_.devices.limit(limit_);  // what is due comes before the instruction
+      around_.devices.limit(limit_);  // events of devices come before the instruction
       return Span{.one_instruction = true};
     }
     if (io::stop_asked()) {
@@ -60,7 +60,7 @@ class Run final : private machine::ChipRunner {
       return {};
     }
     const c40::Cycles look =
-        chip_.idle() ? 8 : 1000;  // whether the DMA, which an idle processor may wait for, still goes on
+        chip_.idle() ? 8 : 1000;  // cycles until the next look at the DMA, for which an idle processor may wait
     around_.front.listen(chip_.cycle());
     const c40::Cycles end = around_.devices.limit(std::min(limit_, chip_.cycle() + (!until_.words.empty() ? 1
                                                                                     : chip_.dma_active()  ? look
@@ -71,11 +71,9 @@ class Run final : private machine::ChipRunner {
   bool at_limit() override {
     if (ends_unknown_ && machine::program_end(peek_at_pc(), chip_.pc()) == machine::ProgramEnd::halt &&
         !chip_.dma_busy() && (chip_.register_value(Register::ST) & c40::st::GIE) == 0)
-      return ends(
-          {"halt",
-           fmt::format(
-               "branch to itself at {:08X}h, seen at cycle {}: without PROGRAM it is looked for every {} cycles",
-               chip_.pc(), chip_.cycle(), slice)});
+      return ends({"halt", fmt::format("branch to itself at {:08X}h, seen at cycle {}: without PROGRAM such a branch "
+                                       "is looked for every {} cycles",
+                                       chip_.pc(), chip_.cycle(), slice)});
     if (chip_.cycle() >= limit_)
       return asked_
                  ? ends({"limit", fmt::format("the {} cycles of --cycles have passed, at {:08X}h", limit_, chip_.pc())})
@@ -83,7 +81,7 @@ class Run final : private machine::ChipRunner {
                          run_failed});
     if (!machine::sleeps_for_ever(chip_) || may_be_woken()) return true;
     if (machine::awaits_dma(chip_)) return dma_wait();
-    return ends({"idle", fmt::format("IDLE at {:08X}h, and no interrupt is to come{}", chip_.pc() - 1,
+    return ends({"idle", fmt::format("IDLE at {:08X}h, and no interrupt will come{}", chip_.pc() - 1,
                                      machine::armed_dma(chip_))});
   }
 
@@ -93,7 +91,7 @@ class Run final : private machine::ChipRunner {
     try {
       return chip_.peek(chip_.pc());
     } catch (const std::out_of_range&) {
-      return 0;  // the chip will say so itself
+      return 0;  // the chip reports the stop itself
     }
   }
 
@@ -127,7 +125,7 @@ class Run final : private machine::ChipRunner {
   bool port_wait(const c40::PortAccess& access) override {
     if (around_.feeder && around_.feeder->serve(access)) return true;
     return ends({"port_wait",
-                 fmt::format("{} from PC {:08X}h waits for ever since cycle {}: nothing is attached to the port{}",
+                 fmt::format("{} from PC {:08X}h waits forever since cycle {}: nothing is attached to the port{}",
                              c40::describe(access), chip_.pc(), access.cycle, booting()),
                  run_failed});
   }
@@ -137,7 +135,7 @@ class Run final : private machine::ChipRunner {
                  run_failed});
   }
 
-  /// Whether the loader of the boot ROM is what stopped, and where its stream stands.
+  /// Whether the chip stopped in the loader of the boot ROM, and the position in its stream.
   std::string booting() const {
     if (chip_.pc() >= c40::rom_words) return "";
     if (around_.stream)
@@ -156,7 +154,7 @@ class Run final : private machine::ChipRunner {
   bool dma_wait() {
     std::vector<std::string> waits;
     for (const c40::DmaWait& wait : chip_.dma_waits())
-      waits.push_back(fmt::format("{} for ever since cycle {}", c40::describe(wait), wait.since));
+      waits.push_back(fmt::format("{} forever since cycle {}", c40::describe(wait), wait.since));
     return ends({"dma_wait", fmt::format("{}; the processor sleeps at PC {:08X}h", fmt::join(waits, "; "), chip_.pc()),
                  run_failed});
   }
@@ -168,10 +166,10 @@ class Run final : private machine::ChipRunner {
 
   c40::Chip& chip_;
   const Until& until_;
-  bool asked_;  ///< the limit is what was asked for
+  bool asked_;  ///< a run to the limit is what the user requested
   c40::Cycles limit_;
-  bool ends_unknown_;    ///< there is no program that says where a branch to itself may stand
-  bool passes_ = false;  ///< the instruction at the breakpoint is next
+  bool ends_unknown_;    ///< no program says where a branch to itself may be
+  bool passes_ = false;  ///< the instruction at the breakpoint is executed next
   Surroundings& around_;
   Outcome outcome_;
 };

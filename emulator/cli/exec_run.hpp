@@ -1,5 +1,5 @@
 #pragma once
-// How exec runs its one chip: what it is to come to, and why it ended.
+// How exec runs one chip: conditions for the end of the run, and why the run ended.
 #include <optional>
 #include <string>
 #include <utility>
@@ -21,18 +21,18 @@ struct Outcome {
   int status = success;
 };
 
-/// What a run is to come to: what is met first ends it.
+/// The conditions for the end of a run; the first one that is met ends it.
 struct Until {
   std::vector<toolchain::Address> pcs;
-  /// Words of memory, and what they are to hold: looked at after each instruction.
+  /// Words of memory and their expected values, compared after each instruction.
   std::vector<std::pair<toolchain::Address, toolchain::Word>> words;
 };
-/// Of all --until. \throws InputError
+/// The conditions of all --until. \throws InputError
 Until parse_until(const ExecOptions& options, const toolchain::Image& image);
 
-/// What stands around the chip.
+/// What is connected to the chip.
 struct Surroundings {
-  std::optional<machine::BootFeeder> feeder;  ///< of the port through which it boots
+  std::optional<machine::BootFeeder> feeder;  ///< feeds the port from which the chip boots
   BoardConsole& front;
   machine::LoneDevices& devices;
   machine::IgnoredAccesses& ignored;

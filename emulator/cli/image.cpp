@@ -1,4 +1,5 @@
-// emulator image: what a program becomes in an EPROM, or is sent through a port, to boot from (docs/cli.md, Images).
+// emulator image: a program in the form of an EPROM, or of a stream for a port, from which a chip boots (docs/cli.md,
+// Images).
 #include <fmt/format.h>
 
 #include "cli/options.hpp"

@@ -20,13 +20,13 @@ machine::NetDescription net_of(const std::string& text, const std::vector<std::s
   }
 }
 
-/// [CHIP:]SYMBOL or ADDRESS: without CHIP of all that have none of their own.
+/// [CHIP:]SYMBOL or ADDRESS. Without CHIP: for all chips that have no --until of their own.
 void set_until(machine::NetworkDescription& network, const std::string& text) {
   if (text.find("==") != std::string::npos)
-    throw InputError(
-        fmt::format("--until {}: the value of a word ends a run of one chip; of a network [CHIP:]SYMBOL or ADDRESS is "
-                    "expected, or `watch` in `emulator debug`",
-                    text));
+    throw InputError(fmt::format(
+        "--until {}: the value of a word ends a run of one chip only; for a network [CHIP:]SYMBOL or ADDRESS is "
+        "expected, or `watch` in `emulator debug`",
+        text));
   const ChipText given = chip_text(text, network.chips.size(), "--until");
   bool set = false;
   for (std::size_t n = 0; n < network.chips.size(); ++n) {
@@ -61,8 +61,8 @@ machine::NetworkDescription read_description(const ExecOptions& options) {
     if (!options.programs.empty() || !options.links.empty() || !options.nets.empty() || options.topology ||
         !options.boards.empty() || !options.until.empty() || options.entry || options.load_at || options.memory_max)
       throw InputError(
-          "--network: the file says programs, boards, links and nets, where a chip starts and where it has ended; the "
-          "command line does not");
+          "--network: programs, boards, links, nets, and where a chip starts and ends are given in the file, not on "
+          "the command line");
     require_file(*options.network);
     return machine::read_network(*options.network, [&](const std::string& path) {
       return read_program(path, options.include_directories, {}, is_source_name(path) ? options.dialect : std::nullopt);

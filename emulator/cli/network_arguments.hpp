@@ -1,5 +1,5 @@
 #pragma once
-// A network as the command line describes it: of exec, and of the debugger.
+// A network as the command line describes it, for exec and the debugger.
 #include <string>
 
 #include "cli/options.hpp"
@@ -7,7 +7,7 @@
 
 namespace cli {
 
-/// Reads the programs, boards and files that it names. \throws InputError, machine::NetworkError,
+/// Reads the programs, boards and files of the options. \throws InputError, machine::NetworkError,
 /// toolchain::AssemblyError, toolchain::CoffError
 machine::NetworkDescription described(const ExecOptions& options);
 

@@ -19,7 +19,7 @@ using machine::NetworkEvent;
 using machine::Time;
 using report::PerfettoTrace;
 
-/// A counter that is told once per nanosecond, when all of it has happened.
+/// A counter that writes one value per nanosecond: the last one.
 class Level {
  public:
   Level(PerfettoTrace& trace, PerfettoTrace::Track track) : trace_(trace), track_(track) {}
@@ -45,7 +45,7 @@ class Level {
 class Drawing {
  public:
   Drawing(const Network& network, std::ostream& out) : network_(network), trace_(out) {
-    links_ = trace_.add_group("links", 0, "Words as they arrive, and how many have been written and are not there yet");
+    links_ = trace_.add_group("links", 0, "Words that arrive, and the number of words under way");
     for (std::size_t n = 0; n < network.link_count(); ++n) {
       const machine::NetworkLink& ends = network.ends(n);
       for (int side = 0; side < 2; ++side) {
@@ -85,7 +85,7 @@ class Drawing {
   struct Chip {
     PerfettoTrace::Track group;
     std::optional<PerfettoTrace::Track> events{};
-    std::map<int, Level> fifos{};  // of input, by port
+    std::map<int, Level> fifos{};  // input FIFOs by port
     std::map<int, PerfettoTrace::Track> dmas{};
   };
 

@@ -1,5 +1,5 @@
 #pragma once
-// exec --perfetto: what happened in a network of chips as a Perfetto trace (docs/timelines.md).
+// exec --perfetto: the events of a network of chips as a Perfetto trace (docs/timelines.md).
 #include <iosfwd>
 
 namespace machine {
@@ -8,7 +8,7 @@ class Network;
 
 namespace cli {
 
-/// After a run with record_words and record_peripherals.
+/// To be called after a run with record_words and record_peripherals.
 void draw_network(const machine::Network& network, std::ostream& out);
 
 }  // namespace cli

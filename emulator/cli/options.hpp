@@ -1,11 +1,13 @@
 #pragma once
-// What the command line asks for: one struct and one function per command. main.cpp fills the structs; docs/cli.md
-// explains them.
+// The options of the command line: one struct and one function per command. command_line.cpp fills the structs;
+// docs/cli.md explains them.
 #include <cstdint>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "cmrc/configuration/value.hpp"
 
 namespace cli {
 
@@ -14,19 +16,19 @@ inline constexpr int success = 0;
 inline constexpr int run_failed = 1;
 inline constexpr int bad_input = 2;
 
-/// Something that the user gave cannot be used. The message says what and where, and what would be right.
+/// The user gave something that cannot be used. The message says what and where, and what would be right.
 class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
 struct RunOptions {
-  std::optional<std::int64_t> dsps;
+  std::optional<cmrc::Value> dsps;
   std::optional<std::string> config;
   std::optional<std::string> preset;
-  std::optional<double> duration_s;
-  std::optional<std::int64_t> seed;
-  std::optional<std::int64_t> turn_order;
+  std::optional<cmrc::Value> duration_s;
+  std::optional<cmrc::Value> seed;
+  std::optional<cmrc::Value> turn_order;
   std::optional<std::string> programs;
   std::optional<std::string> board;
   std::optional<std::string> idle_policy;
@@ -43,21 +45,21 @@ struct RunOptions {
   std::optional<std::string> page;
   std::optional<std::string> profile;        ///< file, or empty: on the terminal
   std::optional<std::string> trace_window;   ///< A:B in seconds
-  std::vector<unsigned> trace_instructions;  ///< slots whose instructions are traced too
-  bool trace_labels = false;                 ///< instruction traces name labels, not addresses
+  std::vector<unsigned> trace_instructions;  ///< slots of the DSPs whose instructions are traced too
+  bool trace_labels = false;                 ///< instruction traces have labels, not addresses
   std::vector<std::string> snapshots;        ///< S:FILE
   std::optional<std::string> resume;
-  std::optional<int> debug_port;  ///< an editor may attach there while the run goes on
-  bool debug_wait = false;        ///< the run waits for it
+  std::optional<int> debug_port;  ///< an editor may attach to this port during the run
+  bool debug_wait = false;        ///< the run waits for the editor
 };
 
-/// The configuration of a run, printed instead of run.
+/// emulator config: prints the configuration of a run instead of running it.
 struct ConfigOptions {
   RunOptions run;
-  bool processes = false;  ///< Only the rows of processes and sub-processes that are built in.
+  bool processes = false;  ///< Only the built-in rows of processes and sub-processes.
 };
 
-/// A command of the Python package: what stands after its name.
+/// A command of the Python package: the arguments after the command's name.
 struct CmrcCommandOptions {
   std::string name;
   std::vector<std::string> arguments;
@@ -80,7 +82,7 @@ struct AssembleOptions {
   std::optional<std::string> cpu;      ///< c40 or c3x
   bool object = false;
   bool undefined_external = false;
-  int version = 2;  ///< Of the COFF file.
+  int version = 2;  ///< Version of the COFF file.
 };
 
 struct ClassifyOptions {
@@ -103,14 +105,14 @@ struct DisassembleOptions {
   std::vector<std::string> include_directories;
   std::optional<std::string> load_at;
   std::optional<std::string> dialect, cpu;
-  bool source = false;  ///< Text that assembles to the same words.
+  bool source = false;  ///< Print source that assembles to the same words.
 };
 
 struct ImageOptions {
   std::string program;
   std::string output;
   std::string format;   ///< boot-stream, intel-hex, srec or binary
-  unsigned width = 32;  ///< of the memory, in bits
+  unsigned width = 32;  ///< width of the memory in bits
   std::string board = "default";
   std::vector<std::string> include_directories;
   std::optional<std::string> dialect;
@@ -120,13 +122,13 @@ struct ExecOptions {
   std::vector<std::string> programs;
   std::vector<std::string> include_directories;
   std::vector<std::string> until;         ///< SYMBOL, ADDRESS or ADDRESS==WORD
-  std::int64_t max_cycles = 100'000'000;  ///< a run that needs more has failed
-  std::optional<std::int64_t> cycles;     ///< a run of so many is what is asked for
+  std::int64_t max_cycles = 100'000'000;  ///< more cycles are a failure
+  std::optional<std::int64_t> cycles;     ///< the requested length of the run
   std::vector<std::string> dumps;         ///< ADDRESS:COUNT
   bool json = false;
-  std::vector<std::string> boards;          ///< none: default
+  std::vector<std::string> boards;          ///< empty: default
   std::optional<std::uint64_t> memory_max;  ///< MiB of RAM for each chip on board flat
-  std::optional<std::string> dialect;       ///< of programs that are source
+  std::optional<std::string> dialect;       ///< of programs that are source files
   std::optional<std::string> load_at;
   std::optional<std::string> entry;
   std::optional<std::string> boot;  ///< a port 0 to 5, an address, or "reset"
@@ -143,11 +145,11 @@ struct ExecOptions {
   std::optional<std::string> topology;
   std::optional<std::string> network;
   std::optional<std::string> link_trace;
-  std::optional<std::string> perfetto;  ///< of a network
+  std::optional<std::string> perfetto;  ///< timeline of a network
   std::vector<std::string> actions;     ///< AT_US,ACTION,TARGET
   std::uint64_t turn_order = 0;
   std::optional<std::string> trace;
-  bool trace_labels = false;  ///< in it labels, not addresses
+  bool trace_labels = false;  ///< the trace has labels, not addresses
   std::optional<std::string> events;
   bool check = false;
   bool profile = false;
@@ -155,10 +157,10 @@ struct ExecOptions {
 };
 
 struct DebugOptions {
-  ExecOptions exec;                   ///< of programs and networks
-  RunOptions run;                     ///< of the dock, where no program is given
-  std::vector<std::string> scripts;   ///< files of commands
-  std::vector<std::string> commands;  ///< before the scripts
+  ExecOptions exec;                   ///< for programs and networks
+  RunOptions run;                     ///< for the dock, if no program is given
+  std::vector<std::string> scripts;   ///< files with commands
+  std::vector<std::string> commands;  ///< executed before the scripts
 };
 
 struct DapOptions {
@@ -173,15 +175,15 @@ struct TraceDiffOptions {
 
 struct VectorOptions {
   std::vector<std::string> files;
-  int show = 10;              ///< Failing vectors to name.
-  bool every_access = false;  ///< Each line names all its bus accesses in order; one without any makes none.
+  int show = 10;              ///< Number of failing vectors to print.
+  bool every_access = false;  ///< Each line names all its bus accesses in order; a line without any makes none.
   bool json = false;
 };
 
-// Each returns an exit status; throws InputError or the rooms' own input errors.
+// Each function returns an exit status; throws InputError or the input errors of the rooms below.
 int run(const RunOptions& options);
 int print_config(const ConfigOptions& options);
-/// Does not return where the command starts. \throws InputError where there is no Python package beside the program
+/// Does not return if the command starts. \throws InputError if no Python package is installed beside the program
 int cmrc_command(const CmrcCommandOptions& options);
 int compare(const CompareOptions& options);
 int assemble(const AssembleOptions& options);

@@ -11,7 +11,7 @@ cmrc::PerfettoDetail parse_detail(const std::string& text) {
   if (text == "tasks") return cmrc::PerfettoDetail::tasks;
   if (text == "bus") return cmrc::PerfettoDetail::bus;
   if (text == "all") return cmrc::PerfettoDetail::all;
-  throw InputError(fmt::format("--perfetto-detail: \"{}\" is none; tasks, bus or all is expected", text));
+  throw InputError(fmt::format("--perfetto-detail: \"{}\" is unknown; tasks, bus or all is expected", text));
 }
 
 }  // namespace
@@ -31,12 +31,12 @@ std::optional<PerfettoRequest> perfetto_request(const RunOptions& options, const
                                    report::seconds(request.window.from), config.run.duration_s));
   } else if (request.detail != cmrc::PerfettoDetail::tasks) {
     throw InputError(
-        fmt::format("--perfetto-detail {}: a second has 200,000 bus transactions; --perfetto-window A:B says which are "
-                    "drawn, in simulated seconds, e.g. 2:2.1",
+        fmt::format("--perfetto-detail {}: a second has 200,000 bus transactions; choose a part with --perfetto-window "
+                    "A:B, in simulated seconds, e.g. 2:2.1",
                     *options.perfetto_detail));
   }
   if (options.debug_port)
-    throw InputError("--perfetto: a run with --debug can go back, and a timeline cannot; one of the two");
+    throw InputError("--perfetto: a run with --debug can go back, and a timeline cannot; give one of the two");
   return request;
 }
 

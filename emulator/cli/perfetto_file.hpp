@@ -1,5 +1,5 @@
 #pragma once
-// --perfetto: the file, and the recorder that writes it while the run goes on.
+// --perfetto: the file, and the recorder that writes the file during the run.
 #include <memory>
 #include <optional>
 
@@ -11,23 +11,23 @@
 
 namespace cli {
 
-/// What --perfetto-detail and --perfetto-window ask for.
+/// The values of --perfetto-detail and --perfetto-window.
 struct PerfettoRequest {
   std::string file;
   cmrc::PerfettoDetail detail = cmrc::PerfettoDetail::tasks;
   report::Window window{};
 };
 
-/// None without --perfetto. \throws InputError when the options contradict each other or the run
+/// Nothing without --perfetto. \throws InputError if the options contradict each other or the run
 std::optional<PerfettoRequest> perfetto_request(const RunOptions& options, const cmrc::Config& config);
 
 class PerfettoFile {
  public:
   /// \throws io::CannotOpen
   explicit PerfettoFile(const PerfettoRequest& request);
-  /// Before the run, or after restore().
+  /// To be called before the run, or after restore().
   void record(cmrc::Simulation& simulation);
-  /// The file is whole, and takes its place. After Simulation::report_so_far().
+  /// Completes the file and puts it in its place. To be called after Simulation::report_so_far().
   void commit();
 
  private:

@@ -1,4 +1,4 @@
-// emulator config: the configuration that a run would have.
+// emulator config: prints the configuration of a run.
 #include <fmt/format.h>
 
 #include "cli/options.hpp"

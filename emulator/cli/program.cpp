@@ -30,11 +30,11 @@ Image read_hex(const std::string& path, Address load_at) {
     const std::string text = line.substr(first, line.find_last_not_of(" \t\r") + 1 - first);
     const auto word = toolchain::find_address(text + "h", nullptr);
     if (!word || text.size() > 8)
-      throw InputError(fmt::format("{}:{}: \"{}\" is no word; up to 8 hexadecimal digits per line are expected", path,
-                                   number, text.substr(0, 40)));
+      throw InputError(fmt::format("{}:{}: \"{}\" is not a word; up to 8 hexadecimal digits per line are expected",
+                                   path, number, text.substr(0, 40)));
     words.push_back(*word);
   }
-  if (words.empty()) throw InputError(fmt::format("{}: holds no word", path));
+  if (words.empty()) throw InputError(fmt::format("{}: contains no word", path));
   Image image;
   image.entry = load_at;
   const auto size = static_cast<Address>(words.size());
@@ -82,23 +82,23 @@ Image read_any_program(const std::string& path, const std::vector<std::string>& 
   require_file(path);
   const std::string suffix = std::filesystem::path(path).extension().string();
   if (dialect && !is_source(suffix))
-    throw InputError(fmt::format("--dialect: {} is no source; only .asm and .s are read in a dialect", path));
-  if (cpu && is_coff_name(path)) throw InputError(fmt::format("--cpu: {} is a COFF file, which says it itself", path));
+    throw InputError(fmt::format("--dialect: {} is not a source file; only .asm and .s have a dialect", path));
+  if (cpu && is_coff_name(path))
+    throw InputError(fmt::format("--cpu: {} is a COFF file, which names its processor itself", path));
   const isa::Cpu wanted = cpu ? isa::cpu_named(*cpu).value() : isa::Cpu::c40;
   if (suffix == ".hex") {
     Image image = read_hex(path, load_at ? parse_address(*load_at, nullptr, "--load-at") : 0);
     image.cpu = wanted;
     return image;
   }
-  if (load_at) throw InputError("--load-at: only a .hex file needs it; other programs say where they stand");
+  if (load_at) throw InputError("--load-at: is for .hex files only; other programs contain their addresses");
   if (is_source(suffix)) {
     toolchain::Options options;
     for (const std::string& directory : include_directories) options.include_dirs.emplace_back(directory);
     if (dialect) options.dialect = toolchain::dialect_named(*dialect);
     options.cpu = wanted;
     Image image = toolchain::assemble_file(path, options);
-    if (image.sections.empty())
-      throw InputError(fmt::format("{}: holds no word; at least one is expected in a program", path));
+    if (image.sections.empty()) throw InputError(fmt::format("{}: contains no word; a program has at least one", path));
     return image;
   }
   toolchain::Object object = toolchain::read_object(path);
@@ -112,8 +112,8 @@ bool is_source_name(const std::string& path) { return is_source(std::filesystem:
 
 Address parse_address(std::string_view text, const Image* image, std::string_view what) {
   if (const auto address = toolchain::find_address(text, image)) return *address;
-  throw InputError(fmt::format("{}: \"{}\" is no {}32-bit address (300000h, 0x300000 or decimal)", what, text,
-                               image ? "symbol of the program and no " : ""));
+  throw InputError(fmt::format("{}: \"{}\" is neither {}a 32-bit address (300000h, 0x300000 or decimal)", what, text,
+                               image ? "a symbol of the program nor " : ""));
 }
 
 ChipText chip_text(std::string_view text, std::size_t chips, std::string_view what) {

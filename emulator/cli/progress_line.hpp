@@ -1,5 +1,5 @@
 #pragma once
-// The line that shows how a run is coming along: on a terminal only.
+// A line on the terminal that shows how far a run has come.
 #include <chrono>
 #include <cstdint>
 #include <string_view>
@@ -8,8 +8,8 @@
 
 namespace cli {
 
-/// Rewrites one line on standard error a few times per second; erases it in the end. Silent when standard error is no
-/// terminal.
+/// Rewrites one line on standard error a few times per second and erases it at the end. Silent if standard error is not
+/// a terminal.
 class ProgressLine {
  public:
   ProgressLine(report::Time duration, bool wanted);

@@ -34,7 +34,7 @@ std::string instruction_file(const RunOptions& options, unsigned slot) {
   return fmt::format("{}.dsp{}", *options.trace, slot);
 }
 
-/// Files for the instructions of some DSPs.
+/// The files for the instructions of the chosen DSPs.
 class InstructionFiles {
  public:
   InstructionFiles(const RunOptions& options, report::Window window, cmrc::Simulation& simulation) {
@@ -73,9 +73,10 @@ void check(const RunOptions& options, const cmrc::Config& config) {
   for (const unsigned slot : options.trace_instructions)
     if (slot >= config.machine.dsps)
       throw InputError(
-          fmt::format("--trace-instructions: there is no DSP {}; 0 to {} are", slot, config.machine.dsps - 1));
+          fmt::format("--trace-instructions: there is no DSP {}; 0 to {} are possible", slot, config.machine.dsps - 1));
   if (options.profile && (options.resume || !options.snapshots.empty()))
-    throw InputError("--profile: a run with a profile has no snapshots; --resume and --snapshot-at go without it");
+    throw InputError(
+        "--profile: a run with a profile has no snapshots; leave out --profile, or --resume and --snapshot-at");
 }
 
 void resume(cmrc::Simulation& simulation, const cmrc::Snapshot& snapshot, const std::string& file,
@@ -90,7 +91,7 @@ void resume(cmrc::Simulation& simulation, const cmrc::Snapshot& snapshot, const 
   }
 }
 
-/// What the run is called: its file, DSPs and load.
+/// The title of the page: configuration file, DSPs and load.
 std::string page_title(const RunOptions& options, const cmrc::Config& config) {
   const std::string name =
       options.config ? std::filesystem::path(*options.config).stem().string() : options.preset.value_or("base");
@@ -98,7 +99,7 @@ std::string page_title(const RunOptions& options, const cmrc::Config& config) {
                      config.run.duration_s);
 }
 
-/// How many of them it has come to.
+/// Runs to each snapshot; returns how many were reached.
 std::size_t run_to_snapshots(cmrc::Simulation& simulation, std::span<const SnapshotRequest> requests,
                              const std::function<bool(const cmrc::Progress&)>& show) {
   for (std::size_t n = 0; n < requests.size(); ++n) {
@@ -114,7 +115,7 @@ std::size_t run_to_snapshots(cmrc::Simulation& simulation, std::span<const Snaps
 int run(const RunOptions& options) {
   const std::optional<cmrc::Snapshot> resumed =
       options.resume ? std::optional(read_snapshot(*options.resume)) : std::nullopt;
-  // Flags may repeat what the snapshot says; what they change is refused when the run is restored.
+  // Flags may repeat values of the snapshot. A flag that changes a value is refused when the run is restored.
   const cmrc::Config config =
       resumed ? build_config(options, resumed->configuration(), *options.resume) : build_config(options);
   check(options, config);
@@ -204,11 +205,11 @@ int run(const RunOptions& options) {
     }
   }
   if (options.trace_window && window.from > simulation.time())
-    io::print(stderr, "--trace-window: {} has no events; the run was over at {} s, before {} s\n", *options.trace,
+    io::print(stderr, "--trace-window: {} has no events; the run ended at {} s, before {} s\n", *options.trace,
               report::seconds(simulation.time()), report::seconds(window.from));
   if (simulation.interrupted()) return signals.status(success);
   for (const SnapshotRequest& missed : std::span(snapshots).subspan(written))
-    io::print(stderr, "--snapshot-at: {} is not written; the run was over at {} s, before {} s\n", missed.file,
+    io::print(stderr, "--snapshot-at: {} is not written; the run ended at {} s, before {} s\n", missed.file,
               report::seconds(simulation.time()), report::seconds(missed.at));
   return written < snapshots.size() ? run_failed : simulation.exit_status();
 }

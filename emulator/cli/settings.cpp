@@ -26,15 +26,6 @@ std::optional<std::int64_t> parse_integer(std::string_view text) {
   return value;
 }
 
-/// What the text would be in TOML; a word without quotes is a string.
-cmrc::Value parse_value(const std::string& text) {
-  if (text == "true") return true;
-  if (text == "false") return false;
-  if (const auto integer = parse_integer(text)) return *integer;
-  if (const auto number = parse<double>(text)) return *number;
-  return text;
-}
-
 void add_setting(cmrc::ConfigBuilder& builder, const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0) throw InputError(fmt::format("--set: \"{}\" is not KEY=VALUE", text));
@@ -42,6 +33,14 @@ void add_setting(cmrc::ConfigBuilder& builder, const std::string& text) {
 }
 
 }  // namespace
+
+cmrc::Value parse_value(const std::string& text) {
+  if (text == "true") return true;
+  if (text == "false") return false;
+  if (const auto integer = parse_integer(text)) return *integer;
+  if (const auto number = parse<double>(text)) return *number;
+  return text;
+}
 
 std::optional<report::Time> parse_seconds(std::string_view text) {
   const auto seconds = parse<double>(text);
@@ -89,7 +88,7 @@ report::Window parse_window(std::string_view option, const std::string& text) {
   const auto begin = from.empty() ? window.from : parse_seconds(from);
   const auto end = to.empty() ? window.to : parse_seconds(to);
   if (!begin || !end) refuse("is not A:B, in seconds");
-  if (*begin >= *end) refuse("holds no time; A has to come before B");
+  if (*begin >= *end) refuse("is empty; A has to be less than B");
   return {*begin, *end};
 }
 

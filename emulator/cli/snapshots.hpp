@@ -1,5 +1,5 @@
 #pragma once
-// --snapshot-at and --resume: a run written to a file on the way, and gone on with from one (docs/snapshots.md).
+// --snapshot-at and --resume: files of a run's state, and a run that continues from one (docs/snapshots.md).
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,10 +16,10 @@ struct SnapshotRequest {
   std::string file;
 };
 
-/// What --snapshot-at asks for, by time. \throws InputError, also for an instant that is not within the run
+/// The snapshots of --snapshot-at in order of time. \throws InputError, also for an instant outside the run
 std::vector<SnapshotRequest> snapshot_requests(const RunOptions& options, const cmrc::Config& config);
 
-/// \throws InputError naming the file
+/// \throws InputError that names the file
 cmrc::Snapshot read_snapshot(const std::string& file);
 void write_snapshot(const std::string& file, const cmrc::Snapshot& snapshot);
 

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t buffer_size = 1u << 18;
 
-/// Plain text and gzip: zlib passes on what is not compressed.
+/// Reads plain text and gzip; zlib passes on data that is not compressed.
 class GzipSource : public TextLines::Source {
  public:
   explicit GzipSource(const std::string& path) : path_(path), file_(gzopen(path.c_str(), "rb")) {

@@ -1,5 +1,5 @@
 #pragma once
-// Text files line by line, plain or compressed (gzip, xz), told apart by their first bytes.
+// Text files line by line, plain or compressed (gzip, xz); the first bytes of a file say which.
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -15,9 +15,10 @@ class TextLines {
   TextLines(const TextLines&) = delete;
   TextLines& operator=(const TextLines&) = delete;
 
-  /// The next line, without its end; false after the last. Throws InputError if the file is damaged or cut off.
+  /// Reads the next line, without its end; false after the last one. Throws InputError if the file is damaged or cut
+  /// off.
   bool next(std::string& line);
-  /// Of the line that next() gave last, counted from 1.
+  /// Number of the line that next() gave last, counted from 1.
   std::uint64_t number() const { return number_; }
   const std::string& path() const { return path_; }
 

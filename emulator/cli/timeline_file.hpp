@@ -1,5 +1,5 @@
 #pragma once
-// The file of --perfetto, packed when its name ends in .gz.
+// The file of --perfetto, compressed if its name ends in .gz.
 #include <optional>
 #include <ostream>
 #include <string>
@@ -16,7 +16,7 @@ class TimelineFile {
     if (name.ends_with(".gz")) packed_.emplace(file_.stream());
   }
   std::ostream& stream() { return packed_ ? static_cast<std::ostream&>(*packed_) : file_.stream(); }
-  /// \throws std::runtime_error as OutputFile
+  /// \throws std::runtime_error as OutputFile does
   void commit() {
     if (packed_) packed_->finish();
     file_.commit();

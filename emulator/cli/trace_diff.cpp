@@ -1,4 +1,4 @@
-// emulator trace-diff: where two traces part.
+// emulator trace-diff: the first difference of two traces.
 #include <fmt/format.h>
 
 #include <charconv>
@@ -16,7 +16,7 @@
 namespace cli {
 namespace {
 
-/// Cycles behind one hash of a golden trace: 0.1 ms of a C40-50.
+/// Cycles covered by one hash of a golden trace: 0.1 ms of a C40-50.
 constexpr c40::Cycles cycles_per_hash = 2500;
 constexpr std::size_t digits_of_hash = 16;
 
@@ -43,7 +43,7 @@ std::optional<unsigned> dsps_of_scene(const std::string& path) {
   return std::nullopt;
 }
 
-/// Of a line that stands for the hash of a stretch of instructions.
+/// The hash in a line that stands for a part of the instructions.
 std::optional<std::string> hash_of(const std::optional<report::TraceLine>& line) {
   if (line)
     for (const auto& [name, value] : line->fields)
@@ -51,7 +51,7 @@ std::optional<std::string> hash_of(const std::optional<report::TraceLine>& line)
   return std::nullopt;
 }
 
-/// What is executed in the stretch, in full, if it is what one of the traces has there. Else what the reader can do.
+/// Prints the instructions of this part in full, if one of the traces has their hash. Else says what the reader can do.
 void regenerate(const report::TraceDifference& difference, const TraceDiffOptions& options) {
   const report::TraceLine& line = difference.right ? *difference.right : *difference.left;
   const auto left = hash_of(difference.left), right = hash_of(difference.right);
@@ -59,7 +59,8 @@ void regenerate(const report::TraceDifference& difference, const TraceDiffOption
   const auto dsps = dsps_of_scene(options.right);
   if (!dsps) {
     io::print(
-        "what stands behind a hash can be printed of a scene's trace only: it has a comment `# emulator --dsps N`\n");
+        "instructions behind a hash can be printed for a scene's trace only: one with a comment `# emulator --dsps "
+        "N`\n");
     return;
   }
   const auto slot = number_after(line.who, "dsp ");
@@ -83,14 +84,13 @@ void regenerate(const report::TraceDifference& difference, const TraceDiffOption
   simulation.run_until(simulation.machine().chip_clock().at(from + cycles_per_hash));
   const std::string hash = state::sha256(hashed).substr(0, digits_of_hash);
   if (hash != left && hash != right)
-    return io::print(
-        stderr,
-        "error: this emulator executes something else there (sha256 {}) than either trace has: they were made from "
-        "other programs "
-        "(--programs DIR takes those of a directory), with other options than --dsps {}, or by another version\n",
-        hash, *dsps);
-  io::print("what this emulator executes there, as {} has it:\n{}", hash == left ? options.left : options.right,
-            executed);
+    return io::print(stderr,
+                     "error: this emulator executes other instructions there (sha256 {}) than both traces: the traces "
+                     "were made with other programs (--programs DIR takes programs of a directory), with other options "
+                     "than --dsps {}, or by another version\n",
+                     hash, *dsps);
+  io::print("instructions that this emulator executes there, equal to those of {}:\n{}",
+            hash == left ? options.left : options.right, executed);
 }
 
 }  // namespace

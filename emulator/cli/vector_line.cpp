@@ -34,7 +34,7 @@ isa::Word word(std::string_view token, std::string_view digits) {
 std::optional<Vector::Place> place_named(std::string_view text) {
   using Kind = Vector::Place::Kind;
   if (text == "PC") return Vector::Place{Kind::pc, 0};
-  // F0 to F11 are synonyms in assembly only.
+  // F0 to F11 are synonyms in assembly only, not here.
   if (text.starts_with('F') || text.starts_with('f')) return std::nullopt;
   if (const auto r = isa::expansion_named(text)) return Vector::Place{Kind::expansion, static_cast<std::uint8_t>(*r)};
   if (const auto r = isa::register_named(text)) return Vector::Place{Kind::primary, isa::code(*r)};
@@ -51,10 +51,10 @@ class LineReader {
   Vector read(std::string_view line) {
     const std::size_t arrow = line.find("->");
     if (arrow == std::string_view::npos)
-      throw VectorError("there is no \"->\" between the state before and the state after");
+      throw VectorError("\"->\" between the state before and the state after is missing");
     each_token(line.substr(0, arrow), [this](auto token, auto key, auto value) { left(token, key, value); });
     each_token(line.substr(arrow + 2), [this](auto token, auto key, auto value) { right(token, key, value); });
-    if (out_.code.empty()) throw VectorError("there is no op=WORD");
+    if (out_.code.empty()) throw VectorError("op=WORD is missing");
     return std::move(out_);
   }
 
@@ -79,7 +79,7 @@ class LineReader {
     const bool extended = is_extended(*place);
     const std::uint64_t number = hexadecimal(token, value, extended ? 10 : 8, extended ? 10 : 1);
     if (std::any_of(settings.begin(), settings.end(), [&](const auto& s) { return s.place == *place; }))
-      fail(token, "this register has been given before");
+      fail(token, "this register is given twice");
     settings.push_back({*place, number});
   }
 
@@ -95,7 +95,7 @@ class LineReader {
     else if (key.starts_with('@'))
       out_.memory_before.push_back({word(token, key.substr(1)), word(token, value)});
     else if (key == "PC")
-      fail(token, "the instruction always stands at 1000h");
+      fail(token, "the address of the instruction is always 1000h");
     else
       setting(out_.before, token, key, value);
   }

@@ -1,5 +1,6 @@
 #pragma once
-// One line of a file of single-step vectors: a state, the instructions, and the state after them (docs/cli.md).
+// One line of a file of single-step vectors: a state, instructions, and the state after these instructions
+// (docs/cli.md).
 #include <cstdint>
 #include <optional>
 #include <stdexcept>
@@ -11,7 +12,7 @@
 
 namespace cli {
 
-/// The message says what is wrong and what would be right; the caller knows file and line.
+/// The message says what is wrong and what would be right; the caller adds file and line.
 class VectorError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -44,7 +45,7 @@ struct Vector {
   std::vector<isa::Word> code;  ///< from address 1000h on
   std::vector<Setting> before, after;
   std::vector<Word> memory_before, memory_after;
-  std::vector<Access> accesses;  ///< in bus order; without any, the bus is not compared
+  std::vector<Access> accesses;  ///< in bus order; empty: the bus is not compared
 };
 
 /// Throws VectorError.

@@ -1,4 +1,4 @@
-// emulator vectors: single instructions against the states that another core, or a specification, gives.
+// emulator vectors: compares single instructions with the states that another core or a specification gives.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ using isa::Word;
 
 constexpr Address start = 0x1000;
 
-/// What the instructions did on the bus.
+/// The bus accesses of the instructions.
 class Bus : public c40::TraceSink {
  public:
   void instruction(const c40::TraceRecord& record) override {
@@ -33,7 +33,7 @@ class Bus : public c40::TraceSink {
   std::vector<c40::MemoryEvent> events;
 };
 
-/// A chip on a board of plain RAM, whose memory is all zero between vectors.
+/// A chip on a board of plain RAM; all memory is zero before each vector.
 class Bench {
  public:
   explicit Bench(bool every_access) : chip_(c40::Board::plain_ram()), every_access_(every_access) {
@@ -52,7 +52,7 @@ class Bench {
     compare_bus(vector);
     for (const Address address : touched_) chip_.poke(address, 0);
     touched_.clear();
-    // A flat board makes its pages as they are asked for; a million vectors ask for all of them.
+    // A flat board makes its pages on demand; a million vectors would need all of them.
     constexpr std::size_t most_areas = 256;
     if (chip_.memory().areas().size() > most_areas) start_afresh();
     return std::move(found_);
@@ -90,7 +90,7 @@ class Bench {
     for (const Vector::Word& word : vector.memory_before) poke(word.address, word.value);
     constexpr Vector::Place status{Kind::primary, isa::code(isa::Register::ST)},
         count{Kind::primary, isa::code(isa::Register::RC)};
-    // A write of ST sets RM only beside a count; here ST is a state, which may have RM with any RC.
+    // A write of ST sets RM only together with a count; a vector's state may have RM with any RC.
     set({count, 1});
     for (const Vector::Setting& setting : vector.before)
       if (setting.place == status) set(setting);
@@ -105,7 +105,7 @@ class Bench {
   void run(const Vector& vector) {
     for (unsigned step = 0; step < vector.steps; ++step) {
       const c40::StopInfo stop = chip_.step();
-      // Before SWI nothing has happened; the state then says the rest.
+      // At SWI no effect has happened yet; the comparison of states says the rest.
       if (stop.reason == c40::StopInfo::Reason::limit || stop.reason == c40::StopInfo::Reason::software_interrupt)
         continue;
       found_.push_back(
@@ -124,7 +124,7 @@ class Bench {
     return all;
   }
 
-  // What is not named on the right has kept its value. The PC is compared if it is named.
+  // A register that is not named on the right has to keep its value. The PC is compared if it is named.
   void compare_registers(const Vector& vector) {
     for (std::size_t i = 0; i < places().size(); ++i) {
       const Vector::Place place = places()[i];
@@ -201,8 +201,8 @@ struct Failure {
 
 struct Totals {
   std::uint64_t passed = 0, failed = 0;
-  std::vector<Failure> failures;  ///< the first
-  bool interrupted = false;       ///< not all have been run
+  std::vector<Failure> failures;  ///< the first ones
+  bool interrupted = false;       ///< not all vectors have been run
 };
 
 void run_file(const std::string& path, Bench& bench, Totals& totals, std::size_t shown) {
@@ -256,7 +256,7 @@ int vectors(const VectorOptions& options) {
   const io::StopBySignal signals;
   for (const std::string& file : options.files) run_file(file, bench, totals, static_cast<std::size_t>(options.show));
   if (totals.passed + totals.failed == 0 && !totals.interrupted)
-    throw InputError(fmt::format("{}: holds no vector", options.files.front()));
+    throw InputError(fmt::format("{}: contains no vector", options.files.front()));
   (options.json ? print_json : print_text)(totals);
   if (totals.interrupted) return signals.status(run_failed);
   return totals.failed == 0 ? success : run_failed;

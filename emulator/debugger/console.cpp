@@ -26,7 +26,7 @@ using machine::debug::Trigger;
 using machine::debug::Word;
 
 struct Console::Row {
-  std::vector<std::string_view> names;  ///< the first is the one that help shows
+  std::vector<std::string_view> names;  ///< help shows the first name
   std::string_view arguments, purpose;
   std::function<void(Console&, Words&)> act;
 };
@@ -46,33 +46,36 @@ const std::vector<Console::Row>& Console::rows() {
        [](Console& c, Words& w) { c.stop_at_words(w); }},
       {{"on"},
        "KIND [chip N] [FIELD=VALUE ...] [ignore N] [log TEXT] [if EXPRESSION]",
-       "stop at what happens (see: happenings)",
+       "stop at an event (see: happenings)",
        [](Console& c, Words& w) { c.stop_at_happening(w); }},
       {{"when"},
        "EXPRESSION",
-       "stop when it becomes true, looked at every 125 us",
+       "stop when it becomes true, checked every 125 us",
        [](Console& c, Words& w) { c.stop_at_value(w); }},
       {{"stops", "info"},
        "",
        "the stop conditions, and how often each was met",
        [](Console& c, Words& w) { c.show_stops(w); }},
-      {{"delete"}, "NUMBER", "forget a stop condition", [](Console& c, Words& w) { c.forget(w); }},
-      {{"enable"}, "NUMBER", "look at a stop condition again", [](Console& c, Words& w) { c.enable(w); }},
-      {{"disable"}, "NUMBER", "do not look at a stop condition", [](Console& c, Words& w) { c.disable(w); }},
-      {{"continue", "c"}, "[TIME]", "on to the next stop, or to an instant", [](Console& c, Words& w) { c.go(w); }},
+      {{"delete"}, "NUMBER", "remove a stop condition", [](Console& c, Words& w) { c.forget(w); }},
+      {{"enable"}, "NUMBER", "use a stop condition again", [](Console& c, Words& w) { c.enable(w); }},
+      {{"disable"}, "NUMBER", "do not use a stop condition", [](Console& c, Words& w) { c.disable(w); }},
+      {{"continue", "c"}, "[TIME]", "run to the next stop, or to an instant", [](Console& c, Words& w) { c.go(w); }},
       {{"back", "rc"}, "", "back to the last stop condition that was met", [](Console& c, Words& w) { c.back(w); }},
       {{"goto"},
        "TIME",
-       "to an instant, before or after now: 2.5 s, 12 ms, 100 us, 7 cycles",
+       "go to an instant, before or after now: 2.5 s, 12 ms, 100 us, 7 cycles",
        [](Console& c, Words& w) { c.go_to(w); }},
       {{"stepi", "si"}, "[COUNT]", "one instruction", step(Step::instruction, false)},
-      {{"nexti", "ni"}, "[COUNT]", "one instruction; a call and all it does is one", step(Step::over, false)},
+      {{"nexti", "ni"}, "[COUNT]", "one instruction; a call with everything in it is one", step(Step::over, false)},
       {{"step", "s"}, "[COUNT]", "to another source line", step(Step::line, false)},
-      {{"next", "n"}, "[COUNT]", "to another source line; a call and all it does is one", step(Step::next_line, false)},
-      {{"out", "finish"}, "", "to behind the call of this routine", step(Step::out, false)},
+      {{"next", "n"},
+       "[COUNT]",
+       "to another source line; a call with everything in it is one",
+       step(Step::next_line, false)},
+      {{"out", "finish"}, "", "to after the call of this routine", step(Step::out, false)},
       {{"block"}, "[COUNT]", "to this DSP's next claim of a task block", step(Step::claim, false)},
       {{"refresh"}, "[COUNT]", "to the host's next refresh of the list", step(Step::refresh, false)},
-      {{"event"}, "", "to the next thing that happens", step(Step::happening, false)},
+      {{"event"}, "", "to the next event", step(Step::happening, false)},
       {{"rstepi", "rsi"}, "[COUNT]", "one instruction back", step(Step::instruction, true)},
       {{"rnexti", "rni"}, "[COUNT]", "one instruction back, over calls", step(Step::over, true)},
       {{"rstep", "rs"}, "[COUNT]", "one source line back", step(Step::line, true)},
@@ -80,20 +83,17 @@ const std::vector<Console::Row>& Console::rows() {
       {{"rout"}, "", "back to the call of this routine", step(Step::out, true)},
       {{"rblock"}, "[COUNT]", "back to this DSP's last claim of a task block", step(Step::claim, true)},
       {{"rrefresh"}, "[COUNT]", "back to the host's last refresh of the list", step(Step::refresh, true)},
-      {{"revent"}, "", "back to the last thing that happened", step(Step::happening, true)},
-      {{"lastwrite", "who"}, "PLACE", "who wrote a word last", [](Console& c, Words& w) { c.show_last_write(w); }},
-      {{"chip", "dsp"},
-       "[NUMBER]",
-       "whose registers and code are shown",
-       [](Console& c, Words& w) { c.choose_chip(w); }},
-      {{"chips", "dsps"}, "", "how all chips stand", [](Console& c, Words& w) { c.show_chips(w); }},
+      {{"revent"}, "", "back to the last event", step(Step::happening, true)},
+      {{"lastwrite", "who"}, "PLACE", "the last write to a word", [](Console& c, Words& w) { c.show_last_write(w); }},
+      {{"chip", "dsp"}, "[NUMBER]", "choose the chip to show", [](Console& c, Words& w) { c.choose_chip(w); }},
+      {{"chips", "dsps"}, "", "the state of all chips", [](Console& c, Words& w) { c.show_chips(w); }},
       {{"print", "p"},
        "EXPRESSION",
        "a value: r0, f(r1), [label + 2], chip1.pc, TIMER0.counter, plant.payload_z_m",
        [](Console& c, Words& w) { c.print_value(w); }},
       {{"registers", "r"},
        "",
-       "all registers; * marks those that the last step has changed",
+       "all registers; * marks those changed by the last step",
        [](Console& c, Words& w) { c.show_registers(w); }},
       {{"peripherals"},
        "[NAME]",
@@ -104,13 +104,13 @@ const std::vector<Console::Row>& Console::rows() {
        "[PLACE]",
        "source or instructions, with the cycles by cause of their last run",
        [](Console& c, Words& w) { c.show_code(w); }},
-      {{"stack", "bt"}, "", "the routines that are under way", [](Console& c, Words& w) { c.show_stack(w); }},
+      {{"stack", "bt"}, "", "the calls of the present routine", [](Console& c, Words& w) { c.show_stack(w); }},
       {{"page"},
        "NAME",
-       "of the dock list, dsps, plant; of a network chips, events",
+       "for the dock list, dsps, plant; for a network chips, events",
        [](Console& c, Words& w) { c.show_page(w); }},
       {{"happenings"}, "", "what `on` takes", [](Console& c, Words& w) { c.show_happenings(w); }},
-      {{"history"}, "", "the snapshots that going back rests on", [](Console& c, Words& w) { c.show_history(w); }},
+      {{"history"}, "", "the snapshots for going back", [](Console& c, Words& w) { c.show_history(w); }},
       {{"set"},
        "PLACE|REGISTER = EXPRESSION",
        "change a word or a register: a new branch begins",
@@ -119,7 +119,7 @@ const std::vector<Console::Row>& Console::rows() {
        "EXPRESSION",
        "exit status 1 if it is not true; a script ends there",
        [](Console& c, Words& w) { c.assert_that(w); }},
-      {{"source"}, "FILE", "do the commands of a file", [](Console& c, Words& w) { c.read_script(w); }},
+      {{"source"}, "FILE", "execute the commands of a file", [](Console& c, Words& w) { c.read_script(w); }},
       {{"help", "h", "?"}, "", "this list", [](Console& c, Words& w) { c.help(w); }},
       {{"quit", "q"}, "", "the end", [](Console& c, Words&) { c.goes_on_ = false; }},
   };
@@ -147,7 +147,7 @@ bool Console::command(std::string_view line) {
   const std::string_view name = words.next();
   try {
     const Row* row = row_named(name);
-    if (row == nullptr) throw DebugError(fmt::format("{} is no command; help lists them", name));
+    if (row == nullptr) throw DebugError(fmt::format("{} is not a command; help lists the commands", name));
     const bool repeats =
         row->arguments == "[COUNT]" || row->names.front() == "continue" || row->names.front() == "back";
     last_step_ = repeats && depth_ == 0 ? std::string(line) : "";
@@ -162,7 +162,7 @@ bool Console::command(std::string_view line) {
 void Console::script(const std::string& path) {
   std::ifstream in(path);
   if (!in) throw DebugError(fmt::format("{}: cannot be read", path));
-  if (depth_ > 10) throw DebugError(fmt::format("{}: files in files, more than 10 deep", path));
+  if (depth_ > 10) throw DebugError(fmt::format("{}: files nested more than 10 deep", path));
   ++depth_;
   int number = 0;
   for (std::string line; goes_on_ && std::getline(in, line);) {
@@ -176,12 +176,12 @@ void Console::script(const std::string& path) {
   --depth_;
 }
 
-// ---- what to stop at ----
+// ---- stop conditions ----
 
 namespace {
 
-/// "chip N", "ignore N", "log TEXT", "if EXPRESSION" in any order; the last two take the rest of the line, `log` up to
-/// " if ".
+/// "chip N", "ignore N", "log TEXT", "if EXPRESSION" in any order. The last two take the rest of the line; `log` ends
+/// at " if ".
 template <class Words>
 void read_options(Words& words, Trigger& trigger) {
   for (;;) {
@@ -199,7 +199,7 @@ void read_options(Words& words, Trigger& trigger) {
         trigger.condition = text.substr(at + 4);
         text.resize(at);
       }
-      if (text.empty()) throw DebugError("log: a text is expected, with {expressions} if you like");
+      if (text.empty()) throw DebugError("log: a text is expected; it may contain {expressions}");
       trigger.log = text;
       return;
     } else {
@@ -267,7 +267,7 @@ void Console::stop_at_words(Words& words) {
 
 void Console::stop_at_happening(Words& words) {
   Trigger trigger{.kind = Trigger::Kind::happening, .name = std::string(words.next())};
-  if (trigger.name.empty()) throw DebugError("on: what happens is expected (see: happenings)");
+  if (trigger.name.empty()) throw DebugError("on: an event is expected (see: happenings)");
   trigger.text = "at " + trigger.name + " " + std::string(trimmed(words.rest));
   for (;;) {
     const std::string_view word = words.peek();
@@ -303,12 +303,12 @@ void Console::show_stops(Words& words) {
   for (const auto& [number, trigger] : debugger_.triggers())
     print_(fmt::format("{}: {}{}{}{}{}, met {} times{}", number, trigger.text,
                        trigger.condition.empty() ? "" : " if " + trigger.condition,
-                       trigger.ignore == 0 ? "" : fmt::format(", the first {} passed over", trigger.ignore),
+                       trigger.ignore == 0 ? "" : fmt::format(", the first {} ignored", trigger.ignore),
                        trigger.log.empty() ? "" : ", tells: " + trigger.log, "", trigger.hits,
                        trigger.enabled ? "" : " (disabled)"));
 }
 
-// ---- going ----
+// ---- running ----
 
 void Console::tell(const Stop& stop) {
   if (stop.chip) chip_ = *stop.chip;
@@ -347,7 +347,8 @@ Time Console::time_in(Words& words) const {
   } catch (const std::exception&) {
   }
   if (used != number.size() || !(value >= 0))
-    throw DebugError(fmt::format("\"{}\" is no instant; 2.5, 2.5 s, 12 ms, 100 us or 7 cycles is expected", number));
+    throw DebugError(
+        fmt::format("\"{}\" is not an instant; 2.5, 2.5 s, 12 ms, 100 us or 7 cycles is expected", number));
   if (unit == "cycles") return debugger_.debuggee().time_of(chip_, static_cast<c40::Cycles>(std::min(value, 1e15)));
   for (const auto& [name, factor] : {std::pair{"", 1e12}, std::pair{"s", 1e12}, std::pair{"ms", 1e9},
                                      std::pair{"us", 1e6}, std::pair{"ns", 1e3}, std::pair{"ps", 1.0}})
@@ -387,17 +388,17 @@ void Console::show_last_write(Words& words) {
   const auto value = Expression(place, debuggee(), debugger_.programs(), chip_).value();
   const auto writer = debugger_.last_write(chip_, value.address.value_or(static_cast<Address>(value.integer)));
   print_(writer ? fmt::format("{}  {}", seconds(writer->time), writer->text)
-                : fmt::format("nobody has written it since {}", seconds(debugger_.beginning())));
+                : fmt::format("not written since {}", seconds(debugger_.beginning())));
 }
 
-// ---- what there is to see ----
+// ---- showing ----
 
 void Console::choose_chip(Words& words) {
   if (words.empty()) return show_stop();
   const auto chip = words.count("chip");
   words.end();
   if (chip >= debugger_.programs().size())
-    throw DebugError(fmt::format("there is no chip {}; 0 to {} are there", chip, debugger_.programs().size() - 1));
+    throw DebugError(fmt::format("there is no chip {}; 0 to {} are possible", chip, debugger_.programs().size() - 1));
   chip_ = chip;
   print_(fmt::format("{}: {}", debuggee().chip_name(chip_), debuggee().describe(chip_)));
 }
@@ -413,7 +414,7 @@ void Console::set(Words& words) {
     return debugger_.set_register(chip_, target, value);
   const auto place = Expression(target, debuggee(), debugger_.programs(), chip_).value();
   const auto number = Expression(value, debuggee(), debugger_.programs(), chip_).value();
-  if (number.is_float) throw DebugError(fmt::format("{} is a float; a word takes whole numbers", value));
+  if (number.is_float) throw DebugError(fmt::format("{} is a float; a word takes integers", value));
   debugger_.set_word(chip_, place.address.value_or(static_cast<Address>(place.integer)),
                      static_cast<Word>(number.integer));
 }
@@ -434,7 +435,7 @@ void Console::help(Words& words) {
     for (std::size_t i = 1; i < row.names.size(); ++i) names += fmt::format(", {}", row.names[i]);
     print_(fmt::format("{:<14} {}\n{:<14} {}", names, row.arguments, "", row.purpose));
   }
-  print_("An empty line does the last step again. Ctrl-C ends a command under way. docs/debugger.md says more.");
+  print_("An empty line repeats the last step. Ctrl-C ends a running command. docs/debugger.md says more.");
 }
 
 std::vector<std::string> Console::completions(std::string_view line) const {

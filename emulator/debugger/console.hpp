@@ -1,5 +1,5 @@
 #pragma once
-/// The debugger by commands, a line each: for a terminal and for scripts.
+/// The debugger as a console with one command per line: for a terminal and for scripts.
 #include <functional>
 #include <map>
 #include <optional>
@@ -16,18 +16,18 @@ class Console {
   using Print = std::function<void(const std::string&)>;
   Console(machine::debug::Debugger& debugger, Print print);
 
-  /// Does a command; an empty line does the last step again. False: it is the end.
+  /// Executes a command; an empty line repeats the last step. False: the end.
   bool command(std::string_view line);
-  /// The commands of a file, one a line, # begins a comment. Ends at the first that fails, with status 2, or when an
-  /// assertion does not hold, with status 1.
+  /// Executes the commands of a file, one per line; # begins a comment. Ends at the first command that fails, with
+  /// status 2, or at an assertion that is false, with status 1.
   void script(const std::string& path);
-  /// 0; 1: an assertion did not hold; 2: a command of a script made no sense
+  /// 0; 1: an assertion was false; 2: a command of a script failed
   int status() const { return status_; }
-  /// Words that may stand where the line ends: commands, labels, registers, happenings.
+  /// Words that could complete the line: commands, labels, registers, events.
   std::vector<std::string> completions(std::string_view line) const;
   /// "dsp 2> "
   std::string prompt() const;
-  /// Where the machine stands.
+  /// Shows where the machine is.
   void show_stop();
 
  private:
@@ -80,7 +80,7 @@ class Console {
   std::map<std::size_t, std::vector<machine::debug::ShownRegister>> before_,
       now_;  ///< registers at the last two stops, by chip
   int status_ = 0;
-  int depth_ = 0;  ///< of scripts in scripts
+  int depth_ = 0;  ///< depth of nested scripts
   bool goes_on_ = true;
 };
 

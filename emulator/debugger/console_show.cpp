@@ -1,4 +1,4 @@
-// What the debugger's commands show: registers, memory, code, the stack, pages.
+// The commands that show something: registers, memory, code, the stack, pages.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -143,7 +143,7 @@ void Console::show_page(Words& words) {
 void Console::show_happenings(Words& words) {
   words.end();
   for (const auto& [kind, what] : debugger_.happenings()) print_(fmt::format("  {:<16} {}", kind, what));
-  print_("  any              each of them, but for what happens all the time");
+  print_("  any              each of them, except events at every bus clock or latch");
 }
 
 void Console::show_history(Words& words) {

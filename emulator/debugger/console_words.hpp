@@ -1,5 +1,5 @@
 #pragma once
-// The words of a debugger's command, and how its answers write times: for the console's own sources only.
+// The words of a command, and the format of times in answers; only for the console's own sources.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ inline std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-/// What is left of a command.
+/// The rest of a command.
 struct Console::Words {
   std::string_view rest;
 
@@ -48,12 +48,13 @@ struct Console::Words {
     return text;
   }
   void end() const {
-    if (!empty()) throw machine::debug::DebugError(fmt::format("\"{}\": nothing more is expected here", trimmed(rest)));
+    if (!empty())
+      throw machine::debug::DebugError(fmt::format("\"{}\": the end of the command is expected here", trimmed(rest)));
   }
   std::uint64_t count(std::string_view what) {
     const std::string_view word = next();
     if (word.empty() || word.size() > 12 || !std::ranges::all_of(word, [](char c) { return c >= '0' && c <= '9'; }))
-      throw machine::debug::DebugError(fmt::format("{}: \"{}\" is none; a number is expected", what, word));
+      throw machine::debug::DebugError(fmt::format("{}: \"{}\" is not a number; a number is expected", what, word));
     return std::stoull(std::string(word));
   }
 };

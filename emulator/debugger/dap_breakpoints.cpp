@@ -1,4 +1,4 @@
-// What a client wants to stop at. Each request sends all of its kind anew.
+// The client's stop conditions. Each request sends all conditions of its kind again.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ const Json& list_of(const Json& from, std::string_view key) {
   return found != from.end() && found->is_array() ? *found : none;
 }
 
-/// "5", ">= 5", "> 4": so many hits are passed over.
+/// The number of hits to ignore, from "5", ">= 5", "> 4".
 std::uint64_t passed_over(std::string text) {
   text.erase(std::remove(text.begin(), text.end(), ' '), text.end());
   if (text.empty()) return 0;
@@ -53,13 +53,13 @@ void Session::forget(std::vector<unsigned>& numbers) {
   numbers.clear();
 }
 
-/// One that cannot be; clients want a number for it all the same.
+/// An impossible breakpoint; clients nevertheless need a number for it.
 Json Session::refused_breakpoint(const std::string& why) {
   constexpr unsigned behind_all_others = 1u << 30;
   return {{"verified", false}, {"message", why}, {"id", behind_all_others + refused_++}};
 }
 
-/// The answer to one breakpoint that was asked for.
+/// The answer for one requested breakpoint.
 Json Session::add_breakpoint(Trigger trigger, const Json& asked, std::vector<unsigned>& numbers) {
   try {
     read_conditions(asked, trigger);
@@ -85,7 +85,7 @@ Json Session::set_breakpoints(const Json& arguments) {
   Json answers = Json::array();
   for (const Json& asked : list_of(arguments, "breakpoints")) {
     const int line = asked.at("line").get<int>();
-    Json answer = refused_breakpoint(fmt::format("no instruction stands in line {} of {} or after it", line, file));
+    Json answer = refused_breakpoint(fmt::format("there is no instruction in line {} of {} or after it", line, file));
     const auto& programs = core().programs();
     const bool one_program =
         std::ranges::all_of(programs, [&](const auto& p) { return &p.image() == &programs.front().image(); });
@@ -147,7 +147,7 @@ Json Session::set_exception_breakpoints(const Json& arguments) {
   for (const Json& filter : list_of(arguments, "filters")) {
     const std::string kind = filter.get<std::string>();
     if (std::ranges::none_of(there, [&](const auto& row) { return row.first == kind; }))
-      answers.push_back(refused_breakpoint(fmt::format("{} does not happen here", kind)));
+      answers.push_back(refused_breakpoint(fmt::format("there are no events {} here", kind)));
     else
       answers.push_back(
           add_breakpoint({.kind = Trigger::Kind::happening, .name = kind}, Json::object(), by_exception_));
@@ -155,7 +155,7 @@ Json Session::set_exception_breakpoints(const Json& arguments) {
   return {{"breakpoints", answers}};
 }
 
-/// What is watched is "CHIP:ADDRESS:WORDS" or "CHIP:REGISTER".
+/// The watched object is "CHIP:ADDRESS:WORDS" or "CHIP:REGISTER".
 Json Session::data_breakpoint_info(const Json& arguments) {
   const std::string name = text_of(arguments, "name");
   std::size_t chip = chip_of_frame(arguments);
@@ -182,7 +182,8 @@ Json Session::data_breakpoint_info(const Json& arguments) {
   } catch (const DebugError&) {
     // The answer says that nothing can be watched.
   }
-  return {{"dataId", nullptr}, {"description", fmt::format("{} is no word and no register that can be watched", name)}};
+  return {{"dataId", nullptr},
+          {"description", fmt::format("{} is neither a word nor a register that can be watched", name)}};
 }
 
 Json Session::set_data_breakpoints(const Json& arguments) {

@@ -13,8 +13,7 @@
 namespace debugger::dap {
 namespace {
 
-// The only requests that end what is under way; everything else waits for a stop, or finds the machine between two
-// slices.
+// The only requests that end running work; all others wait for a stop, or come between two slices.
 const std::vector<std::string_view> urgent{"\"pause\"", "\"disconnect\"", "\"terminate\""};
 
 Ended converse(Connection& connection, Session& session) {
@@ -60,14 +59,14 @@ Listener::Listener(int port) {
   address.sin_port = htons(static_cast<std::uint16_t>(port));
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   socklen_t size = sizeof address;
-  auto* const generic = reinterpret_cast<sockaddr*>(&address);  // NOLINT: the sockets' own way
+  auto* const generic = reinterpret_cast<sockaddr*>(&address);  // the way of the sockets interface
   if (socket_ < 0 || bind(socket_, generic, size) != 0 || listen(socket_, 1) != 0 ||
       getsockname(socket_, generic, &size) != 0) {
     const int why = errno;
     if (socket_ >= 0) close(socket_);
     throw std::system_error(
         why, std::generic_category(),
-        fmt::format("port {} of this machine cannot be listened at; another one, or 0 for any, is expected", port));
+        fmt::format("port {} of this machine cannot be used; another one, or 0 for any, is expected", port));
   }
   port_ = ntohs(address.sin_port);
 }

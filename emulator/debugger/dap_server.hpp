@@ -1,5 +1,5 @@
 #pragma once
-/// Who serves clients: on standard input and output, or on a port of this machine.
+/// Serves clients: on standard input and output, or on a port of this machine.
 #include <optional>
 
 #include "debugger/dap_session.hpp"
@@ -12,24 +12,24 @@ struct Ended {
   std::string broken;      ///< why the stream broke; empty: it did not
 };
 
-/// Serves one client until it goes.
+/// Serves one client until it disconnects.
 Ended serve(int in, int out, Launch launch);
 Ended serve(int in, int out, machine::debug::Debugger& debugger);
 
 /// A port on the loopback interface. One client at a time.
 class Listener {
  public:
-  /// \param port 0: one that is free
-  /// \throws std::system_error, with what would be right, for a port that is taken
+  /// \param port 0: a free one
+  /// \throws std::system_error, with what would be right, for a port in use
   explicit Listener(int port);
   ~Listener();
   Listener(const Listener&) = delete;
   Listener& operator=(const Listener&) = delete;
 
   int port() const { return port_; }
-  /// A client has come, and waits.
+  /// A client has connected, and waits.
   bool has_client() const;
-  /// Waits for the next client; -1 when a signal came before. The descriptor is the caller's.
+  /// Waits for the next client; -1 if a signal came first. The descriptor belongs to the caller.
   int accept();
 
  private:

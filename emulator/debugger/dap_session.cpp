@@ -74,7 +74,7 @@ void Session::use(Debugger& debugger) {
 }
 
 Debugger& Session::core() {
-  if (debugger_ == nullptr) throw DebugError("nothing is debugged yet: launch or attach comes first");
+  if (debugger_ == nullptr) throw DebugError("there is no debuggee yet: launch or attach comes first");
   return *debugger_;
 }
 
@@ -88,7 +88,7 @@ void Session::output(const std::string& text, const char* category) {
 
 void Session::handle(const std::string& text) {
   const Json message = Json::parse(text, nullptr, false);
-  if (!message.is_object()) return output("a message that is no JSON object\n", "important");
+  if (!message.is_object()) return output("a message that is not a JSON object\n", "important");
   const auto sequence = message.find("seq");
   const std::string command = text_of(message, "command");
   Json answer{
@@ -102,11 +102,11 @@ void Session::handle(const std::string& text) {
     answer["message"] = why;
     answer["body"] = {{"error", {{"id", 1}, {"format", why}, {"showUser", true}}}};
   };
-  if (text_of(message, "type") != "request") return;  // answers to what we never ask
+  if (text_of(message, "type") != "request") return;  // answers to requests that this side never sends
   after_ = {};
   try {
     const auto request = requests().find(command);
-    if (request == requests().end()) throw DebugError(fmt::format("the request {} is not known here", command));
+    if (request == requests().end()) throw DebugError(fmt::format("the request {} is unknown", command));
     const auto arguments = message.find("arguments");
     Json body =
         (this->*request->second)(arguments != message.end() && arguments->is_object() ? *arguments : Json::object());
@@ -128,7 +128,7 @@ Json Session::initialize(const Json&) {
     if (attached_) event("initialized");
   };
   Json filters = Json::array();
-  filters.push_back({{"filter", "fault"}, {"label", "Faults: a chip cannot go on"}, {"default", true}});
+  filters.push_back({{"filter", "fault"}, {"label", "Faults: a chip cannot continue"}, {"default", true}});
   filters.push_back(
       {{"filter", "rule"}, {"label", "Rules of the manual that a program breaks (slow)"}, {"default", false}});
   filters.push_back({{"filter", "miss"}, {"label", "Missed deadlines (dock)"}, {"default", false}});
@@ -157,7 +157,7 @@ Json Session::initialize(const Json&) {
 }
 
 Json Session::launch(const Json& arguments) {
-  if (debugger_ != nullptr) throw DebugError("launch: something is debugged already");
+  if (debugger_ != nullptr) throw DebugError("launch: there is already a debuggee");
   Launched made = launch_(arguments);
   owner_ = std::move(made.owner);
   own_ = std::make_unique<Debugger>(*made.debuggee);
@@ -205,7 +205,7 @@ Json Session::terminate(const Json&) {
   return {};
 }
 
-// ---- the machine's way ----
+// ---- running ----
 
 void Session::run_on() {
   const Stop& stop = core().go();
@@ -214,7 +214,7 @@ void Session::run_on() {
   tell_stop();
 }
 
-/// \param why what the client is to show; empty: by the stop itself
+/// \param why text for the client; empty: the stop's own text
 void Session::tell_stop(const std::string& why) {
   shown_.clear();
   registers_shown_.clear();
@@ -327,7 +327,7 @@ Json Session::reverse_continue(const Json&) {
 
 std::size_t Session::chip_of(const Json& arguments) const {
   const auto thread = arguments.find("threadId");
-  if (debugger_ == nullptr) throw DebugError("nothing is debugged yet: launch or attach comes first");
+  if (debugger_ == nullptr) throw DebugError("there is no debuggee yet: launch or attach comes first");
   if (thread == arguments.end() || !thread->is_number_integer())
     throw DebugError("threadId is missing; a number from 1 on is expected");
   const auto number = thread->get<std::int64_t>();

@@ -1,5 +1,5 @@
 #pragma once
-/// A client's session: requests of the Debug Adapter Protocol, answered by the debug core.
+/// A client's session: answers requests of the Debug Adapter Protocol with the debug core.
 #include <functional>
 #include <map>
 #include <memory>
@@ -11,12 +11,12 @@
 
 namespace debugger::dap {
 
-/// What `launch` has made; the debuggee is in `owner`.
+/// The result of `launch`; `owner` holds the debuggee.
 struct Launched {
   std::shared_ptr<void> owner;
   machine::debug::Debuggee* debuggee = nullptr;
 };
-/// From the arguments of `launch`. Whatever it throws becomes the answer.
+/// Launches from the arguments of `launch`. Its exceptions become the answer.
 using Launch = std::function<Launched(const Json& arguments)>;
 
 class Session {
@@ -24,31 +24,31 @@ class Session {
   using Send = std::function<void(const Json&)>;
   /// For `launch`.
   Session(Send send, Launch launch);
-  /// For `attach`, to what is there.
+  /// For `attach`, to an existing debugger.
   Session(Send send, machine::debug::Debugger& debugger);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Handles a message, whatever it is. Long work ends early when `asked` says that another message wants that.
+  /// Handles any message. Long work ends early if `asked` reports that another message needs this.
   void handle(const std::string& message);
-  /// The machine is to go on: run_on() lets it.
+  /// The machine has to run: call run_on().
   bool runs() const { return runs_; }
-  /// Until a stop, or until `Debugger::interrupt`; tells the client of a stop.
+  /// Runs until a stop, or until `Debugger::interrupt`; reports a stop to the client.
   void run_on();
   /// The client has ended the session, or the run.
   bool over() const { return over_; }
   /// With `disconnect`: the debuggee ends with the session.
   bool terminates() const { return terminates_; }
   machine::debug::Debugger* debugger() { return debugger_; }
-  /// Called now and then during long work.
+  /// Called from time to time during long work.
   std::function<void()> meanwhile;
 
  private:
   using Request = Json (Session::*)(const Json& arguments);
   static const std::map<std::string, Request, std::less<>>& requests();
 
-  // dap_session.cpp: the session and the machine's way
+  // dap_session.cpp: the session, and running
   Json initialize(const Json&);
   Json launch(const Json&);
   Json attach(const Json&);
@@ -63,7 +63,7 @@ class Session {
   Json step_back(const Json&);
   Json reverse_continue(const Json&);
 
-  // dap_breakpoints.cpp: what to stop at
+  // dap_breakpoints.cpp: stop conditions
   Json set_breakpoints(const Json&);
   Json set_function_breakpoints(const Json&);
   Json set_instruction_breakpoints(const Json&);
@@ -72,7 +72,7 @@ class Session {
   Json set_data_breakpoints(const Json&);
   Json breakpoint_locations(const Json&);
 
-  // dap_views.cpp: what there is to see
+  // dap_views.cpp: views
   Json threads(const Json&);
   Json stack_trace(const Json&);
   Json scopes(const Json&);
@@ -115,7 +115,7 @@ class Session {
   std::map<std::string, std::vector<unsigned>> by_source_;
   std::vector<unsigned> by_function_, by_instruction_, by_data_, by_exception_;
   std::vector<std::string> sources_;  ///< by reference, from 1
-  /// What `variables` shows, by reference from 1; new at every stop.
+  /// The contents of `variables`, by reference from 1; new at every stop.
   std::vector<std::function<Json(bool hex)>> shown_;
   std::map<std::int64_t, std::size_t>
       registers_shown_;  ///< references of scopes whose variables are registers, and their chip

@@ -22,7 +22,7 @@ bool same_letters(std::string_view text, std::string_view lower) {
          });
 }
 
-/// Of "Content-Length: 119\r\nOther: x".
+/// The length in "Content-Length: 119\r\nOther: x".
 std::size_t length_in(std::string_view header) {
   std::optional<std::size_t> length;
   while (!header.empty()) {
@@ -31,7 +31,8 @@ std::size_t length_in(std::string_view header) {
     header.remove_prefix(std::min(end + 2, header.size()));
     if (!same_letters(line.substr(0, length_field.size()), length_field)) {
       if (line.find(':') == std::string_view::npos)
-        throw BrokenStream(fmt::format("\"{}\" is no header; Content-Length: NUMBER is expected", line.substr(0, 40)));
+        throw BrokenStream(
+            fmt::format("\"{}\" is not a header; Content-Length: NUMBER is expected", line.substr(0, 40)));
       continue;
     }
     line.remove_prefix(length_field.size());
@@ -39,12 +40,12 @@ std::size_t length_in(std::string_view header) {
     std::size_t value = 0;
     const auto [rest, error] = std::from_chars(line.data(), line.data() + line.size(), value);
     if (error != std::errc() || rest != line.data() + line.size())
-      throw BrokenStream(fmt::format("Content-Length: \"{}\" is no number", line.substr(0, 40)));
+      throw BrokenStream(fmt::format("Content-Length: \"{}\" is not a number", line.substr(0, 40)));
     length = value;
   }
   if (!length) throw BrokenStream("a header without Content-Length");
   if (*length > Framing::longest_message)
-    throw BrokenStream(fmt::format("a message of {} bytes; up to {} are taken", *length, Framing::longest_message));
+    throw BrokenStream(fmt::format("a message of {} bytes; up to {} are possible", *length, Framing::longest_message));
   return *length;
 }
 
@@ -79,7 +80,7 @@ std::string framed(const Json& message) {
 
 Connection::Connection(int in, int out) : in_(in), out_(out) {
   if (pipe(wake_) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
-  std::signal(SIGPIPE, SIG_IGN);  // a client that is gone ends the session, not the program
+  std::signal(SIGPIPE, SIG_IGN);  // a client that has disconnected ends the session, not the program
   reader_ = std::thread([this] { read_all(); });
 }
 

@@ -14,59 +14,59 @@ namespace debugger::dap {
 
 using Json = nlohmann::json;
 
-/// The text of that key, or an empty one.
+/// The text of that key, or an empty text.
 std::string text_of(const Json& from, std::string_view key);
 
-/// What came is no message. The stream cannot be read on.
+/// The input is not a message. The stream cannot be read any further.
 class BrokenStream : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Takes bytes as they come, gives messages.
+/// Collects bytes and returns messages.
 class Framing {
  public:
   static constexpr std::size_t longest_header = 4096, longest_message = std::size_t{16} << 20;
 
   void add(std::string_view bytes) { pending_ += bytes; }
-  /// The next whole message; none: more bytes are needed. \throws BrokenStream for a header that is none, or too long a
-  /// message
+  /// The next whole message; none: more bytes are needed. \throws BrokenStream for a wrong header, or a message that is
+  /// too long
   std::optional<std::string> next();
-  /// Something has begun and is not whole.
+  /// A message has begun and is not complete.
   bool begun() const { return !pending_.empty(); }
 
  private:
   std::string pending_;
-  std::optional<std::size_t> length_;  ///< of the message under way
+  std::optional<std::size_t> length_;  ///< of the incomplete message
 };
 
 std::string framed(const Json& message);
 
-/// A client. A thread of its own reads, so that a message is there while the machine runs.
+/// A client. A thread of its own reads, so that messages arrive while the machine runs.
 class Connection {
  public:
-  /// \param in, out open file descriptors; they stay the caller's
+  /// \param in, out open file descriptors; they belong to the caller
   Connection(int in, int out);
   ~Connection();
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  /// Waits for the next message; none: the client is gone.
+  /// Waits for the next message; none: the client has disconnected.
   std::optional<std::string> receive();
   bool waiting() const;
-  /// Some message that waits contains one of these texts.
+  /// A waiting message contains one of these texts.
   bool waits_with(const std::vector<std::string_view>& texts) const;
   bool gone() const;
-  /// Does nothing when the client is gone.
+  /// Does nothing if the client has disconnected.
   void send(const Json& message);
-  /// Why the stream broke; empty: it did not.
+  /// Why the stream broke; empty if it did not.
   std::string broken() const;
 
  private:
   void read_all();
 
   static constexpr std::size_t most_waiting = std::size_t{64}
-                                              << 20;  ///< bytes; then reading stops until they are taken
+                                              << 20;  ///< bytes; beyond, reading stops until messages are taken
 
   int in_, out_;
   int wake_[2] = {-1, -1};  ///< ends the reading thread

@@ -1,4 +1,4 @@
-// What a client shows: frames, variables, memory, instructions, sources.
+// The client's views: frames, variables, memory, instructions, sources.
 #include <fmt/format.h>
 #include <openssl/evp.h>
 
@@ -25,7 +25,7 @@ constexpr std::int64_t most_words = 1 << 20, most_instructions = 65536;
 std::int64_t number_of(const Json& from, std::string_view key, std::int64_t otherwise) {
   const auto found = from.find(key);
   if (found == from.end() || found->is_null()) return otherwise;
-  if (!found->is_number_integer()) throw DebugError(fmt::format("{}: a whole number is expected", key));
+  if (!found->is_number_integer()) throw DebugError(fmt::format("{}: an integer is expected", key));
   const auto number = found->get<std::int64_t>();
   constexpr std::int64_t far = std::int64_t{1} << 40;
   if (number < -far || number > far) throw DebugError(fmt::format("{}: {} is out of range", key, number));
@@ -55,7 +55,7 @@ std::string reference(Address address) { return fmt::format("0x{:08X}", address)
 
 }  // namespace
 
-/// A file on disk by its path; what is built in by a number.
+/// A file on disk by its path; a built-in file by a number.
 Json Session::source_of(const std::string& file) {
   const std::size_t slash = file.find_last_of('/');
   const std::string name = slash == std::string::npos ? file : file.substr(slash + 1);
@@ -97,12 +97,12 @@ Json Session::stack_trace(const Json& arguments) {
 }
 
 std::size_t Session::chip_of_frame(const Json& arguments) const {
-  if (debugger_ == nullptr) throw DebugError("nothing is debugged yet: launch or attach comes first");
+  if (debugger_ == nullptr) throw DebugError("there is no debuggee yet: launch or attach comes first");
   const std::int64_t frame = number_of(arguments, "frameId", 0);
   if (frame == 0) return debugger_->stop().chip.value_or(0);
   const std::int64_t chip = (frame - 1) / frames_of_a_chip;
   if (frame < 0 || chip >= static_cast<std::int64_t>(debugger_->programs().size()))
-    throw DebugError(fmt::format("frameId {} is none", frame));
+    throw DebugError(fmt::format("frameId {} does not exist", frame));
   return static_cast<std::size_t>(chip);
 }
 
@@ -168,9 +168,9 @@ Json Session::scopes(const Json& arguments) {
 Json Session::variables(const Json& arguments) {
   const std::int64_t number = number_of(arguments, "variablesReference", 0);
   if (number < 1 || number > static_cast<std::int64_t>(shown_.size()))
-    throw DebugError(fmt::format("variablesReference {}: the machine has gone on since, or there is none", number));
+    throw DebugError(fmt::format("variablesReference {}: it does not exist, or the machine has run since", number));
   const auto format = arguments.find("format");
-  const auto make = shown_[static_cast<std::size_t>(number - 1)];  // it may make further ones
+  const auto make = shown_[static_cast<std::size_t>(number - 1)];  // the call may add further ones
   Json all = make(format != arguments.end() && format->value("hex", false));
   const auto first = static_cast<std::size_t>(
       std::clamp<std::int64_t>(number_of(arguments, "start", 0), 0, static_cast<std::int64_t>(all.size())));
@@ -183,7 +183,7 @@ Json Session::variables(const Json& arguments) {
 Json Session::set_variable(const Json& arguments) {
   const auto found = registers_shown_.find(number_of(arguments, "variablesReference", 0));
   if (found == registers_shown_.end())
-    throw DebugError("only registers of a processor can be set here; memory by its own view");
+    throw DebugError("only registers of a processor can be set here; use the memory view for memory");
   const std::string name = text_of(arguments, "name");
   core().set_register(found->second, name, text_of(arguments, "value"));
   for (const ShownRegister& reg : core_ns::registers(core().debuggee().chip(found->second)))
@@ -229,7 +229,7 @@ Json Session::disassemble(const Json& arguments) {
   return {{"instructions", all}};
 }
 
-/// Four bytes a word, little-endian. What begins or ends inside a word is answered with the whole word.
+/// Four bytes per word, little-endian. If the range begins or ends inside a word, the answer contains the whole word.
 Json Session::read_memory(const Json& arguments) {
   const std::size_t chip = core().stop().chip.value_or(0);
   Json where = arguments;
@@ -259,7 +259,7 @@ Json Session::write_memory(const Json& arguments) {
   const std::int64_t offset = number_of(arguments, "offset", 0);
   const std::vector<unsigned char> bytes = from_base64(text_of(arguments, "data"));
   if (offset % 4 != 0 || bytes.size() % 4 != 0)
-    throw DebugError("whole words are written: offset and data in multiples of 4 bytes");
+    throw DebugError("only whole words can be written: offset and data in multiples of 4 bytes");
   const Address base = address_of(where, "memoryReference") + static_cast<Address>(offset / 4);
   for (std::size_t i = 0; i < bytes.size(); i += 4) {
     const Word word = bytes[i] | Word{bytes[i + 1]} << 8 | Word{bytes[i + 2]} << 16 | Word{bytes[i + 3]} << 24;
@@ -273,7 +273,7 @@ Json Session::source(const Json& arguments) {
   if (const auto source = arguments.find("source"); number == 0 && source != arguments.end())
     number = number_of(*source, "sourceReference", 0);
   if (number < 1 || number > static_cast<std::int64_t>(sources_.size()))
-    throw DebugError(fmt::format("sourceReference {} is none", number));
+    throw DebugError(fmt::format("sourceReference {} does not exist", number));
   const std::string& file = sources_[static_cast<std::size_t>(number - 1)];
   for (const auto& program : core().programs())
     if (std::ranges::find(program.files(), file) != program.files().end())

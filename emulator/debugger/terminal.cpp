@@ -20,7 +20,7 @@ extern "C" void interrupt_debugger(int) {
   if (machine::debug::Debugger* debugger = interruptible) debugger->interrupt();
 }
 
-// libedit asks a plain function.
+// libedit needs a plain function.
 const Console* completing = nullptr;
 
 char* next_completion(const char* /*text*/, int state) {
@@ -34,7 +34,7 @@ char* next_completion(const char* /*text*/, int state) {
 }
 
 char** complete(const char* text, int, int) {
-  rl_attempted_completion_over = 1;  // names of files are none
+  rl_attempted_completion_over = 1;  // file names are not completed
   return rl_completion_matches(text, next_completion);
 }
 

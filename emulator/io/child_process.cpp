@@ -20,7 +20,7 @@ namespace io {
 namespace {
 
 constexpr char good = '+', bad = '-';
-constexpr int look_ms = 100;  // so often is asked whether to go on waiting
+constexpr int look_ms = 100;  // interval between two looks at whether the work has to stop
 
 [[noreturn]] void child(int pipe, const std::function<std::string()>& work) {
   std::string answer;
@@ -43,7 +43,7 @@ ChildProcess::ChildProcess(const std::function<std::string()>& work) {
   int ends[2];
   if (::pipe(ends) != 0) throw std::runtime_error(fmt::format("no pipe to a child process: {}", std::strerror(errno)));
   const pid_t parent = ::getpid();
-  // Signals are its parent's business, who ends it; none may come before it ignores them.
+  // The parent handles signals and ends the child; no signal may come before the child ignores signals.
   std::optional<SignalsHeld> held(std::in_place);
   process_ = ::fork();
   if (process_ == 0) {
@@ -52,7 +52,7 @@ ChildProcess::ChildProcess(const std::function<std::string()>& work) {
     forget_asker();
     held.reset();
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (::getppid() != parent) ::_exit(1);  // it died before it could be watched
+    if (::getppid() != parent) ::_exit(1);  // the parent died before this process could be tied to it
     child(ends[1], work);
   }
   held.reset();
@@ -93,7 +93,7 @@ std::string ChildProcess::wait() {
   if (answer_.empty()) {
     throw std::runtime_error(WIFSIGNALED(status)
                                  ? fmt::format("a child process was ended by signal {}", WTERMSIG(status))
-                                 : "a child process ended without a word");
+                                 : "a child process ended without an answer");
   }
   if (answer_[0] == bad) throw std::runtime_error(answer_.substr(1));
   return answer_.substr(1);

@@ -9,7 +9,7 @@
 namespace io {
 namespace {
 
-/// Empty for what may be named twice.
+/// What identifies a file; empty for devices, pipes and sockets, which may be named twice.
 std::string identity(const std::string& path) {
   struct ::stat found{};
   if (::stat(path.c_str(), &found) == 0)

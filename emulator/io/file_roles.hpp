@@ -1,5 +1,5 @@
 #pragma once
-// Which files a command reads and which it writes: no output may be an input or another output.
+// The files that a command reads and writes: no output may be an input or another output.
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -11,13 +11,13 @@ class SameFile : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Files are the same when they are one file of the file system, whatever their names, links followed; what does not
-/// exist yet, when its name is the same. Devices, pipes and sockets may be named as often as one likes.
+/// Two names mean the same file if they lead to one file of the file system, links followed. Files that do not exist
+/// yet are the same if their names are. Devices, pipes and sockets may be named more than once.
 class FileRoles {
  public:
-  /// \param role how the user named it, for the message: "--report", "the source"
+  /// \param role the user's name for the file, for the message: "--report", "the source"
   FileRoles& reads(std::string role, const std::string& path);
-  /// \throws SameFile when the file is read, or written already
+  /// \throws SameFile if the command reads the file, or writes it already
   FileRoles& writes(std::string role, const std::string& path);
 
  private:

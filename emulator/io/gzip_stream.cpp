@@ -19,7 +19,7 @@ class GzipStream::Buffer final : public std::streambuf {
   Buffer(const Buffer&) = delete;
   Buffer& operator=(const Buffer&) = delete;
 
-  /// \returns whether all of it went out
+  /// \returns whether all of it was written
   bool pack(int flush) {
     stream_.next_in = reinterpret_cast<Bytef*>(pbase());
     stream_.avail_in = static_cast<uInt>(pptr() - pbase());
@@ -46,7 +46,7 @@ class GzipStream::Buffer final : public std::streambuf {
   }
 
  private:
-  // A third of the time of zlib's usual level, for files that are a tenth larger.
+  // This level needs a third of the time of zlib's usual level, and files are a tenth larger.
   static constexpr int level = 3;
 
   void clear() { setp(plain_.data(), plain_.data() + plain_.size()); }

@@ -1,5 +1,5 @@
 #pragma once
-// A stream that packs what is written (gzip) into another one.
+// A stream that compresses (gzip) what is written, into another stream.
 #include <memory>
 #include <ostream>
 
@@ -10,7 +10,8 @@ class GzipStream final : public std::ostream {
   /// `to` must outlive this. \throws std::bad_alloc
   explicit GzipStream(std::ostream& to);
   ~GzipStream() override;
-  /// Writes what is still held back and the end mark; nothing may follow. What `to` cannot take it says itself.
+  /// Writes what is still buffered and the end mark; nothing may follow. The state of `to` says whether it took
+  /// everything.
   void finish();
 
  private:

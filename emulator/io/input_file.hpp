@@ -1,5 +1,5 @@
 #pragma once
-// Files that are read whole: sources, objects, configurations. Where lines are enough: cli/text_lines.hpp.
+// Files that are read whole: sources, objects, configurations. To read line by line: cli/text_lines.hpp.
 #include <fmt/format.h>
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace io {
 
-/// Bytes of the largest file that is read whole. A device such as /dev/zero has no end; without a limit it would take
-/// all memory.
+/// Bytes of the largest file that is read whole. A device such as /dev/zero has no end; without a limit, reading one
+/// would fill all memory.
 inline constexpr std::size_t largest_input = std::size_t{64} << 20;
 
 struct Input {
@@ -20,7 +20,7 @@ struct Input {
 
 Input read_input(const std::filesystem::path& path);
 
-/// Everything in a file. \param expected what the file should be, for the message
+/// The contents of a file. \param expected what the file should be, for the message
 /// \throws Error "FILE: what is wrong; EXPECTED is expected"
 template <typename Error>
 std::string read_file(const std::filesystem::path& path, std::string_view expected) {

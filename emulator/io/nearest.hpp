@@ -1,5 +1,5 @@
 #pragma once
-// The word that somebody may have meant.
+// The known word that a user most likely meant.
 #include <algorithm>
 #include <cstddef>
 #include <numeric>
@@ -10,7 +10,7 @@
 
 namespace io {
 
-/// Letters to change, add or leave out.
+/// Number of letters to change, add or leave out.
 inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -22,7 +22,7 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-/// "; did you mean \"waits\"?", or nothing: none of the words is near.
+/// "; did you mean \"waits\"?", or nothing if no word is near.
 template <class Words>
 std::string did_you_mean(std::string_view given, const Words& words) {
   std::string_view best;

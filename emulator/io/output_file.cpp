@@ -22,7 +22,7 @@ std::string beside_name(const fs::path& target, int attempt) {
 
 fs::path folder_of(const fs::path& target) { return target.has_parent_path() ? target.parent_path() : fs::path("."); }
 
-/// The file that a chain of links leads to, whether it exists or not. The chain has an end: stat has followed it.
+/// The file to which a chain of links leads, whether it exists or not. The chain has an end: stat has followed it.
 fs::path behind_links(fs::path path) {
   std::error_code error;
   while (fs::is_symlink(fs::symlink_status(path, error))) {
@@ -37,7 +37,7 @@ constexpr ::mode_t everybody = 0666;  // less the umask
 
 }  // namespace
 
-/// A descriptor as a stream's buffer. After a failure errno is kept for the message.
+/// A stream buffer over a descriptor. After a failure errno is kept for the message.
 class OutputFile::Buffer : public std::streambuf {
  public:
   explicit Buffer(int descriptor) : descriptor_(descriptor) { setp(bytes_.data(), bytes_.data() + bytes_.size()); }
@@ -46,7 +46,7 @@ class OutputFile::Buffer : public std::streambuf {
   int descriptor() const { return descriptor_; }
   int error() const { return error_; }
 
-  /// What is buffered goes to the file.
+  /// Writes the buffer to the file.
   bool flush() {
     const char* from = pbase();
     while (from < pptr()) {
@@ -62,7 +62,7 @@ class OutputFile::Buffer : public std::streambuf {
     return error_ == 0;
   }
 
-  /// The file's bytes are on the disk, where the file system can say so.
+  /// Makes sure that the file's bytes are on the disk, if the file system supports this.
   bool to_disk() {
     if (::fsync(descriptor_) == 0 || errno == EINVAL || errno == EROFS || errno == ENOTSUP) return true;
     error_ = errno;
@@ -114,7 +114,7 @@ OutputFile::OutputFile(const std::string& path) : given_(path), target_(path), s
     open_beside();
     if (!buffer_) fail(std::strerror(errno));
     if (there) {
-      // The owner is kept where that is allowed; the mode always.
+      // The mode is always kept, the owner if the system allows it.
       [[maybe_unused]] const int ignored = ::fchown(buffer_->descriptor(), found.st_uid, found.st_gid);
       ::fchmod(buffer_->descriptor(), found.st_mode & 07777);
     }
@@ -123,7 +123,7 @@ OutputFile::OutputFile(const std::string& path) : given_(path), target_(path), s
 }
 
 void OutputFile::open_beside() {
-  // A file without a name gets one by way of /proc, which a bare chroot may lack.
+  // A file without a name gets one through /proc; a bare chroot may have no /proc.
   int descriptor = -1;
   if (::access("/proc/self/fd", X_OK) == 0)
     descriptor = ::open(folder_of(target_).c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, everybody);
@@ -146,7 +146,7 @@ OutputFile::~OutputFile() {
   beside_.reset();
 }
 
-// linkat replaces nothing, so the file gets a name of its own first.
+// linkat does not replace a file, so the new file gets a name of its own first.
 void OutputFile::give_name() {
   const std::string self = fmt::format("/proc/self/fd/{}", buffer_->descriptor());
   for (int attempt = 0;; ++attempt) {
@@ -182,7 +182,7 @@ void OutputFile::commit() {
   if (!beside_) give_name();
   if (!buffer_->close()) fail(buffer_->error());
   replace_target();
-  // The new name is on the disk as well; a file system that cannot say so is trusted.
+  // Puts the new name on the disk too, if the file system supports this.
   if (const int folder = ::open(folder_of(target_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); folder >= 0) {
     ::fsync(folder);
     ::close(folder);

@@ -1,5 +1,5 @@
 #pragma once
-// A file that appears whole or not at all.
+// An output file that appears whole or not at all.
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -11,28 +11,28 @@
 
 namespace io {
 
-/// An output cannot be opened: the caller named what cannot be written.
+/// An output cannot be opened: the caller's name cannot be written.
 class CannotOpen : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Writes a file beside its target and renames it on commit: until then, and without commit, the target is left as it
-/// was.
+/// Writes a file beside its target and renames it on commit. Until commit, and without it, the target stays as it was.
 ///
-/// The file beside the target has no name until commit where the file system allows that, so that nothing of it is left
-/// even when the program is killed. A link stays a link: the file behind it is replaced. The mode of a file that was
-/// there is kept. A target that is no regular file (a terminal, a pipe, a device) is written into directly.
+/// If the file system allows it, the file beside the target has no name until commit, so that nothing is left even if
+/// the program is killed. A link stays a link: the file to which the link leads is replaced. An existing file's mode is
+/// kept. A target that is not a regular file (a terminal, a pipe, a device) is written directly.
 class OutputFile {
  public:
-  /// \throws CannotOpen when the target cannot be written, before anything else is done
+  /// \throws CannotOpen if the target cannot be written, before anything else happens
   explicit OutputFile(const std::string& path);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
   std::ostream& stream() { return stream_; }
-  /// \throws std::runtime_error when the disk is full, a reader has gone, or the file cannot take its place
+  /// \throws std::runtime_error if the disk is full, a reader has closed the pipe, or the file cannot replace its
+  /// target
   void commit();
 
  private:
@@ -42,9 +42,9 @@ class OutputFile {
   void give_name();
   void replace_target();
 
-  std::filesystem::path given_;          // as the caller named it
-  std::filesystem::path target_;         // the file behind links
-  std::optional<TemporaryName> beside_;  // its stand-in; none while that has no name
+  std::filesystem::path given_;          // the caller's name
+  std::filesystem::path target_;         // the file to which links lead
+  std::optional<TemporaryName> beside_;  // the new file beside the target; none while this file has no name
   bool direct_ = false;
   std::unique_ptr<Buffer> buffer_;
   std::ostream stream_;

@@ -11,7 +11,7 @@ int lost = 0;
 
 unsigned char byte(char c) { return static_cast<unsigned char>(c); }
 
-/// Bytes of the character that begins there; 0 if it is no UTF-8 (RFC 3629: shortest form, no surrogates, up to
+/// Bytes of the character that begins here; 0 if it is not UTF-8 (RFC 3629: shortest form, no surrogates, up to
 /// 10FFFFh).
 std::size_t length_of(std::string_view text) {
   const unsigned char first = byte(text[0]);

@@ -1,5 +1,5 @@
 #pragma once
-// What a program says: everything goes through one place, which lets no input speak to the terminal.
+// All that a program prints goes through here, so that no input can send control characters to the terminal.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -9,13 +9,13 @@
 
 namespace io {
 
-/// Text that a terminal shows and does not obey: control characters (C0 but for newline and tab, DEL, C1) and bytes
-/// that are no UTF-8 become \xNN.
+/// Text that a terminal shows but does not obey: control characters (C0 except newline and tab, DEL, C1) and bytes that
+/// are not UTF-8 become \xNN.
 std::string printable(std::string_view text);
 
-/// Writes printable text. What is lost is told by flush_output().
+/// Writes printable text. flush_output() reports losses.
 void say(std::FILE* to, std::string_view text);
-/// errno of the first text that did not go to standard output; 0
+/// errno of the first text that did not reach standard output; 0 if all did
 int lost_in_saying();
 
 template <typename... Arguments>

@@ -12,8 +12,8 @@ namespace {
 constexpr std::array<int, 3> taken = {SIGINT, SIGTERM, SIGHUP};
 
 volatile std::sig_atomic_t noted = 0;
-volatile std::sig_atomic_t noting = 0;  // how many StopBySignal live
-std::mutex temporaries_change;          // of threads; the handler goes without it
+volatile std::sig_atomic_t noting = 0;  // number of living StopBySignal objects
+std::mutex temporaries_change;          // for threads; the signal handler does not lock it
 TemporaryName* temporaries = nullptr;
 
 void on_signal(int number) {
@@ -41,7 +41,7 @@ void take_signals() {
     action = {};
     action.sa_handler = on_signal;
     action.sa_mask = taken_set();
-    action.sa_flags = SA_RESTART;  // what is being read or written goes on; the work asks at its slices
+    action.sa_flags = SA_RESTART;  // reads and writes under way continue; the work checks for a stop at its slices
     ::sigaction(number, &action, nullptr);
   }
 }

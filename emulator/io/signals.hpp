@@ -7,12 +7,12 @@
 
 namespace io {
 
-/// From now on a signal ends the program at once with status 128 + its number, and temporary files are gone. One that
-/// is ignored at the start (nohup) stays ignored.
+/// From now on a signal ends the program at once with status 128 + its number, and temporary files are removed. A
+/// signal that is ignored at the start (nohup) stays ignored.
 void take_signals();
 
-/// While it lives, the first signal is noted only: stop_asked() is true, the work ends at its next slice and writes
-/// what it has. The second ends the program at once.
+/// During its lifetime the first signal is only noted: stop_asked() is true, the work ends at its next slice and writes
+/// its results. The second signal ends the program at once.
 class StopBySignal {
  public:
   StopBySignal();
@@ -20,14 +20,14 @@ class StopBySignal {
   StopBySignal(const StopBySignal&) = delete;
   StopBySignal& operator=(const StopBySignal&) = delete;
 
-  /// 128 + the signal that was noted; `otherwise` if there was none
+  /// 128 + the noted signal's number; `otherwise` if there was no signal
   int status(int otherwise) const;
 
  private:
   StopAsker asker_;
 };
 
-/// The three wait while this lives.
+/// Holds back these three signals during its lifetime.
 class SignalsHeld {
  public:
   SignalsHeld();
@@ -39,10 +39,11 @@ class SignalsHeld {
   ::sigset_t before_;
 };
 
-/// In a child process: its parent hears the signals of the terminal and ends it.
+/// For a child process: its parent gets the terminal's signals and ends the child.
 void ignore_signals();
 
-/// A file that is gone when a signal ends the program. Made and destroyed with the signals held.
+/// The name of a file that is removed if a signal ends the program. Construct and destroy it with the signals held
+/// back.
 class TemporaryName {
  public:
   explicit TemporaryName(std::string path);
@@ -57,7 +58,7 @@ class TemporaryName {
   TemporaryName* next_;
 };
 
-/// Of this process. Safe in a signal handler.
+/// Removes the temporary files of this process. Safe in a signal handler.
 void remove_temporaries();
 
 }  // namespace io

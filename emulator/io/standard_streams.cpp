@@ -14,7 +14,7 @@ namespace io {
 void take_closed_streams() {
   for (int descriptor = 0; descriptor <= 2; ++descriptor) {
     if (::fcntl(descriptor, F_GETFD) != -1) continue;
-    // open gives the lowest free number: this one. Read-only, so that writing fails.
+    // open gives the lowest free number, which is this one. Read-only, so that writing fails.
     [[maybe_unused]] const int taken = ::open("/dev/null", O_RDONLY);
   }
 }

@@ -4,11 +4,11 @@
 
 namespace io {
 
-/// Descriptors 0 to 2 that the caller of the program has closed are taken, so that no file of ours gets their numbers
-/// and with them what is printed. What is written to a closed standard output still fails.
+/// Opens descriptors 0 to 2 if the program's caller has closed them, so that no file of ours gets their numbers and
+/// with them the printed text. Writing to a closed standard output still fails.
 void take_closed_streams();
 
-/// Everything printed has gone to standard output. \returns why not; empty when it has
+/// Makes sure that everything printed has reached standard output. \returns what went wrong; empty if nothing
 std::string flush_output();
 
 }  // namespace io

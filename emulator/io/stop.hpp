@@ -1,22 +1,22 @@
 #pragma once
-// How whatever takes long learns that it is to stop: it asks at slices, and the front end of its thread answers.
+// How long work can be stopped: it asks at its slices, and the front end of its thread answers.
 #include <functional>
 #include <stdexcept>
 
 namespace io {
 
-/// Thrown by what has nothing to show when it is stopped half-way.
+/// Thrown by work that has no result if it is stopped half-way.
 class Stopped : public std::runtime_error {
  public:
   Stopped() : std::runtime_error("stopped before it was done") {}
 };
 
-/// Whether this thread's work is to stop. False where nobody is there to say so: a library has no signals of its own.
+/// Whether this thread's work has to stop. False if no front end answers: a library has no signals of its own.
 bool stop_asked();
-/// \throws Stopped when it is
+/// \throws Stopped if the work has to stop
 void stop_if_asked();
 
-/// While this lives, stop_asked() of this thread asks `asker`; at its end whom it asked before.
+/// During its lifetime, stop_asked() of this thread asks `asker`; afterwards the one before.
 class StopAsker {
  public:
   explicit StopAsker(std::function<bool()> asker);
@@ -29,7 +29,7 @@ class StopAsker {
   const std::function<bool()>* before_;
 };
 
-/// In a child process: what asked in the parent is not there.
+/// For a child process: the parent's asker does not exist here.
 void forget_asker();
 
 }  // namespace io

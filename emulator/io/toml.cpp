@@ -8,7 +8,7 @@
 namespace io {
 namespace {
 
-/// Looks at brackets and dots only; whether the rest is TOML is the parser's business.
+/// Looks at brackets and dots only; the parser finds everything else that is not TOML.
 class Nesting {
  public:
   Nesting(std::string_view text, const std::string& name) : text_(text), name_(name) {}
@@ -44,7 +44,7 @@ class Nesting {
                             std::make_shared<const std::string>(name_));
   }
 
-  // To behind its end: three quotes, which two more may precede, or one in the same line.
+  // Skips to after the string's end: three quotes, with up to two quotes before them, or one in the same line.
   void skip_string(char quote) {
     const std::string three(3, quote);
     const bool many = text_.substr(at_, 3) == three;

@@ -7,7 +7,7 @@ namespace {
 
 constexpr unsigned top_bits = 11;
 
-/// Rows that words with these upper bits can suit. G and T are among the bits, so modes are settled here.
+/// The rows that words with these upper bits can match. G and T are among these bits, so the modes are decided here.
 std::vector<const Row*> rows_for(Word top) {
   std::vector<const Row*> out;
   const Word word = top << (32 - top_bits);

@@ -1,5 +1,5 @@
 #pragma once
-// What every word is: the proof that the table covers the C4x's words once (c40-isa.md 3.1, 12).
+// Counts what each word is: the proof that the table covers each C4x word once (c40-isa.md 3.1, 12).
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -14,7 +14,7 @@ struct Classification {
   std::uint64_t words = 0;
   std::vector<std::uint64_t> rows;                ///< Instructions, by the index of their row.
   std::array<std::uint64_t, reasons> reserved{};  ///< By Reserved::Reason.
-  std::uint64_t ambiguous = 0;                    ///< Words that suit more than one row: a fault in the table.
+  std::uint64_t ambiguous = 0;                    ///< Words that match more than one row: a fault in the table.
 
   std::uint64_t instructions() const;
   std::uint64_t reserved_words() const;

@@ -11,7 +11,8 @@ using Reason = Reserved::Reason;
 
 constexpr unsigned index_bits = 11;
 
-/// The rows that words with given bits 31..21 can match. G and T lie within those bits, so modes are settled here too.
+/// The rows that words with given bits 31..21 can match. G and T are among these bits, so the modes are decided here
+/// too.
 class RowIndex {
  public:
   explicit RowIndex(Cpu cpu) {
@@ -50,7 +51,7 @@ std::int32_t sign_extend(Word value, unsigned width) {
 
 Operand value_operand(Kind kind, std::int32_t value) { return {.kind = kind, .value = value}; }
 
-/// Reads the operands of one word; the first offence against the row's rules is kept.
+/// Reads the operands of one word and keeps the first violation of the row's rules.
 class Reader {
  public:
   Reader(const Row& row, Word word, Cpu cpu) : row_(row), word_(word), cpu_(cpu) {}
@@ -152,7 +153,7 @@ void read_three_type2(Reader& read, Instruction& out) {
   out.src2 = (t & 1) != 0 ? read.type2_indirect('i') : read.immediate(read.field('i'), 8);
 }
 
-/// The P field's four ways to deal out J, I, K and H (c40-isa.md 3.6).
+/// The P field's four ways to assign J, I, K and H (c40-isa.md 3.6).
 void read_multiply_add(Reader& read, Instruction& out) {
   const Operand i = read.byte('i'), j = read.byte('j');
   const Operand k = read.source_register('x'), h = read.source_register('h');

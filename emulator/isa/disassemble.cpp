@@ -31,7 +31,7 @@ std::string indirect_text(const Operand& operand, bool exact) {
   return {};
 }
 
-/// The format has one zero only; the other patterns of its exponent are 0 too, but no decimal gives them.
+/// The format has one zero only. The other patterns with its exponent are 0 too, but no decimal number gives them.
 bool has_decimal_form(Word bits) { return (bits >> 12) != 8 || bits == 0x8000; }
 
 std::string short_float_text(Word bits) {
@@ -83,7 +83,7 @@ class Printer {
     return {};
   }
 
-  /// A type-2 word whose indirect operands type 1 could express as well needs a mark to come back as type 2.
+  /// A type-2 word whose indirect operands fit type 1 too needs a mark, so that it assembles to type 2 again.
   bool type1_would_do() const {
     if (row_.format != Format::three_type2 || in_.src2.is(Kind::immediate_int)) return false;
     return in_.src2.value <= 1 && (in_.src1.is(Kind::reg) || in_.src1.value <= 1);

@@ -57,7 +57,7 @@ void add_implied(Hazards& h, const Instruction& instruction) {
     case rptb: h.execute_writes |= set_of(Register::RS) | set_of(Register::RE); return;
     case db: h.address_reads |= set_of(instruction.dst.reg); return;
     case nop:
-      h.memory_reads = 0;  // NOP *ARn++ forms the address and leaves the memory alone.
+      h.memory_reads = 0;  // NOP *ARn++ forms the address but does not access memory.
       return;
     default: return;
   }

@@ -1,5 +1,6 @@
 #pragma once
-// What an instruction touches, for the pipeline model (c40-hardware.md 7.3 and 7.4).
+// The registers and memory words that an instruction reads and writes, for the pipeline model (c40-hardware.md 7.3,
+// 7.4).
 #include <cstdint>
 
 #include "isa/decode.hpp"

@@ -1,12 +1,13 @@
 #pragma once
-// Operations, one row each: the name, and what computes it. docs/how-to/one-instruction.md shows one on its whole way.
+// Operations, one row each: the name, and what computes it. docs/how-to/one-instruction.md follows one from row to
+// flags.
 #include <string_view>
 
 #include "isa/table.hpp"
 
 namespace isa {
 
-/// Which handlers of the chip an operation belongs to.
+/// The group of handlers of the chip to which an operation belongs.
 enum class OperationKind : std::uint8_t {
   integer,   ///< a body of c40/integer.hpp, or a move of integers
   floating,  ///< a body on 40-bit floats, or a move of them

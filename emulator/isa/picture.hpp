@@ -1,6 +1,6 @@
 #pragma once
-// A bit picture draws an encoding, bit 31 first: '0' and '1' are fixed, a letter belongs to the field of that name,
-// spaces are free. Mask, match and field positions follow from it at compile time.
+// A bit picture draws an encoding, bit 31 first: '0' and '1' are fixed bits, a letter belongs to the field of that
+// name, spaces have no meaning. The picture gives mask, match and field positions at compile time.
 #include <array>
 #include <cstdint>
 #include <string_view>
@@ -25,7 +25,7 @@ struct Picture {
   constexpr const Field& field(char letter) const { return fields[static_cast<std::size_t>(letter - 'a')]; }
 };
 
-/// Not a constant expression (so: a compile error in the table) unless the text draws 32 bits with contiguous fields.
+/// Not a constant expression (so a compile error in the table) unless the text draws 32 bits with contiguous fields.
 constexpr Picture parse_picture(std::string_view text) {
   Picture picture;
   int bit = 31;

@@ -20,7 +20,7 @@ constexpr Modes di = direct | indirect;
 // Float instructions have no 8-bit immediate, which type 2 puts at T = 0 and 2 (c40-isa.md 3.4).
 constexpr Modes five_bit_only = 2 | 8;
 
-// What no document settles (docs/fidelity.md): how the immediates of these are read.
+// No document says how the immediates of these instructions are read (docs/fidelity.md).
 constexpr I signed_part_immediate = I::sign;  // LB, LH
 constexpr I other_part_immediate = I::zero;   // LBU, LHU, LWL, LWR, MB, MH
 constexpr I mpyuhi_immediate = I::zero;
@@ -29,7 +29,7 @@ constexpr I subc_immediate = I::zero;
 constexpr auto none = OperandClass::none;
 constexpr Modes any = 15;
 
-/// What few rows have.
+/// Members that only few rows set.
 struct Extra {
   std::uint8_t cycles = 1;
   std::uint8_t selector = 0;
@@ -72,7 +72,7 @@ constexpr Row row(std::string_view picture, std::string_view mnemonic, O operati
               extra);
 }
 
-// What compares of type 2 have where others have a destination (letter z) is read by nobody (docs/fidelity.md).
+// In compares of type 2 the field of the destination (letter z) has no meaning (docs/fidelity.md).
 // clang-format off
 constexpr std::array table{
     // General addressing, by bits 28..23.
@@ -300,7 +300,7 @@ constexpr std::array table{
 
 // clang-format off
 constexpr std::array c3x_forms{
-    // C31 from revision 5, C32 and C33 have IDLE2, and but for the C33 the two after it.
+    // C31 from revision 5, C32 and C33 have IDLE2. All but the C33 have the two after it.
     row("000 001100 00 00000 0000000000000001", "idle2", O::idle2, F::plain, none, none, I::none, any, X::none, "9"),
     row("000 100001 00 00000 0000000000000000", "maxspeed", O::maxspeed, F::plain, none, none, I::none, any, X::none, "9"),
     row("000 100001 00 00000 0000000000000001", "lopower", O::lopower, F::plain, none, none, I::none, any, X::none, "9"),
@@ -313,7 +313,7 @@ constexpr std::array c3x_forms{
 };
 // clang-format on
 
-/// Whether the C3x has the encoding as it stands.
+/// Whether the C3x has the same encoding.
 constexpr bool is_common(const Row& row) {
   const bool other_branch = row.format == Format::branch_displacement && row.bits.field('v').width == 24;
   return !row.c4x_only && !other_branch && row.operation != Operation::trap;

@@ -12,8 +12,8 @@
 namespace isa {
 
 // clang-format off
-/// What a half of an instruction computes. Encodings that mean the same share one: ADDI, ADDI3 and the first half of
-/// ADDI3 || STI are `addi`; SUBRI is `subi` with its sources exchanged; STIK is `sti` of an immediate.
+/// What one half of an instruction computes. Encodings with the same meaning share one operation: ADDI, ADDI3 and the
+/// first half of ADDI3 || STI are `addi`; SUBRI is `subi` with its sources exchanged; STIK is `sti` of an immediate.
 enum class Operation : std::uint8_t {
   none,
   absf, absi, addc, addf, addi, and_, andn, ash, cmpf, cmpi, fix, float_, lde, ldf, ldfi, ldi, ldii, ldm, lsh,
@@ -24,7 +24,7 @@ enum class Operation : std::uint8_t {
   stf, stfi, sti, stii, pop, popf, push, pushf,
   nop, idle, idle2, swi, iack, rpts, rptb,
   branch, db, call, laj, rets, reti, trap, lat,
-  lopower, maxspeed,  // Of the C3x alone.
+  lopower, maxspeed,  // C3x only.
 };
 // clang-format on
 inline constexpr int operation_count = static_cast<int>(Operation::maxspeed) + 1;
@@ -64,7 +64,7 @@ enum class Format : std::uint8_t {
   to_expansion,            ///< LDPE src,exp
 };
 
-/// What a register field may name.
+/// The registers that a register field may name.
 enum class OperandClass : std::uint8_t {
   none,
   integer,   ///< Any primary register.
@@ -72,13 +72,13 @@ enum class OperandClass : std::uint8_t {
   lda,       ///< AR0-AR7, DP, IR0, IR1, BK, SP.
 };
 
-/// How the 16-bit (three_type2: the 8-bit) immediate is read.
+/// How the 16-bit immediate (in three_type2 the 8-bit immediate) is read.
 enum class Immediate : std::uint8_t { none, sign, zero, short_float };
 
 /// The classes of c40-isa.md 5.3, and one class for each instruction with rules of its own.
 enum class FlagClass : std::uint8_t { none, A, B, L, S, SA, F, G, ieee, normalize, round, multiply_add };
 
-/// What becomes of the three instructions after a branch.
+/// What happens to the three instructions after a branch.
 enum class Delay : std::uint8_t { none, delayed, annul_if_true, annul_if_false };
 
 /// The pipeline stage in which `dst` is written (c40-isa.md 8.1).
@@ -94,12 +94,12 @@ struct Row {
   Operation operation = Operation::none;
   Operation operation2 = Operation::none;
   Format format = Format::plain;
-  OperandClass source = OperandClass::none;       ///< Of every source register field.
-  OperandClass destination = OperandClass::none;  ///< none: nothing is written (the field is 0 then).
+  OperandClass source = OperandClass::none;       ///< Of each source register field.
+  OperandClass destination = OperandClass::none;  ///< none: the instruction writes nothing (the field is then 0).
   Immediate immediate = Immediate::none;
   Modes modes = 15;
   FlagClass flags = FlagClass::none;
-  std::uint8_t cycles = 1;  ///< Without any conflict.
+  std::uint8_t cycles = 1;  ///< Without conflicts.
   std::uint8_t selector =
       0;  ///< Byte or half-word of a part-word instruction, P of a multiply-add, 1 or 3 of a branch.
   Delay delay = Delay::none;
@@ -107,7 +107,7 @@ struct Row {
   bool commutative = false;
   bool interlocked = false;  ///< Drives the LOCK pin (c40-isa.md 6.7).
   bool c4x_only = false;
-  std::string_view section;  ///< Of c40-isa.md.
+  std::string_view section;  ///< Section of c40-isa.md.
   Picture bits{};            ///< Derived from `picture`.
 
   constexpr bool has(char field) const { return static_cast<bool>(bits.field(field)); }
@@ -115,8 +115,8 @@ struct Row {
   constexpr bool conditional() const { return has('c'); }
 };
 
-/// Every row, in the order of the opcodes of each group. The C3x's are those of the C40 that are not `c4x_only`, with
-/// its own forms in place of what it does otherwise.
+/// Every row, in the order of the opcodes of each group. The C3x's rows are the C40's rows that are not `c4x_only`, and
+/// the C3x's own forms instead of those that differ.
 std::span<const Row> rows(Cpu cpu = Cpu::c40);
 
 }  // namespace isa

@@ -10,14 +10,14 @@ constexpr std::array<std::string_view, 32> register_names{
     "r0", "r1",  "r2",  "r3", "r4", "r5", "r6",  "r7",  "ar0", "ar1", "ar2", "ar3", "ar4", "ar5", "ar6", "ar7",
     "dp", "ir0", "ir1", "bk", "sp", "st", "die", "iie", "iif", "rs",  "re",  "rc",  "r8",  "r9",  "r10", "r11"};
 
-constexpr std::array<std::string_view, 3> c3x_names{"ie", "if", "iof"};  // From DIE's code on.
+constexpr std::array<std::string_view, 3> c3x_names{"ie", "if", "iof"};  // The names that begin with DIE's code.
 
 struct ConditionName {
   std::string_view name;
   Condition condition;
 };
 
-// The first name of a condition is the one that is printed.
+// The first name of a condition is the printed one.
 constexpr std::array condition_names{
     ConditionName{"u", Condition::U},     ConditionName{"lo", Condition::LO},     ConditionName{"c", Condition::LO},
     ConditionName{"ls", Condition::LS},   ConditionName{"hi", Condition::HI},     ConditionName{"hs", Condition::HS},

@@ -1,6 +1,6 @@
 #pragma once
-// Words, addresses, registers and conditions of the TMS320C4x, as its user's guide names and numbers them; and what the
-// TMS320C3x has otherwise (c40-isa.md 9).
+// Words, addresses, registers and conditions of the TMS320C4x, with the names and numbers of its user's guide, and the
+// differences of the TMS320C3x (c40-isa.md 9).
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -11,13 +11,13 @@ namespace isa {
 using Word = std::uint32_t;
 using Address = std::uint32_t;  ///< Counts 32-bit words.
 
-/// Whose instructions a word is read as. The emulator runs the C40's only.
+/// The processor for whose instructions a word is decoded. The emulator runs only the C40's.
 enum class Cpu : std::uint8_t { c40, c3x };
 
-std::string_view name(Cpu cpu);                       ///< As options have it: "c40", "c3x".
-std::string_view title(Cpu cpu);                      ///< As sentences have it: "C40", "C3x".
+std::string_view name(Cpu cpu);                       ///< As in options: "c40", "c3x".
+std::string_view title(Cpu cpu);                      ///< As in sentences: "C40", "C3x".
 std::optional<Cpu> cpu_named(std::string_view text);  ///< By name().
-/// One address more than the processor has. The C3x's have 24 bits.
+/// The number of addresses of the processor. The C3x's addresses have 24 bits.
 constexpr std::uint64_t address_space(Cpu cpu) { return std::uint64_t{1} << (cpu == Cpu::c40 ? 32 : 24); }
 
 // clang-format off
@@ -47,9 +47,9 @@ constexpr std::uint8_t code(Register r) { return static_cast<std::uint8_t>(r); }
 constexpr std::uint8_t code(Condition c) { return static_cast<std::uint8_t>(c); }
 constexpr Register address_register(unsigned n) { return static_cast<Register>(8 + (n & 7)); }
 
-/// R0 to R11: 40 bits wide, the only ones that hold floats.
+/// R0 to R11: 40 bits wide; only these hold floats.
 constexpr bool is_extended(Register r) { return code(r) < 8 || code(r) >= 28; }
-/// AR0-AR7, DP, IR0, IR1, BK, SP: what LDA can load.
+/// AR0-AR7, DP, IR0, IR1, BK, SP: the registers that LDA can load.
 constexpr bool is_lda_destination(Register r) { return code(r) >= 8 && code(r) <= 20; }
 constexpr bool is_condition(unsigned c) { return c <= 20 && c != 11; }
 

@@ -10,13 +10,13 @@
 namespace machine {
 namespace {
 
-/// A table of equal records in window A, whose words have names that begin with a prefix.
+/// A table of equal records in window A; the names of their words begin with a prefix.
 struct Records {
-  std::string_view name;    ///< what stands before the number of the record
+  std::string_view name;    ///< the text before the number of the record
   std::string_view base;    ///< symbol: offset of record 0 on bus A
   std::string_view words;   ///< symbol: words of a record
-  unsigned count;           ///< records that are told apart
-  std::string_view prefix;  ///< of the symbols that are offsets in the record; empty: none are
+  unsigned count;           ///< records with names of their own
+  std::string_view prefix;  ///< prefix of the symbols of offsets in the record; empty: there are none
 };
 constexpr std::array records{
     Records{"TB", "BLOCK_POOL", "BLOCK_WORDS", 64, "TB_"}, Records{"CR", "CR_BASE", "CR_WORDS", 1, "CR_"},
@@ -24,12 +24,12 @@ constexpr std::array records{
     Records{"SV", "SV_BASE", "SV_WORDS", 17, ""},
 };
 
-/// RAM on chip after the constants: its names in onchip.inc. What a kernel calls its scratch words differs from kernel
-/// to kernel, so those are SCRATCH and an offset.
+/// RAM on chip after the constants, with the names of onchip.inc. Each kernel has its own names for its scratch words,
+/// so these are SCRATCH and an offset.
 constexpr std::array<std::string_view, 8> on_chip{"TASK",       "EXEC_BLOCK", "EXEC_SLOT", "EXEC_POLICY",
                                                   "EXEC_PAUSE", "MATH",       "STACK",     "SCRATCH"};
 
-/// What stands alone in a window; the symbols are offsets on its bus.
+/// Single words of a window; the symbols are offsets on the window's bus.
 constexpr std::array<std::string_view, 13> alone_on_a{
     "LIST_WORK_POINTER", "LIST_REFRESH",   "SLICE_CYCLES",  "ER_BASE",       "SEMAPHORE",
     "SEMAPHORE_OWNER",   "SEMAPHORE_HELD", "DOORBELL_RING", "DOORBELL_IDLE", "DOORBELL_BUSY",
@@ -38,7 +38,8 @@ constexpr std::array<std::string_view, 14> alone_on_b{
     "DRIVE_TORQUE",    "DRIVE_ENABLE", "ENCODER",     "SWAY_ALPHA", "SWAY_BETA",    "LOAD_CELL", "SPREADER_COMMAND",
     "SPREADER_STATUS", "DRIVE_STATUS", "DRIVE_SPEED", "SCAN_ROWS",  "SCAN_PROFILE", "AGV_UNIT",  "AGV_RANGE"};
 
-/// Words of a window that are named. Few, so that a number which is no address seldom looks like one.
+/// Words of a window that have names. The number is small, so that a number that is not an address rarely looks like
+/// one.
 constexpr Address window_a_words = 0x20000, window_b_words = 0x2000;
 
 }  // namespace
@@ -92,7 +93,7 @@ std::optional<std::string> AddressNames::name(Address address) const {
   auto found = regions_.upper_bound(address);
   if (found == regions_.begin()) return std::nullopt;
   const auto& [base, region] = *--found;
-  if (address - base > region.words) return std::nullopt;  // a pointer may stand just behind
+  if (address - base > region.words) return std::nullopt;  // a pointer may point directly behind the region
   const auto label = region.labels.upper_bound(address);
   const bool labelled = label != region.labels.begin() && !std::prev(label)->second.empty();
   const Address from = labelled ? std::prev(label)->first : base;

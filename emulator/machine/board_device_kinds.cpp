@@ -1,4 +1,4 @@
-// The kinds of devices that a board file can name: one row each, and what is common to them.
+// The kinds of devices that a board file can name: one row each, with the properties of the kind.
 #include <fmt/format.h>
 
 #include <algorithm>

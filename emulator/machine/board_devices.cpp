@@ -82,7 +82,7 @@ bool BoardDevices::will_act_on_others() const {
 std::optional<BoardDevices::Answer> BoardDevices::access(const c40::ExternalAccess& access) {
   Place* place = at(access.address);
   if (place == nullptr) return std::nullopt;
-  // The DMA may be behind the processor: what has happened has happened.
+  // The DMA may be behind the processor: events that have happened are not undone.
   const Cycles now = std::max(now_, access.cycle);
   advance_to(now);
   BoardDevice& device = *place->device;
@@ -91,7 +91,7 @@ std::optional<BoardDevices::Answer> BoardDevices::access(const c40::ExternalAcce
   const Address offset = (access.address - place->described.base) / stride;
   Word value = 0;
   if ((access.address - place->described.base) % stride != 0) {
-    // nothing is between two registers: a read gives 0
+    // between two registers there is nothing: a read gives 0
   } else if (access.write) {
     const Word before = place->described.kind == DeviceKind::led ? device.read(offset, now) : 0;
     device.write(offset, access.value, now);
@@ -207,7 +207,7 @@ LoneDevices::LoneDevices(BoardDevices& devices, c40::Chip& chip) : devices_(devi
 
 LoneDevices::~LoneDevices() { devices_.on_pin = nullptr; }
 
-/// A processor that runs has begun its last instruction by then, as in a network (Network::Node::run_to).
+/// A running processor has begun its last instruction by then, as in a network (Network::Node::run_to).
 bool LoneDevices::reached(Cycles due) const { return chip_.cycle() > due || (chip_.cycle() == due && chip_.idle()); }
 
 Cycles LoneDevices::limit(Cycles wanted) {

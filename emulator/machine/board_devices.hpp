@@ -1,9 +1,9 @@
 #pragma once
-/// All devices around one chip: who answers an access, what they do by themselves, and the pins that they pull.
+/// All devices around one chip: they answer accesses, act by themselves, and pull pins.
 ///
 /// A pin is low while one of its devices pulls it. It changes in the cycle in which the access begins, or in which the
-/// device does something by itself; the synchroniser's one cycle comes on top, as for a net (machine/net.hpp).
-/// Inaccuracy: an access of the DMA may be behind the processor, so the pin may change later by an instruction.
+/// device acts by itself; the synchroniser adds one cycle, as for a net (machine/net.hpp). Inaccuracy: an access of the
+/// DMA may be behind the processor, so the pin may change one instruction late.
 #include <functional>
 #include <memory>
 #include <optional>
@@ -33,53 +33,53 @@ class BoardDevices {
   BoardDevices(const BoardDevices&) = delete;
   BoardDevices& operator=(const BoardDevices&) = delete;
 
-  /// One of the user's own. \throws std::invalid_argument if another device is there
+  /// Adds a user's device. \throws std::invalid_argument if another device has these addresses
   void add(DeviceDescription described, std::shared_ptr<BoardDevice> device);
   const std::vector<Place>& places() const { return places_; }
   bool empty() const { return places_.empty(); }
   bool has(c40::Address address) const { return at(address) != nullptr; }
-  /// \throws std::out_of_range if there is none
+  /// \throws std::out_of_range if no device is at the address
   const Place& at_address(c40::Address address) const;
-  /// One is there that acts on other chips.
+  /// The device at this address acts on other chips.
   bool acts_on_others(c40::Address address) const;
-  /// \throws std::invalid_argument with the names that there are
+  /// \throws std::invalid_argument with the known names
   const Place& named(std::string_view name) const;
 
   struct Answer {
     c40::Word value = 0;
     int waits = 0;
   };
-  /// Does the access; none: no device is there.
+  /// Does the access; none: no device is at the address.
   std::optional<Answer> access(const c40::ExternalAccess& access);
-  /// What they do by themselves up to and with this cycle.
+  /// Executes what the devices do by themselves up to and with this cycle.
   void advance_to(c40::Cycles now);
-  /// The same, and what another chip has done to them by this cycle shows at their pins.
+  /// The same; also reports to the pins what other chips have done to the devices by this cycle.
   void look(c40::Cycles now);
   c40::Cycles next_event() const;
-  /// One acts on other chips; one of these does so by itself.
+  /// A device acts on other chips; a device that acts on other chips also acts by itself.
   bool act_on_others() const;
   bool will_act_on_others() const;
-  /// Something that a program reads there could become another value by itself.
+  /// A value that a program reads there could change by itself.
   bool goes_on() const;
 
-  /// Pins that they may pull, each once.
+  /// The pins that devices may pull, each once.
   std::vector<c40::Pin> pins() const;
-  /// Hears each change of a pin. \param cycle in which it is so
+  /// Called at each change of a pin. \param cycle in which it changes
   std::function<void(c40::Pin, bool level, c40::Cycles cycle)> on_pin;
 
-  /// Characters that the first console is sent, behind those that wait.
+  /// Characters for the first console, after those that still wait.
   void type(std::string_view text);
   void type(const HostStep& step);
   bool has_console() const { return console_at() != nullptr; }
-  /// What the consoles have sent, and the changes of LEDs so far.
+  /// Everything that consoles have sent, and all changes of LEDs so far.
   const std::string& console() const { return console_; }
   const std::vector<Change>& changes() const { return changes_; }
-  /// Hears each character that a console sends.
+  /// Called for each character that a console sends.
   std::function<void(char)> on_output;
 
-  /// Why their state cannot be listed; none: it can.
+  /// Why the devices' state cannot be listed; none: it can.
   std::optional<std::string> stateless() const;
-  /// \throws state::StateError if it cannot
+  /// \throws state::StateError if the state cannot be listed
   void list_state(state::Visitor& list);
 
  private:
@@ -92,25 +92,25 @@ class BoardDevices {
 
   std::vector<Place> places_;
   c40::Cycles now_ = 0;
-  unsigned low_ = 0;  ///< bit n: pin n was last told to be low
+  unsigned low_ = 0;  ///< bit n: pin n was last reported low
   std::string console_;
   std::vector<Change> changes_;
 };
 
-/// Devices around a chip that is driven by nobody else: who runs it asks how far it may run, and lets the pins follow.
+/// Devices around a chip without another driver: the caller asks how far the chip may run, and lets the pins follow.
 class LoneDevices {
  public:
-  /// Both must outlive it.
+  /// Both must outlive this object.
   LoneDevices(BoardDevices& devices, c40::Chip& chip);
   ~LoneDevices();
   LoneDevices(const LoneDevices&) = delete;
   LoneDevices& operator=(const LoneDevices&) = delete;
 
-  /// What is due at the chip's cycle happens; the chip may run to so far at most, and `wanted`.
+  /// Executes what is due at the chip's cycle. Returns how far the chip may run, at most to `wanted`.
   c40::Cycles limit(c40::Cycles wanted);
-  /// Answers the access at which the chip has stopped; false: no device is there.
+  /// Answers the access at which the chip stopped; false: no device is at the address.
   bool serve(const c40::ExternalAccess& access);
-  /// Something that they do by themselves could interrupt it.
+  /// A device could interrupt the chip by itself.
   bool could_wake() const;
   void list_state(state::Visitor& list) { list("pins", pins_); }
 
@@ -124,10 +124,10 @@ class LoneDevices {
 
   BoardDevices& devices_;
   c40::Chip& chip_;
-  std::deque<PinChange> pins_;  ///< to come, by time
+  std::deque<PinChange> pins_;  ///< future ones, by time
 };
 
-/// Answers the access at which a chip has stopped; false: no device is there.
+/// Answers the access at which a chip stopped; false: no device is at the address.
 bool serve(BoardDevices& devices, c40::Chip& chip, const c40::ExternalAccess& access);
 
 }  // namespace machine

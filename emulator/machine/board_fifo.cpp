@@ -24,7 +24,7 @@ Word Fifo::read(Address offset, Cycles now) {
     errors_ |= underflow;
     return 0;
   }
-  // A host that waited for room goes on now.
+  // A host that waited for room continues now.
   if (in_.size() == depth_) arrives_from_ = std::max(arrives_from_, now);
   const Word word = in_.front();
   in_.pop_front();
@@ -45,7 +45,7 @@ void Fifo::write(Address offset, Word value, Cycles now) {
   advance_to(now);
 }
 
-/// Of two words at one cycle, the one to the host goes first: it may be what the host waits for.
+/// If two words move in one cycle, the one to the host is first: the host may wait for it.
 void Fifo::advance_to(Cycles now) {
   while (next_word() <= now) {
     if (next_leave() <= next_arrival()) {

@@ -1,9 +1,9 @@
 #pragma once
-/// A FIFO to and from a host, and a mailbox, which is one that holds a word each way.
+/// A FIFO to and from a host; and a mailbox, which is a FIFO of one word in each direction.
 ///
-/// Words: +0 data; +1 status; +2, +3 words that wait for the program, for the host; +4 control. Inaccuracies: it is no
-/// part of a maker's: a host board's FIFO has other flags at other bits, but these are what such flags say. The host
-/// looks at its side in the cycle in which it may, and takes no time beyond input_cycles and output_cycles.
+/// Words: +0 data; +1 status; +2, +3 number of words that wait for the program, for the host; +4 control. Inaccuracies:
+/// this is not a real part. The FIFO of a host board has its flags at other bits, but with the same meanings. The host
+/// acts in the first possible cycle, and takes no time beyond input_cycles and output_cycles.
 #include <algorithm>
 #include <deque>
 #include <vector>
@@ -45,7 +45,7 @@ class Fifo final : public BoardDevice {
     overflow = 1u << 6,
     underflow = 1u << 7
   };
-  /// Control: an interrupt while a word waits for the program, while none waits for the host, while the input is half
+  /// Control: interrupt while a word waits for the program, while no word waits for the host, while the input is half
   /// full.
   static constexpr c40::Word on_input = 1, on_empty = 2, on_half = 4;
 

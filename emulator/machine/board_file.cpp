@@ -64,16 +64,19 @@ class BoardReader {
       pins(out.board, node);
     });
     toml_.finish();
-    add_ignored(out.board, out.ignored);  // Devices stand behind windows, but behind none of these.
+    add_ignored(out.board, out.ignored);  // Devices are behind windows, but not behind these.
     return out;
   }
 
  private:
   void read_regions(BoardDescription& out, const toml::array& regions, const toml::table& root) {
+    std::size_t number = 0;  // of the region in the file, for messages about one without a name
     for (const auto& node : regions) {
+      ++number;
       if (is_reserved(node)) continue;
       const std::size_t before = out.board.regions.size();
-      if (!toml_.attempt([&] { add(out, node); }) || out.board.regions.size() == before) toml_.regions_known = false;
+      if (!toml_.attempt([&] { add(out, node, number); }) || out.board.regions.size() == before)
+        toml_.regions_known = false;
     }
     std::vector<c40::AddressRange> kept;
     for (const auto& node : regions)
@@ -85,7 +88,7 @@ class BoardReader {
     });
   }
 
-  void add(BoardDescription& description, const toml::node& node) {
+  void add(BoardDescription& description, const toml::node& node, std::size_t number) {
     c40::Board& board = description.board;
     if (!node.is_table()) toml_.fail(node, "region: each is a table, [[region]]");
     const toml::table& table = *node.as_table();
@@ -93,7 +96,7 @@ class BoardReader {
     bool whole = true;
     for (const std::string_view key : {"name", "base", "words", "bus"})
       if (table.get(key) == nullptr) {
-        toml_.note(node, fmt::format("region {}: {} is missing", board.regions.size() + 1, key));
+        toml_.note(node, fmt::format("region {}: {} is missing", number, key));
         whole = false;
       }
     if (!whole) return;
@@ -114,7 +117,7 @@ class BoardReader {
         toml_.attempt(
             [&] { description.contents.push_back({region.base, contents(region, *file, table.get("width"))}); });
     } else if (const auto* width = table.get("width")) {
-      toml_.note(*width, fmt::format("region.width of {}: it is that of a file, and there is none", region.name));
+      toml_.note(*width, fmt::format("region.width of {}: is for a file, and `file` is missing", region.name));
     }
     if (whole) board.regions.push_back(std::move(region));
   }
@@ -137,8 +140,8 @@ class BoardReader {
           {"page_waits", {&region.page_waits}}})
       toml_.optional(table, key, [&, &k = key, &f = fields](const toml::node& node) {
         if (window)
-          toml_.fail(node,
-                     fmt::format("region.{} of {}: a window waits for its bus, and for nothing else", k, region.name));
+          toml_.fail(node, fmt::format("region.{} of {}: a window has no wait states of its own, it waits for its bus",
+                                       k, region.name));
         for (int* field : f)
           *field = static_cast<int>(toml_.word(node, fmt::format("region.{}", k), c40::timing::max_region_waits));
       });
@@ -150,14 +153,14 @@ class BoardReader {
     return what == "ignore";
   }
 
-  /// A region at which nothing is.
+  /// A region without any device or memory.
   static bool is_reserved(const toml::node& node) {
     const auto* table = node.as_table();
     const std::string kind = table == nullptr ? "" : (*table)["kind"].value_or(std::string());
     return kind == "fault" || kind == "ignore";
   }
 
-  /// One of kind "fault" stays what it is, whatever the board's `reserved` says.
+  /// A region of kind "fault" stays a fault, whatever the board's `reserved` is.
   void add_reserved(BoardDescription& description, const toml::table& table, std::vector<c40::AddressRange>& kept) {
     const toml::node& node = table;
     toml_.allow(table, "region.", reserved_region_keys);
@@ -175,9 +178,11 @@ class BoardReader {
     whole &= toml_.attempt([&] { region.words = words_of(*table.get("words"), region); });
     if (!whole) return;
     if (!is_free(description, kept, region))
-      toml_.fail(node, fmt::format("region {} ({:08X}h, {} words): another region, the boot ROM, or something of the "
-                                   "chip's own is there",
-                                   region.name, region.base, region.words));
+      toml_.fail(
+          node,
+          fmt::format(
+              "region {} ({:08X}h, {} words): another region, the boot ROM, or an address of the chip itself is there",
+              region.name, region.base, region.words));
     (ignored ? description.ignored : kept).push_back({region.base, static_cast<c40::Word>(region.words)});
   }
 
@@ -191,10 +196,10 @@ class BoardReader {
     });
   }
 
-  /// The image of a ROM, beside the board file.
+  /// The image of a ROM, in the folder of the board file.
   std::vector<c40::Word> contents(const Region& region, const toml::node& file, const toml::node* width) {
     if (region.kind == Region::Kind::external_window)
-      toml_.fail(file, fmt::format("region.file of {}: a window holds nothing by itself", region.name));
+      toml_.fail(file, fmt::format("region.file of {}: a window has no contents", region.name));
     const std::string path = beside_board(toml_, toml_.text(file, "region.file"));
     try {
       std::optional<unsigned> bits;
@@ -240,7 +245,7 @@ class BoardReader {
     if (tied.iiof >> 1 == 0)
       toml_.fail(
           node,
-          "pins.iiof: 000 of IIOF3 to IIOF1 is reserved; the boot loader would read the pins for ever. 111 means the "
+          "pins.iiof: 000 of IIOF3 to IIOF1 is reserved; the boot loader would read the pins forever. 111 means the "
           "communication ports");
   }
 
@@ -252,7 +257,7 @@ class BoardReader {
     return static_cast<c40::Word>(std::stoul(levels, nullptr, 2));
   }
 
-  // The address decides which bus the chip drives (c40-hardware.md 1.1).
+  // The address decides which bus the chip uses (c40-hardware.md 1.1).
   Region::Bus bus_of(const toml::node& node, const Region& region) {
     const std::string bus = toml_.text(node, "region.bus");
     if (bus != "local" && bus != "global")
@@ -277,9 +282,10 @@ class BoardReader {
     const std::uint64_t end = region.base + region.words;
     if (region.base < first_external && end > chip_begin)
       toml_.note(
-          node, fmt::format(
-                    "region.base of {}: {:08X}h to {:08X}h are the chip's own; a board has what lies before and behind",
-                    region.name, chip_begin, first_external - 1));
+          node,
+          fmt::format(
+              "region.base of {}: {:08X}h to {:08X}h belong to the chip; a board has the addresses before and after",
+              region.name, chip_begin, first_external - 1));
     for (const Region& other : board.regions)
       if (region.base < other.base + other.words && other.base < end)
         toml_.note(node, fmt::format("region {} ({:08X}h, {} words) overlaps {} ({:08X}h, {} words)", region.name,
@@ -298,7 +304,8 @@ BoardDescription read_board(const std::string& name, BoardFiles files) {
   if (name == "default") return {.board = c40::Board::default_board()};
   if (name == "flat") return {.board = c40::Board::flat()};
   if (!name.ends_with(".toml"))
-    throw BoardError(fmt::format("there is no board \"{}\"; default, flat and files that end in .toml are", name));
+    throw BoardError(
+        fmt::format("there is no board \"{}\"; default, flat, or a file that ends in .toml is expected", name));
   const std::string text = io::read_text<BoardError>(name, "a board file (docs/boards.md)");
   try {
     return BoardReader(name, files).read(io::parse_toml(text, name));
@@ -333,13 +340,13 @@ std::int64_t instruction_cycles_per_second(double clock_mhz) { return std::llrou
 
 namespace {
 
-/// \param reach words that the board's window must at least have
+/// \param reach least number of words of the board's window
 void require_window(const c40::Board& board, char bus, Address base, std::uint64_t reach) {
   for (const Region& region : board.regions) {
     if (region.kind != Region::Kind::external_window || region.base != base) continue;
     if (region.words >= reach) return;
     throw BoardError(
-        fmt::format("board {}: region.words of {}: the window to bus {} has {} words; what answers on the bus needs {}",
+        fmt::format("board {}: region.words of {}: the window to bus {} has {} words; the devices on the bus need {}",
                     board.name, region.name, bus, region.words, reach));
   }
   throw BoardError(

@@ -1,6 +1,5 @@
 #pragma once
-// Boards by name, or as TOML files describe them (docs/boards.md): for a program alone, and for the DSPs of
-// the dock.
+// Boards by name, or from TOML files (docs/boards.md): for a single program, and for the DSPs of the dock.
 #include <cstdint>
 #include <optional>
 #include <stdexcept>
@@ -24,28 +23,30 @@ class BoardError : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// What surrounds a chip, and what a board file says about the chip itself.
+/// The surroundings of a chip, and what a board file says about the chip itself.
 struct BoardDescription {
   c40::Board board;
-  std::optional<double> clock_mhz{};         ///< CLKIN; an H1 period is two of its periods.
-  bool has_pins = false;                     ///< It says how its pins are tied, and whether the boot ROM is there.
+  std::optional<double> clock_mhz{};  ///< CLKIN; an H1 period is two of its periods.
+  bool has_pins = false;              ///< The board file says how pins are tied, and whether the boot ROM is there.
   std::vector<DeviceDescription> devices{};  ///< behind its windows
-  /// What regions hold from the start on: images of ROMs.
+  /// Initial contents of regions: images of ROMs.
   struct Contents {
     c40::Address base = 0;
     std::vector<c40::Word> words;
   };
   std::vector<Contents> contents{};
-  std::vector<c40::AddressRange> ignored{};  ///< where nothing is and an access is no fault (board_reserved.hpp)
+  std::vector<c40::AddressRange>
+      ignored{};  ///< addresses without memory at which an access is not a fault (board_reserved.hpp)
 };
 
 /// "default", "flat", or a TOML file. \throws BoardError
-/// \param files whether files that it names are read, ROMs and inputs: who only asks for its registers leaves them
+/// \param files whether to read the files that the board file names, ROMs and inputs; not needed for the registers
+/// alone
 enum class BoardFiles : std::uint8_t { read, leave };
 BoardDescription read_board(const std::string& name, BoardFiles files = BoardFiles::read);
 
-/// What a device's other side sends. \throws std::invalid_argument with file, line and what would be right
-/// \param script else a console's characters as they are, a FIFO's words in hexadecimal
+/// The input of a device's other side. \throws std::invalid_argument with file, line and what would be right
+/// \param script false: a console's plain characters, a FIFO's words in hexadecimal
 DeviceInput device_input(std::string text, const std::string& source, DeviceKind kind, bool script);
 DeviceInput read_device_input(const std::string& path, DeviceKind kind, bool script);
 
@@ -57,8 +58,8 @@ void refuse_ignored(const BoardDescription& board);
 /// H1 periods per second.
 std::int64_t instruction_cycles_per_second(double clock_mhz);
 
-/// That DSPs of the machine can stand on this board: windows to buses A and B where the program expects them and
-/// nowhere else, and RAM under each of its sections. \throws BoardError
+/// Checks that the machine's DSPs can use this board: windows to buses A and B only where the program expects them, and
+/// RAM for each of the program's sections. \throws BoardError
 void require_dsp_board(const c40::Board& board, const toolchain::Image& program, const Symbols& symbols);
 
 }  // namespace machine

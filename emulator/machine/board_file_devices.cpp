@@ -49,7 +49,7 @@ class DeviceReader {
   }
 
  private:
-  /// A key of another kind gets a word about that.
+  /// A key that belongs to another kind gets a message of its own.
   void unknown_keys(const toml::table& table, const DeviceKindRow& row, const std::vector<std::string_view>& keys) {
     for (const auto& [key, node] : table) {
       if (std::ranges::find(keys, key.str()) != keys.end()) continue;
@@ -82,7 +82,7 @@ class DeviceReader {
       if (row.name == text) return device_.kind = row.kind, row;
       names.push_back(row.name);
     }
-    toml_.fail(given, fmt::format("device.kind of {}: \"{}\" is none; {} is expected{}", device_.name, text,
+    toml_.fail(given, fmt::format("device.kind of {}: \"{}\" is unknown; {} is expected{}", device_.name, text,
                                   fmt::join(names, ", "), io::did_you_mean(text, names)));
   }
 
@@ -99,7 +99,7 @@ class DeviceReader {
     number("words", 1, row.needs_words ? most_vme_words : most_words, device_.words);
     if (row.needs_words && table.get("words") == nullptr)
       toml_.note(table, fmt::format("device {}: words is missing", board_.devices.size() + 1));
-    if (row.kind == DeviceKind::vic068a) device_.value = 0xF1;  // one of the revisions that vic068.h names
+    if (row.kind == DeviceKind::vic068a) device_.value = 0xF1;  // one of the revisions in vic068.h
     number("waits", 0, 1'000'000, device_.waits);
     number("value", 0, row.kind == DeviceKind::vic068a ? 0xFF : 0xFFFFFFFF, device_.value);
     number("depth", 1, 1 << 20, device_.depth);
@@ -146,7 +146,7 @@ class DeviceReader {
         return other.name == device_.vic && other.kind == DeviceKind::vic068a;
       });
       if (!there)
-        toml_.fail(node, fmt::format("device.vic of {}: no [[device]] of kind \"vic068a\" before it is called {}",
+        toml_.fail(node, fmt::format("device.vic of {}: no [[device]] of kind \"vic068a\" named {} comes before it",
                                      device_.name, std::exchange(device_.vic, "")));
     });
   }
@@ -160,15 +160,15 @@ class DeviceReader {
              end <= std::uint64_t{region.base} + region.words;
     });
     if (!behind_window && toml_.regions_known)
-      toml_.note(node, fmt::format("device.base of {}: a device stands behind a [[region]] of kind \"window\", and "
-                                   "none has {:08X}h to {:08X}h",
+      toml_.note(node, fmt::format("device.base of {}: a device needs a [[region]] of kind \"window\", and no such "
+                                   "region has {:08X}h to {:08X}h",
                                    device_.name, device_.base, end - 1));
     for (const DeviceDescription& other : board_.devices) {
       if (device_.base < std::uint64_t{other.base} + other.words && other.base < end)
         toml_.note(node,
                    fmt::format("device.base of {}: {} is there, at {:08X}h", device_.name, other.name, other.base));
       if (!device_.name.empty() && other.name == device_.name)
-        toml_.note(node, fmt::format("device.name: there are two called {}", device_.name));
+        toml_.note(node, fmt::format("device.name: two devices have the name {}", device_.name));
     }
   }
 
@@ -189,7 +189,7 @@ DeviceInput device_input(std::string text, const std::string& source, DeviceKind
 
 DeviceInput read_device_input(const std::string& path, DeviceKind kind, bool script) {
   const std::string expected = script                        ? "a host script (docs/boards.md)"
-                               : kind == DeviceKind::console ? "what is typed at the console"
+                               : kind == DeviceKind::console ? "the input of the console"
                                                              : "a file of words in hexadecimal";
   const bool characters = !script && kind == DeviceKind::console;  // any bytes, as they were typed
   return device_input(

@@ -28,7 +28,7 @@ Region::Bus bus_at(std::uint64_t address) {
                                      : Region::Bus::internal;
 }
 
-/// How far the address is from the region.
+/// Distance of the address from the region.
 std::uint64_t distance(const Region& region, Address address) {
   const std::uint64_t end = std::uint64_t{region.base} + region.words;
   return address < region.base ? region.base - address : address < end ? 0 : address - (end - 1);
@@ -86,7 +86,7 @@ std::string no_ram_for(const c40::Board& board, std::string_view section, Addres
   std::vector<std::string> nearest;
   std::ranges::transform(regions, std::back_inserter(nearest), extent);
   return fmt::format(
-      "section {} ({} words at {:08X}h) does not lie in RAM of board {}: nearest {} {}. A board file describes another "
+      "section {} ({} words at {:08X}h) is not in RAM of board {}: nearest {} {}. A board file describes another "
       "board, with a [[region]] for these addresses (docs/boards.md)",
       section, words, address, board.name, nearest.size() == 1 ? "is" : "are", fmt::join(nearest, " and "));
 }

@@ -1,9 +1,9 @@
 #pragma once
 /// A timer that counts down.
 ///
-/// Words: +0 count, +1 reload, +2 control (bit 0 runs, bit 1 interrupt, bit 2 once), +3 status (bit 0 expired, bit 1
-/// expired again before that was cleared; a 1 that is written clears). It expires when the count comes to 0, and then
-/// begins at `reload` again; at 0, or once, it stops.
+/// Words: +0 count, +1 reload, +2 control (bit 0 run, bit 1 interrupt, bit 2 once), +3 status (bit 0 expired, bit 1
+/// expired again before bit 0 was cleared; writing a 1 clears a bit). The timer expires when the count reaches 0, and
+/// then starts again at `reload`; if `reload` is 0, or with `once`, it stops.
 #include "machine/board_device.hpp"
 
 namespace machine {
@@ -31,13 +31,13 @@ class Timer final : public BoardDevice {
     return (control_ & runs) != 0 && count_ != 0 ? since_ + count_cycles_ * static_cast<c40::Cycles>(count_)
                                                  : never_cycle;
   }
-  /// What is left of the count in a cycle before it expires.
+  /// The count in a cycle before the timer expires.
   c40::Word count(c40::Cycles now) const {
     return (control_ & runs) == 0 ? count_ : count_ - static_cast<c40::Word>((now - since_) / count_cycles_);
   }
 
   c40::Cycles count_cycles_;
-  c40::Cycles since_ = 0;  ///< the count was `count_` then
+  c40::Cycles since_ = 0;  ///< the cycle in which the count was `count_`
   c40::Word count_ = 0, reload_ = 0, control_ = 0, status_ = 0;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// How board files are read: everything that is wrong is noted with its place, and said at once.
+// Reads board files: errors are collected with their places, and reported together.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -20,27 +20,27 @@ class BoardToml {
   explicit BoardToml(std::string file) : file_(std::move(file)) {}
   const std::string& file() const { return file_; }
 
-  /// Every region could be read: only then is said that a device lies in none.
+  /// Every region could be read. Only then an error reports a device outside all regions.
   bool regions_known = true;
 
-  /// Files that it names are read.
+  /// The files that the board file names are read.
   bool reads_files = true;
 
-  /// What fail() throws after it has noted the error: the rest of the file is read all the same.
+  /// Thrown by fail() after it has noted the error; reading continues with the next part.
   struct Noted {};
 
   void note(const toml::node& node, const std::string& what) {
     const auto line = static_cast<std::size_t>(node.source().begin.line);
     errors_.emplace(line, fmt::format("{}:{}: {}", file_, line, what));
   }
-  /// Of the whole file.
+  /// An error of the whole file.
   void note(const std::string& what) { errors_.emplace(0, fmt::format("{}: {}", file_, what)); }
   [[noreturn]] void fail(const toml::node& node, const std::string& what) {
     note(node, what);
     throw Noted{};
   }
 
-  /// Reads a part; false: there was an error in it.
+  /// Reads a part; false: it had an error.
   template <class Read>
   bool attempt(Read&& read) {
     try {
@@ -50,13 +50,13 @@ class BoardToml {
       return false;
     }
   }
-  /// Reads what stands behind a key, if it is there.
+  /// Reads the value of a key, if the key is there.
   template <class Read>
   void optional(const toml::table& table, std::string_view key, Read&& read) {
     if (const auto* node = table.get(key)) attempt([&] { read(*node); });
   }
 
-  /// \throws BoardError with all that was noted, by lines
+  /// \throws BoardError with all noted errors, in the order of their lines
   void finish() const {
     if (errors_.empty()) return;
     std::vector<std::string> lines;
@@ -92,9 +92,9 @@ class BoardToml {
   std::multimap<std::size_t, std::string> errors_;  ///< by line
 };
 
-/// [[device]] tables, after the regions. Adds them to the board.
+/// [[device]] tables, to be read after the regions. Adds the devices to the board.
 void read_devices(BoardToml& toml, BoardDescription& board, const toml::node& node);
-/// A file that a board file names: beside it.
+/// A file that a board file names: relative to the board file.
 std::string beside_board(const BoardToml& toml, const std::string& given);
 
 }  // namespace machine

@@ -3,13 +3,13 @@
 namespace machine {
 namespace {
 
-/// Bits that a program cannot write: what vic068.h calls read only.
+/// Bits that a program cannot write: the read-only ones of vic068.h.
 constexpr std::uint8_t read_only(std::size_t number) {
   switch (number) {
     case 0x13:
-    case 0x14: return 0x03;  // which of the ICGS, ICMS interrupts
+    case 0x14: return 0x03;  // number of the ICGS, ICMS interrupt
     case 0x15:
-    case 0x16: return 0x07;  // which local, which error interrupt
+    case 0x16: return 0x07;  // number of the local, the error interrupt
     case 0x17: return 0xF0;  // ICGS in ICSR
     case 0x1D: return 0xFF;  // ICR5: the revision
     default: return 0;

@@ -1,10 +1,11 @@
 #pragma once
-/// A stub of the VMEbus interface controller VIC068A (VTC, later Cypress), and of the space that it leads to.
+/// A stub of the VMEbus interface controller VIC068A (VTC, later Cypress), and of the address space behind it.
 ///
-/// The registers hold what was written, 8 bits each, at the places and with the read-only fields that Wind River's
-/// vic068.h (VxWorks 5.1, 1992; public) gives: register n at byte address 4n + 3, n = 0 to 38h. An access to the VME
-/// space meets no module. With answer "bus error" it ends after the device's waits, a read gets FFFFFFFFh, and the VIC
-/// that is named notes a VMEbus time-out in BESR (bits 4 and 5); its pin stays low until the program writes 0 to both.
+/// The registers hold the values written to them, 8 bits each, at the places and with the read-only fields of Wind
+/// River's vic068.h (VxWorks 5.1, 1992; public): register n at byte address 4n + 3, n = 0 to 38h. An access to the VME
+/// space meets no module. With answer "bus error" the access ends after the device's waits, a read gets FFFFFFFFh, and
+/// the named VIC records a VMEbus time-out in BESR (bits 4 and 5). The VIC's pin stays low until the program writes 0
+/// to both bits.
 ///
 /// Inaccuracies: nothing that a register starts happens (block transfers, interrupts on the VMEbus, the timer of
 /// SS0CR0, a system reset), nor are interrupts of others handed on. A program that asks for it is reported

@@ -18,7 +18,7 @@ using c40::Word;
 
 constexpr Word memory_width = 32, end_of_blocks = 0;
 constexpr Word from_ports = 7;
-/// By the pins IIOF3 to IIOF1 (c40-hardware.md 9.1).
+/// By the levels of pins IIOF3 to IIOF1 (c40-hardware.md 9.1).
 constexpr std::array<Address, 7> sources{0,           0xC0000000u, 0xA0000000u, 0x80000000u,
                                          0x60000000u, 0x40000000u, 0x00300000u};
 
@@ -75,7 +75,7 @@ std::vector<Word> boot_stream(const toolchain::Image& image, const BootHeader& h
       add_block(others, section.address, words);
     }
   }
-  if (!entered) throw std::invalid_argument(fmt::format("the program's entry {:08X}h lies in no section", image.entry));
+  if (!entered) throw std::invalid_argument(fmt::format("the program's entry {:08X}h is in no section", image.entry));
   stream.insert(stream.end(), others.begin(), others.end());
   stream.insert(stream.end(), {end_of_blocks, header.ivtp, header.tvtp, header.acknowledge});
   return stream;

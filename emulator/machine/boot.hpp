@@ -1,6 +1,6 @@
 #pragma once
-/// Starting a chip as its RESET pin does: the boot ROM, the pins that choose its source, and the streams that it reads
-/// (c40-hardware.md 9). The loader itself is C40 code, c40_programs/boot_rom.asm.
+/// Starts a chip as its RESET pin does: the boot ROM, the pins that choose its source, and the streams that the loader
+/// reads (c40-hardware.md 9). The loader itself is C40 code, c40_programs/boot_rom.asm.
 #include <vector>
 
 #include "c40/chip.hpp"
@@ -8,40 +8,40 @@
 
 namespace machine {
 
-/// What stands in a boot stream beside the program's blocks.
+/// The contents of a boot stream besides the program's blocks.
 struct BootHeader {
   c40::Word global_interface_control = 0x3E39FFF0u;
   c40::Word local_interface_control = 0x3E39FFF0u;
   c40::Word ivtp = 0, tvtp = 0;
-  c40::Address acknowledge = 0x002FF800u;  ///< read by the loader's IACK
+  c40::Address acknowledge = 0x002FF800u;  ///< the address that the loader's IACK reads
 };
 
-/// The board with the boot ROM at 0, and its pins so that the loader takes the first port that has a word.
+/// The board with the boot ROM at 0, and with pins for which the loader takes the first port that has a word.
 c40::Board with_boot_from_port(c40::Board board);
-/// The same, with the pins that choose memory at this address. Throws std::invalid_argument if no pins do.
+/// The same, with pins for memory at this address. Throws std::invalid_argument if no pins select it.
 c40::Board with_boot_from_memory(c40::Board board, c40::Address address);
 
-/// What a chip does when it is reset on this board.
+/// What a chip does after reset on this board.
 enum class ResetSource : std::uint8_t {
   ports,   ///< the boot loader takes the first port that has a word
   memory,  ///< the boot loader reads a stream at boot_address()
-  vector   ///< no boot loader: the program begins where the reset vector says
+  vector   ///< no boot loader: the program begins at the address in the reset vector
 };
 ResetSource reset_source(const c40::Board& board);
-/// Of the memory that the pins choose.
+/// The address of the memory that the pins select.
 c40::Address boot_address(const c40::Board& board);
 
-/// The stream that a port is sent (c40-hardware.md 9.3): the block that begins at the entry comes first.
-/// Throws std::invalid_argument if the entry lies in no section, or a section below 1000h, where the ROM is.
+/// The stream for a port (c40-hardware.md 9.3): the block that begins at the entry comes first. Throws
+/// std::invalid_argument if the entry is in no section, or a section is below 1000h, where the ROM is.
 std::vector<c40::Word> boot_stream(const toolchain::Image& image, const BootHeader& header);
 /// The same for memory of 32 bits (c40-hardware.md 9.2).
 std::vector<c40::Word> boot_memory(const toolchain::Image& image, const BootHeader& header);
 
-/// Sends a boot stream into a port that has no link, at a link's pace, whenever the chip waits for a word.
+/// Feeds a boot stream into a port without a link, at a link's speed, whenever the chip waits for a word.
 class BootFeeder {
  public:
   BootFeeder(c40::Chip& chip, int port, std::vector<c40::Word> stream);
-  /// True: a word was delivered for the access that the chip stopped at; run on.
+  /// True: a word was delivered for the access at which the chip stopped; the chip can run on.
   bool serve(const c40::PortAccess& access);
   int port() const { return port_; }
   std::size_t sent() const { return sent_; }

@@ -9,7 +9,7 @@ namespace machine {
 
 namespace {
 
-// Bridges form a forest: a depth-first walk that never turns back finds the only way.
+// Bridges form a forest: a depth-first walk that never turns back finds the only path.
 bool leads_to(const Topology& topology, unsigned from, unsigned to, int came_from, std::vector<unsigned>& path) {
   if (from == to) return true;
   for (const auto& [a, b] : topology.bridges) {
@@ -47,7 +47,7 @@ BusRoute route_to(const Topology& topology, const std::vector<unsigned>& standin
     route.port = static_cast<unsigned>(port);
     route.direct = far == 0;
   }
-  if (best < 0) throw std::invalid_argument{fmt::format("machine: no way leads to bus {}", topology.buses.at(bus))};
+  if (best < 0) throw std::invalid_argument{fmt::format("machine: no bridge leads to bus {}", topology.buses.at(bus))};
   return route;
 }
 
@@ -57,8 +57,8 @@ void check(const Topology& topology) {
     if (!good) throw std::invalid_argument{std::string{"machine: "} + what};
   };
   require(count >= 1 && count <= 4, "there are 1 to 4 buses");
-  require(!topology.host.empty() && !topology.dsps.empty(), "host and DSPs stand on at least one bus");
-  const auto there = [&](unsigned bus) { require(bus < count, "an agent stands on a bus that is not there"); };
+  require(!topology.host.empty() && !topology.dsps.empty(), "host and DSPs are on at least one bus each");
+  const auto there = [&](unsigned bus) { require(bus < count, "an agent is on a bus that does not exist"); };
   for (const unsigned bus : topology.host) there(bus);
   for (const unsigned bus : topology.dsps) there(bus);
   for (const unsigned bus : topology.devices) there(bus);

@@ -1,5 +1,5 @@
 #pragma once
-/// The loop that runs a chip, and the only place that tells apart why it stopped: for exec, networks and the dock.
+/// The loop that runs a chip, and the only place that distinguishes its stops: for exec, networks and the dock.
 #include <optional>
 
 #include "c40/chip.hpp"
@@ -7,14 +7,15 @@
 
 namespace machine {
 
-/// Who drives a chip: how far it may run, and what comes of each stop. Every answer `true` lets the chip go on.
+/// The driver of a chip: how far the chip may run, and what to do at each stop. If the answer is `true`, the chip runs
+/// on.
 class ChipRunner {
  public:
-  /// As c40::Chip::run_until takes them.
+  /// The arguments of c40::Chip::run_until.
   struct Span {
     c40::Cycles limit = 0;
-    c40::Cycles known = 0;         ///< so far is known what its ports do
-    bool one_instruction = false;  ///< the next instruction and no more, wherever it ends
+    c40::Cycles known = 0;         ///< the chip's ports are known up to here
+    bool one_instruction = false;  ///< only the next instruction, wherever it ends
   };
 
   ChipRunner() = default;
@@ -23,7 +24,7 @@ class ChipRunner {
   virtual ~ChipRunner() = default;
 
  protected:
-  /// Runs the chip until a stop ends it, or there is no span.
+  /// Runs the chip until a stop ends the run, or there is no span.
   void run_chip(c40::Chip& chip);
 
  private:

@@ -38,7 +38,7 @@ std::string_view name(StopMeaning meaning) {
 c40::Fault fault_of(const c40::Chip& chip, const c40::StopInfo& stop) {
   if (stop.fault) return *stop.fault;
   if (stop.reason != c40::StopInfo::Reason::software_interrupt)
-    throw std::logic_error(fmt::format("the stop {} is no fault", name(stop.reason)));
+    throw std::logic_error(fmt::format("the stop {} is not a fault", name(stop.reason)));
   return {
       .kind = c40::Fault::Kind::software_interrupt,
       .message = fmt::format("{}: SWI calls a debugger, and there is none", name(c40::Fault::Kind::software_interrupt)),

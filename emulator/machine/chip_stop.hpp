@@ -1,25 +1,25 @@
 #pragma once
-// What a chip's stop means to who drives chips and is no debugger: said once, for exec, networks and the dock.
+// The meaning of a chip's stop for a driver that is not a debugger: defined once, for exec, networks and the dock.
 #include "c40/chip.hpp"
 
 namespace machine {
 
 enum class StopMeaning : std::uint8_t {
-  limit,          ///< the driver's own
-  asks_anew,      ///< it has to be asked anew how far the chip may run
-  breakpoint,     ///< the driver's own
-  window_access,  ///< before an access to a window: the driver answers it, or nothing does
+  limit,          ///< the driver's own limit
+  asks_anew,      ///< the driver has to compute again how far the chip may run
+  breakpoint,     ///< the driver's own breakpoint
+  window_access,  ///< before an access to a window; without an answer by the driver it is a fault
   port_access,    ///< before an access to a linked port
-  port_wait,      ///< waits for a port with nothing attached: for ever, if the driver does not bring the word
-  fault           ///< it cannot go on: fault_of() says why
+  port_wait,      ///< waits for a port without a link: forever, unless the driver gives a word
+  fault           ///< the chip cannot continue: fault_of() says why
 };
 
 std::string_view name(StopMeaning meaning);
 
-/// Every reason has a meaning; a new one does not compile before it is given one.
+/// Every reason has a meaning; a new reason does not compile without one.
 StopMeaning meaning(c40::StopInfo::Reason reason);
 
-/// Why a chip that stopped so cannot go on. \throws std::logic_error if the stop means no fault.
+/// Why a chip that stopped like this cannot continue. \throws std::logic_error if the stop is not a fault.
 c40::Fault fault_of(const c40::Chip& chip, const c40::StopInfo& stop);
 
 }  // namespace machine

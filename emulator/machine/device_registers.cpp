@@ -12,7 +12,7 @@ using plant::Dock;
 
 constexpr std::int32_t number(Word value) { return static_cast<std::int32_t>(value); }
 
-// Signed, in the low bits of a word, as the drive's converter takes them.
+// The signed torque code in the low bits of a word, in the format of the drive's converter.
 constexpr int torque_code(Word value) {
   constexpr unsigned above = 32 - plant::torque_bits;
   return static_cast<int>(number(value << above) >> above);
@@ -37,7 +37,7 @@ Bits placed(const std::array<NamedBit, 4>& names, const toolchain::Image& progra
   return bits;
 }
 
-// What all drives say in one word.
+// One bit of each drive, in one word.
 Word collected(const DeviceConnections& cards, const Bits& bits, std::uint32_t (Dock::*say)(int, Time), Time t) {
   Word all = 0;
   for (std::size_t channel = 0; channel < cards.joints.size(); ++channel) {
@@ -55,7 +55,7 @@ std::uint32_t joints_enabled(const DeviceConnections& cards, Word channels) {
   return joints;
 }
 
-// Reads what the dock says, of the register's index, its ray and the time as far as the question takes them.
+// Reads a value from the dock; passes the register's index, its ray and the time, as far as the function takes them.
 template <auto ask>
 Word of_dock(const DeviceConnections& cards, DevicePlace at, Time t) {
   using Ask = decltype(ask);
@@ -68,7 +68,7 @@ Word of_dock(const DeviceConnections& cards, DevicePlace at, Time t) {
   else
     return static_cast<Word>((cards.dock.*ask)());
 }
-// The same of an axis that has a symbol of its own.
+// The same for an axis with a symbol of its own.
 template <auto ask, int axis>
 Word of_axis(const DeviceConnections& cards, DevicePlace, Time t) {
   return static_cast<Word>((cards.dock.*ask)(axis, t));

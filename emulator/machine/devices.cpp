@@ -16,7 +16,7 @@ Devices::Devices(const toolchain::Image& program, plant::Dock& dock, const std::
 
 void Devices::define(const PlacedRegister& one) {
   if (one.offset > 0xFFFF || one.index > 255 || one.ray > 255)
-    throw std::invalid_argument{"the DSP program: devices on bus B lie at offsets 0 to FFFFh"};
+    throw std::invalid_argument{"the DSP program: devices on bus B have offsets 0 to FFFFh"};
   if (one.offset >= registers_.size()) registers_.resize(one.offset + 1);
   if (registers_[one.offset].row != none)
     throw std::invalid_argument{"the DSP program: two devices share offset " + std::to_string(one.offset) +

@@ -15,8 +15,8 @@ namespace machine {
 
 class Devices final : public pci::Target {
  public:
-  /// The program says at which offsets it knows the registers. \throws std::invalid_argument where two share one,
-  /// or its numbers are not the dock's
+  /// The program gives the offsets of the registers. \throws std::invalid_argument if two registers have one offset, or
+  /// the program's numbers differ from the dock's
   Devices(const toolchain::Image& program, plant::Dock& dock, const std::array<Clock, device_groups>& clocks,
           const Fence& fence);
 
@@ -27,7 +27,7 @@ class Devices final : public pci::Target {
     const DeviceRegister& row = row_of(registers_[offset]);
     return write ? row.write != nullptr : row.read != nullptr;
   }
-  /// A stretch of offsets whose registers belong together; a hole belongs to what stands before it.
+  /// A range of offsets whose registers belong together; a gap belongs to the registers before it.
   struct RegisterRange {
     DeviceGroup group;
     Offset first;
@@ -44,7 +44,7 @@ class Devices final : public pci::Target {
  private:
   static constexpr std::uint8_t none = 0xFF;
   struct Register {
-    std::uint8_t row = none;  // of device_registers()
+    std::uint8_t row = none;  // index in device_registers()
     DevicePlace place{};
   };
 
@@ -54,14 +54,14 @@ class Devices final : public pci::Target {
     return clocks_[static_cast<std::size_t>(row.group)].at(access.clock);
   }
 
-  std::array<Clock, device_groups> clocks_;  // of the bus on which each group stands
+  std::array<Clock, device_groups> clocks_;  // of the bus of each group
   const Fence& fence_;
   DeviceConnections cards_;
   std::span<const DeviceRegister> rows_ = device_registers();
   std::vector<Register> registers_;
 };
 
-/// A stretch of the devices as a target of its bus, where it begins at offset 0.
+/// A range of the devices as a target of its bus, which begins at offset 0 there.
 class DeviceWindow final : public pci::Target {
  public:
   DeviceWindow(Devices& devices, Offset first) : devices_{devices}, first_{first} {}

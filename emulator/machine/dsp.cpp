@@ -47,11 +47,10 @@ void Dsp::set_next() {
   if (dma_goes_on()) next_ = std::min(next_, clock_.at(chip_.settled()));
   if (!nets_out_.empty()) next_ = std::min(next_, next_pin_event());
   changed();
-  for (const Wire& wire : wires_)
-    wire.actor.changed();  // what it did at its ports may have given links something to do
+  for (const Wire& wire : wires_) wire.actor.changed();  // the chip's accesses may have changed the next event of links
 }
 
-// While the processor stands before an access or in one, a DMA that moves words over a link to another slot goes on.
+// While the processor is before or in an access, a DMA that moves words over a link to another slot continues.
 bool Dsp::dma_goes_on() const {
   return in_access() && wires_.size() > 1 && !dma_waits_ && chip_.dma_busy() && chip_.watches_ports();
 }
@@ -92,15 +91,17 @@ void Dsp::run_ahead(Time until) {
   set_next();
 }
 
-// Whose ports can interrupt it, or move its DMA, follows its link step by step; so does one to whose pins a net leads.
+// A chip whose ports can interrupt it, or move its DMA, follows its link step by step; so does a chip with a net at its
+// pins.
 c40::Cycles Dsp::limit(Time horizon) const {
   const c40::Cycles far = clock_.tick_at_or_after(horizon);
   Time reach = never;
   for (const Net* net : nets_in_) reach = std::min(reach, net->reaches(slot_));
   if (!chip_.watches_ports()) return std::min(far, reach == never ? far : clock_.tick_at_or_after(reach));
-  const Time own = clock_.at(chip_.settled());  // what its own DMA does comes back over the link, too
+  const Time own = clock_.at(chip_.settled());  // effects of its own DMA come back over the link, too
   for (const Wire& wire : wires_) {
-    // The adapter's end acts with the host, which the horizon knows; another DSP's at any time from now on.
+    // The adapter's end acts together with the host, which the horizon includes; another DSP's end may act at any time
+    // from now on.
     const Time from = &wire == &wires_.front() ? own : std::min(own, context_.scheduler.earliest());
     reach = std::min({reach, wire.actor.next(), from + wire.link.lookahead()});
   }
@@ -129,7 +130,7 @@ std::optional<ChipRunner::Span> Dsp::span() {
   return {};
 }
 
-// Between two instructions: now comes what found it in the middle of one.
+// Between two instructions: handles edges that came in the middle of an instruction.
 bool Dsp::at_limit() {
   if (std::exchange(edge_waiting_, false)) chip_.raise_iiof(0);
   for (const PinChange& change : pins_waiting_) chip_.set_pin(change.pin, change.level, chip_.cycle());
@@ -147,7 +148,7 @@ bool Dsp::port_access(const c40::PortAccess& access) {
 
 bool Dsp::port_wait(const c40::PortAccess& access) {
   fault(access.cycle, chip_.pc(), access.address,
-        fmt::format("{} waits for ever: nothing is attached to the port", describe(access)));
+        fmt::format("{} waits forever: nothing is attached to the port", describe(access)));
   return false;
 }
 
@@ -156,7 +157,7 @@ bool Dsp::faulted(const c40::Fault& why) {
   return false;
 }
 
-// The part of its window that holds the address; behind the last part nothing answers.
+// The part of the board's window with this address; behind the last part nothing answers.
 const BusRoute& Dsp::route_of(std::uint32_t address) const {
   const std::vector<BusRoute>& routes = on_a(address) ? context_.window_a : context_.window_b;
   const Offset offset = offset_of(address);
@@ -170,7 +171,7 @@ bool Dsp::writable(Window window, Offset offset) const {
   return offset < SharedSram::size || context_.registers.answers(offset, true, false);
 }
 
-// A write that finds room in the bridge, a read that the bridge's line answers.
+// Answers at once a write for which the bridge has room, and a read that the bridge's line answers.
 std::optional<c40::WindowAnswer> Dsp::answer_at_once(const c40::ExternalAccess& access) {
   const BusRoute& route = route_of(access.address);
   if (access.write) {
@@ -188,7 +189,7 @@ std::optional<c40::WindowAnswer> Dsp::answer_at_once(const c40::ExternalAccess& 
                            .transfer = std::max(there - access.cycle, context_.config.prefetch_hit_cycles)};
 }
 
-// One that was not answered at once, or that the chip has to stop before: while its DMA is active.
+// An access that was not answered at once, or before which the chip has to stop: while its DMA is active.
 bool Dsp::window_access(const c40::ExternalAccess& access) {
   if (access.write && !writable(window_of(access.address), offset_of(access.address))) {
     fault(access.cycle, chip_.pc(), access.address,
@@ -206,8 +207,8 @@ bool Dsp::window_access(const c40::ExternalAccess& access) {
   access_ = access;
   state_ = State::access;
   own_next_ = clock_.at(access.cycle);
-  // A read with nothing before it may be asked for ahead of its turn, as a write is posted: nothing can act on the
-  // board before it begins.
+  // A read without anything before it may go to the bus ahead of its turn, as a posted write does: nothing can act on
+  // the board before the read begins.
   if (!access.write && !chip_.dma_active() && own_next_ < run_end_ && bridge(route_of(access.address)).is_clear())
     begin_read();
   return false;
@@ -263,7 +264,7 @@ void Dsp::answered(const Side& side, Word value, pci::Clocks ready, pci::Clocks 
   resume_at(side, ready, arbitration);
 }
 
-// The chip waited from the access to bus clock `ready`, `arbitration` clocks of it without the bus.
+// The chip waited from the access to bus clock `ready`; for `arbitration` clocks of this it waited for the bus.
 void Dsp::resume_at(const Side& side, pci::Clocks ready, pci::Clocks arbitration) {
   if (state_ != State::blocked) return;
   const Clock& bus = context_.bus_clocks[side.bus];
@@ -292,7 +293,7 @@ void Dsp::complete(Time horizon) {
   run(horizon);
 }
 
-// The word has left the board's bridge: it is at its target, or in a bridge between buses.
+// The word has left the board's bridge: it has reached its target, or is in a bridge between buses.
 void Dsp::landed(const Side& side, const pci::Posted& posted, pci::Clocks clock) {
   for (const Window window : {Window::a, Window::b}) {
     for (const BusRoute& route : window == Window::a ? context_.window_a : context_.window_b) {
@@ -328,7 +329,7 @@ void Dsp::arrived(Window window, Offset offset, const pci::Posted& posted, Time 
     context_.observer->dsp_write(slot_, window, offset, posted.value, Time{posted.stamp}, now);
 }
 
-// Nothing outside may act on the chip before the horizon up to which it has been run.
+// Nothing outside may act on the chip before the horizon up to which it has run.
 void Dsp::require_not_run_past([[maybe_unused]] Time now) const {
   assert(run_end_ <= now && "a chip was run past what acts on it");
 }
@@ -345,7 +346,7 @@ void Dsp::schedule_reset(Time time) {
   set_next();
 }
 
-// An edge that finds the chip in the middle of an access is seen when the instruction has ended.
+// An edge during an access is seen when the instruction has ended.
 void Dsp::deliver_edge(Time now) {
   edge_ = never;
   if (caught_up(now)) {
@@ -369,7 +370,7 @@ void Dsp::deliver_edge(Time now) {
   if (context_.observer != nullptr) context_.observer->interrupt(slot_, 0, now);
 }
 
-// Between two instructions at `now`; false in the middle of an access, or where there is no program running.
+// Runs to between two instructions at `now`; false if an access is under way, or no program runs.
 bool Dsp::caught_up(Time now) {
   if (state_ == State::running || state_ == State::idle) {
     settle(now);
@@ -380,8 +381,8 @@ bool Dsp::caught_up(Time now) {
   return true;
 }
 
-// Real code: BR to itself in the last word of the local SRAM, GIE off, and RM, for under RPTS no branch may stand. The
-// present instruction has ended.
+// Real code: BR to itself in the last word of the local SRAM, GIE off, and RM off, because under RPTS no branch is
+// allowed. The present instruction has ended.
 void Dsp::go_astray() {
   constexpr c40::Address trap = 0x3FFFFF;
   constexpr Word branch_to_itself = 0x60FFFFFF;  // BR, displacement -1
@@ -436,7 +437,7 @@ void Dsp::freeze(Time now) {
   set_next();
 }
 
-// Its present cycle, or the access that it stands before, is the last of the old clock.
+// The present cycle, or the access before which the chip stopped, is the last one of the old clock.
 void Dsp::pace(Time now, std::int64_t parts_per_million) {
   require_not_run_past(now);
   settle(now);
@@ -476,7 +477,7 @@ void Dsp::list_state(state::Visitor& list) {
   list("dma waits", dma_waits_);
   list("fault", fault_);
   list("statistics", statistics_);
-  if (list.loads()) run_end_ = Time{0};  // of the run before
+  if (list.loads()) run_end_ = Time{0};  // still from the run before
 }
 
 void Dsp::append_state(std::vector<std::uint64_t>& words) const {

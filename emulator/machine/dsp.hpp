@@ -1,9 +1,9 @@
 #pragma once
-// One DSP board: a chip and its two bridges, and how they go through time together.
+// One DSP board: a chip and its two bridges, advanced together in time.
 //
-// The board is always in one state, and says when it wants to be called next. What it does on its own between two
-// accesses (and posted writes that find room, and reads that the bridge's line answers) it may do ahead of everybody
-// else, up to the horizon given.
+// The board is always in one state, and says when it has to be called next. Its actions between two accesses (and
+// posted writes for which there is room, and reads that the bridge's line answers) it may do ahead of all others, up to
+// the given horizon.
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -34,7 +34,7 @@ struct DspContext {
   std::vector<Clock> chip_clocks;  ///< by slot
   std::vector<Clock> bus_clocks;   ///< by bus
   std::deque<pci::Bus>& buses;
-  std::vector<BusRoute> window_a;  // as every DSP board reaches it
+  std::vector<BusRoute> window_a;  // the route of every DSP board
   std::vector<BusRoute> window_b;
   const SharedRegisters& registers;
   LinkAdapter& adapter;
@@ -43,15 +43,15 @@ struct DspContext {
   Guard* guard = nullptr;
   Observer* observer = nullptr;
   std::vector<ChipFault> faults;
-  unsigned in_reset = 0;  ///< boards
-  /// Nothing that is not yet scheduled at a board can act on it before this.
+  unsigned in_reset = 0;  ///< number of boards
+  /// No unscheduled event can act on a board before this.
   std::function<Time()> earliest_action;
-  /// The programs of slots run, or run no more: links between slots are joined or cut.
+  /// The program of a slot has started or stopped: links between slots are connected or cut.
   std::function<void(unsigned slot, Time now)> slot_changed;
   const Scheduler& scheduler;
 };
 
-/// Words of its program that every DSP finds set.
+/// Words of its program that are set for each DSP.
 std::vector<std::pair<c40::Address, Word>> start_words(const Symbols& symbols, const Config& config, unsigned slot);
 
 class Dsp final : public Scheduler::Processor,
@@ -74,22 +74,22 @@ class Dsp final : public Scheduler::Processor,
   void freeze(Time now);
   void hang(Time now);
   void unplug(Time now);
-  /// A link at one of its ports, and who acts for the link.
+  /// Attaches a link to one of its ports, and the actor of the link.
   void attach(int port, c40::Link& link, int side, Scheduler::Actor& wire);
-  /// A net at its pins.
+  /// Connects a net to its pins.
   void join(Net& net);
-  /// A link at one of its ports has come to `now`.
+  /// A link at one of its ports has advanced to `now`.
   void link_moved(Time now);
   void link_event(const c40::LinkEvent& event);
-  /// From now on its clock runs at so many millionths of its nominal frequency.
+  /// From now on its clock has this fraction of its nominal frequency.
   void pace(Time now, std::int64_t parts_per_million);
   void plug(Time now);
   void reset(Time now);
-  /// A word that it posted has come through the last bridge between buses to its target.
+  /// A word that it posted has passed the last bridge between buses and reached its target.
   void delivered(unsigned bus, pci::Address address, pci::Clocks clock, pci::Result result);
   void append_state(std::vector<std::uint64_t>& words) const;
   void list_state(state::Visitor& list);
-  /// Counts idle and halted cycles up to `now`.
+  /// Adds idle and halted cycles up to `now`.
   void settle(Time now);
 
   bool plugged() const { return state_ != State::out; }
@@ -117,10 +117,10 @@ class Dsp final : public Scheduler::Processor,
     access,    // stopped before access_, which begins at own_next_
     port,      // stopped before port_access_, which begins at own_next_ or waits for the link
     blocked,   // the bridge has the access
-    resuming,  // its answer reaches the chip at own_next_
+    resuming,  // the answer reaches the chip at own_next_
     idle,
     faulting,  // fault_ happens at own_next_
-    dead,      // stands still
+    dead,      // halted
   };
   struct Side final : pci::Bridge::Client {
     Side(Dsp& owner, unsigned which, const pci::MasterConfig& master, const pci::BridgeConfig& config)
@@ -219,26 +219,26 @@ class Dsp final : public Scheduler::Processor,
   DspContext& context_;
   PacedClock clock_;
   c40::Chip chip_;
-  std::deque<Side> sides_;          // by bus on which the board stands
+  std::deque<Side> sides_;          // by the buses of the board
   std::vector<Underway> underway_;  // in bridges between buses
   AdapterWire adapter_wire_{*this};
-  std::vector<Wire> wires_;               // the link adapter's first
-  std::vector<Net*> nets_in_, nets_out_;  // those that lead to its pins, and those that it can drive
-  unsigned inputs_ = 0, outputs_ = 0;     // the pins at them: bit n is pin n
+  std::vector<Wire> wires_;               // the link adapter's is the first
+  std::vector<Net*> nets_in_, nets_out_;  // nets that lead to its pins, and nets that it can drive
+  unsigned inputs_ = 0, outputs_ = 0;     // the pins at these nets: bit n is pin n
   struct PinChange {
     c40::Pin pin;
     bool level;
   };
-  std::vector<PinChange> pins_waiting_;  // came in the middle of an access; seen when its instruction has ended
+  std::vector<PinChange> pins_waiting_;  // changes during an access; seen when its instruction has ended
   State state_ = State::out;
-  bool broken_ = false;        // no reset revives it
-  bool answered_ = true;       // since its reset the program has sent its word over the link
-  bool edge_waiting_ = false;  // came in the middle of an access; taken when its instruction has ended
+  bool broken_ = false;        // no reset repairs it
+  bool answered_ = true;       // since its reset the program has reported over the link
+  bool edge_waiting_ = false;  // an edge during an access; taken when its instruction has ended
   bool hang_waiting_ = false;  // the same
-  bool dma_waits_ = false;     // for the processor: for a window, or for what the processor waits for
+  bool dma_waits_ = false;     // its DMA waits for the processor: for a window, or for the processor's own access
   Time next_ = never;
   Time own_next_ = never;
-  Time run_end_{0};  // of the run under way
+  Time run_end_{0};  // end of the present run
   Time edge_ = never;
   Time reset_ = never;
   c40::ExternalAccess access_{};

@@ -1,4 +1,4 @@
-// A DSP board's link to the adapter, and its way from the slot and from reset to its running program.
+// A DSP board's link to the adapter, and the board's start: from plugging in and reset to the running program.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace machine {
 
 // ---- the link ----
 
-// At its own turn: links, and the adapter, have done all that comes before.
+// At the access's own turn: links and the adapter have executed everything before it.
 void Dsp::begin_port_access(Time now, Time horizon) {
   for (const Wire& wire : wires_)
     if (wire.port == port_access_.port) wire.link.advance_to(now);
@@ -26,7 +26,7 @@ void Dsp::begin_port_access(Time now, Time horizon) {
   run(horizon);
 }
 
-// May let go on what waited for it.
+// An access that waited for the link may be able to continue.
 void Dsp::link_moved(Time now) {
   if (state_ == State::port && own_next_ == never && port_access_.ready(chip_.port(port_access_.port))) own_next_ = now;
   if (state_ == State::idle && chip_.watches_ports()) {
@@ -39,7 +39,7 @@ void Dsp::link_moved(Time now) {
   set_next();
 }
 
-// The DMA of a processor that waits, as far as is known what its ports do.
+// Runs the DMA of a waiting processor, as far as its ports are known.
 void Dsp::run_dma(Time horizon) {
   const c40::Cycles known = limit(horizon), before = chip_.settled();
   if (known > before) chip_.run_until(0, known);
@@ -93,7 +93,7 @@ void Dsp::reset(Time now) {
   if (context_.observer != nullptr) context_.observer->slot(slot_, SlotChange::reset, now);
 }
 
-// RESET is low for a while; it resets the adapter's end of the link too.
+// RESET is low for a while; this also resets the adapter's end of the link.
 void Dsp::hold_in_reset(Time now) {
   chip_.hold(true);
   context_.in_reset += 1;
@@ -124,7 +124,7 @@ std::vector<std::pair<c40::Address, Word>> start_words(const Symbols& symbols, c
       {symbols.dsp_slot, slot}, {symbols.idle_policy, config.idle_policy}, {symbols.pause_count, config.pause_count}};
 }
 
-// As a loader would leave it (c40-hardware.md 9.4).
+// The state in which a loader would leave the chip (c40-hardware.md 9.4).
 void Dsp::load() {
   for (const auto& section : context_.program.sections) {
     if (section.loaded) {

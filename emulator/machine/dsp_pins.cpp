@@ -1,4 +1,4 @@
-// The pins of a DSP board that nets join to those of others.
+// The pins of a DSP board that nets connect to pins of other boards.
 #include <algorithm>
 
 #include "machine/dsp.hpp"
@@ -27,7 +27,8 @@ void Dsp::driven(c40::Pin pin, c40::Drive drive, c40::Cycles at) {
       ->driven(mine, drive, std::max(context_.scheduler.now(), clock_.at(at)));
 }
 
-/// What its timers do at pins that drive nets, while it is in an access and its own time stands still.
+/// Changes by its timers of pins that drive nets, while an access is under way and the chip's own time does not
+/// advance.
 Time Dsp::next_pin_event() const {
   if (nets_out_.empty() || !in_access()) return never;
   const c40::Cycles event = chip_.next_event();
@@ -39,8 +40,8 @@ Time Dsp::drives_from() const {
   return std::min(next_pin_event(), context_.scheduler.earliest());
 }
 
-// RESET going low is a reset. An edge that finds the chip in the middle of an access is seen when the instruction has
-// ended; a timer counts it at once.
+// RESET going low is a reset. An edge during an access is seen when the instruction has ended; a timer counts it at
+// once.
 void Dsp::pin_changes(c40::Pin pin, bool level, Time now) {
   if (pin == c40::Pin::reset) {
     if (!level) reset(now);

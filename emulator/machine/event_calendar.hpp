@@ -1,5 +1,5 @@
 #pragma once
-// Who is next: the instant of each actor's next event, and the earliest of them.
+// The calendar of events: the instant of each actor's next event, and the earliest of them.
 #include <algorithm>
 #include <bit>
 #include <cstddef>
@@ -17,7 +17,7 @@ class EventCalendar {
     std::size_t who = 0;
   };
 
-  /// A place for one more actor; its event is set afterwards.
+  /// Adds an actor; its event is set afterwards.
   std::size_t add() {
     const std::size_t who = count_++;
     if (count_ > leaves_) {
@@ -36,14 +36,14 @@ class EventCalendar {
     leaf(who)->time = time;
     for (std::size_t i = (leaves_ + who) / 2; i > 0; i /= 2) {
       const Turn& earlier = earlier_child(i);
-      if (earlier.who == nodes_[i].who && earlier.time == nodes_[i].time) return;  // above, nothing has changed
+      if (earlier.who == nodes_[i].who && earlier.time == nodes_[i].time) return;  // nothing has changed further up
       nodes_[i] = earlier;
     }
   }
 
   Time time(std::size_t who) const { return nodes_[leaves_ + who].time; }
   const Turn& earliest() const { return nodes_[1]; }
-  /// Of all others than `who`.
+  /// The earliest event of all actors other than `who`.
   Time earliest_of_others(std::size_t who) const {
     Time earliest = never;
     for (std::size_t i = leaves_ + who; i > 1; i /= 2) earliest = std::min(earliest, nodes_[i ^ 1U].time);
@@ -51,7 +51,7 @@ class EventCalendar {
   }
 
  private:
-  // Node i has the children 2i and 2i + 1; the leaves, which are the actors, stand behind the last inner node.
+  // Node i has the children 2i and 2i + 1; the leaves, which are the actors, come after the last inner node.
   std::vector<Turn>::iterator leaf(std::size_t who) {
     return nodes_.begin() + static_cast<std::ptrdiff_t>(leaves_ + who);
   }

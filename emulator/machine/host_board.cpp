@@ -67,8 +67,8 @@ void HostBoard::list_state(state::Visitor& list) {
 }
 
 Time HostBoard::earliest_action(Time woken) const {
-  // A program that waits for words wakes with its bus's next event at the earliest; then its write has to cross the
-  // bridge and the bus.
+  // A program that waits for words wakes no earlier than its bus's next event; then its write has to cross the bridge
+  // and the bus.
   const Time wakes = std::min(next_, woken);
   const Time acts = words_wanted_ != 0 && read_done_ == never ? std::min(wakes, next_bus_event()) : wakes;
   Time earliest = acts == never ? never : acts + (clock_.at(action_clocks_) - clock_.at(0)) - Time{1};
@@ -76,7 +76,7 @@ Time HostBoard::earliest_action(Time woken) const {
   return earliest;
 }
 
-// The earliest event of a bus that a word of the host's is on, or may come to.
+// The earliest event of a bus that carries, or may get, a word of the host.
 Time HostBoard::next_bus_event() const {
   Time next = never;
   const auto offer = [&](std::size_t bus) {
@@ -107,12 +107,12 @@ void HostBoard::require_answer(Offset offset, std::size_t words, bool write) con
     const bool shared = one < SharedSram::size || registers_.answers(one, write, true) || adapter_.answers(one, write);
     if (route_of(one) == nullptr || !(shared || one >= host_devices))
       throw std::out_of_range{
-          fmt::format("the host {} offset {:X}h, where nothing answers", write ? "writes to" : "reads from", one)};
+          fmt::format("the host {} offset {:X}h, where no device answers", write ? "writes to" : "reads from", one)};
   }
 }
 
 void HostBoard::read(Offset offset, unsigned n_words, std::uint32_t tag) {
-  if (words_wanted_ != 0) throw std::logic_error{"HostPort::read: the read before is not done; wait for read_done"};
+  if (words_wanted_ != 0) throw std::logic_error{"HostPort::read: another read is outstanding; wait for read_done"};
   if (n_words == 0) throw std::invalid_argument{"HostPort::read of no words"};
   require_answer(offset, n_words, false);
   tag_ = tag;
@@ -134,7 +134,7 @@ void HostBoard::write(Offset offset, std::span<const Word> words) {
   feed();
 }
 
-// Gives the bridge what it takes: writes in order, then the read.
+// Passes to the bridge what it accepts: writes in order, then the read.
 void HostBoard::feed() {
   while (first_waiting_ < waiting_.size() && !blocked()) {
     pci::Posted posted = waiting_[first_waiting_++];

@@ -1,5 +1,5 @@
 #pragma once
-// The host board: a HostProgram behind a bridge to each bus on which the board stands.
+// The host board: a HostProgram behind a bridge to each of the board's buses.
 #include <cstdint>
 #include <deque>
 #include <vector>
@@ -15,7 +15,7 @@ namespace machine {
 
 class HostBoard final : public Scheduler::Actor, public HostPort, public pci::Bridge::Client {
  public:
-  /// Becomes the first master of its buses. `ways`: of offsets as HostPort counts them.
+  /// Becomes the first master of its buses. `ways`: routes of offsets in HostPort's numbering.
   HostBoard(HostProgram& program, const Config& config, std::deque<pci::Bus>& buses, std::vector<BusRoute> routes,
             std::vector<Clock> bus_clocks, const SharedRegisters& registers, const LinkAdapter& adapter);
 
@@ -26,13 +26,13 @@ class HostBoard final : public Scheduler::Actor, public HostPort, public pci::Br
   }
   void act(Time now) override;
 
-  /// The processor stands still until then; what it has posted goes on.
+  /// The processor is stopped until then; posted writes continue.
   void pause(Time until);
 
   void list_state(state::Visitor& list);
 
-  /// Nothing that it has posted or will post can act on a DSP before this (a lower bound, never earlier than `now`). It
-  /// may be woken at `woken`.
+  /// No write that the host has posted or will post can act on a DSP before this (a lower bound, never before `now`).
+  /// The host may be woken at `woken`.
   Time earliest_action(Time woken) const;
 
   void read(Offset offset, unsigned n_words, std::uint32_t tag) override;
@@ -66,18 +66,18 @@ class HostBoard final : public Scheduler::Actor, public HostPort, public pci::Br
   std::deque<pci::Bus>& buses_;
   std::vector<BusRoute> routes_;
   std::vector<Clock> clocks_;  // by bus
-  Clock clock_;                // of the first bus on which the host stands: the host counts in it
+  Clock clock_;                // of the host's first bus: the host counts in this clock
   const SharedRegisters& registers_;
   const LinkAdapter& adapter_;
-  std::deque<pci::Bridge> bridges_;  // by bus on which the host stands
+  std::deque<pci::Bridge> bridges_;  // by the host's buses
   Time next_ = never;
   Time read_done_ = never;
   Time paused_until_{0};
-  unsigned written_ = 0;              // the way of the last write, by its number
+  unsigned written_ = 0;              // the number of the last write's route
   pci::Clocks cpu_ = 0;               // the processor issues its next access at this clock or later
   std::vector<pci::Posted> waiting_;  // writes that found the FIFO full
   std::size_t first_waiting_ = 0;
-  std::uint64_t acting_ = 0;  // words posted so far that act on a DSP when they arrive
+  std::uint64_t acting_ = 0;  // words posted so far that act on a DSP on arrival
   std::uint32_t tag_ = 0;
   Offset read_offset_ = 0;
   unsigned words_wanted_ = 0;

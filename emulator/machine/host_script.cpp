@@ -46,7 +46,8 @@ class ScriptReader {
         std::uint64_t value = 0;
         const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value, 16);
         if (error != std::errc() || end != word.data() + word.size() || value > 0xFFFFFFFF)
-          fail(fmt::format("\"{}\" is no word; a word of up to 8 hexadecimal digits is expected on each line", word));
+          fail(
+              fmt::format("\"{}\" is not a word; a word of up to 8 hexadecimal digits is expected on each line", word));
         all.words.push_back(static_cast<c40::Word>(value));
       }
     return all.words.empty() ? std::vector<HostStep>{} : std::vector{std::move(all)};
@@ -66,7 +67,7 @@ class ScriptReader {
     return true;
   }
 
-  /// Up to the next blank; empty: the line ends.
+  /// The text up to the next blank; empty at the end of the line.
   std::string_view token() {
     const std::size_t begin = line_.find_first_not_of(" \t\r,");
     line_.remove_prefix(begin == std::string_view::npos ? line_.size() : begin);
@@ -103,7 +104,7 @@ class ScriptReader {
           fmt::format("\"{}\": a number (1Fh, 0x1F or decimal) up to {:X}h is expected behind {}", given, most, first));
     step.number = *number;
     for (std::string_view word = token(); !word.empty(); word = token()) add(step, word);
-    if (step.words.empty()) fail("no word is sent; words or \"text\" are expected at the end");
+    if (step.words.empty()) fail("there is no word to send; words or \"text\" are expected at the end");
     return step;
   }
 
@@ -111,7 +112,7 @@ class ScriptReader {
     if (word[0] == '"') return add_text(step, word.substr(1, word.size() - 2));
     const auto value = number_of(word);
     if (!value || *value > 0xFFFFFFFF)
-      fail(fmt::format("\"{}\" is no word; 1Fh, 0x1F, decimal or \"text\" is expected", word));
+      fail(fmt::format("\"{}\" is not a word; 1Fh, 0x1F, decimal or \"text\" is expected", word));
     step.words.push_back(static_cast<c40::Word>(*value));
   }
 
@@ -180,7 +181,7 @@ void HostScript::begin(c40::Cycles now) {
 void HostScript::add(const std::vector<HostStep>& steps, c40::Cycles now) {
   const bool was_done = steps_.empty();
   for (const HostStep& step : steps) {
-    // Characters typed one by one are one step.
+    // Characters typed one by one form one step.
     const bool joins = !steps_.empty() && step.when == HostStep::When::at && steps_.back().when == step.when &&
                        step.number <= steps_.back().number;
     if (joins)

@@ -1,6 +1,6 @@
 #pragma once
-/// The other side of a console, FIFO or mailbox: what it sends, when, and in answer to what (docs/boards.md, Host
-/// scripts). It is an input of the run: the same script gives the same run.
+/// The other side of a console, FIFO or mailbox: the words that it sends, when, and in answer to what (docs/boards.md,
+/// Host scripts). A script is an input of the run: the same script gives the same run.
 #include <cstdint>
 #include <deque>
 #include <limits>
@@ -22,7 +22,7 @@ class HostScriptError : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// A step begins when the step before it has been sent. Then it waits for what it says, and sends its words.
+/// A step begins when the step before has been sent. It waits for its condition, and then sends its words.
 struct HostStep {
   enum class When : std::uint8_t {
     at,     ///< cycle `number`
@@ -38,11 +38,11 @@ struct HostStep {
 /// "at 1000 12h 34h", "wait 50 7", "after 3 0x10", "on 3Eh \"help\n\""; # begins a comment.
 /// \param name of the file, for messages
 std::vector<HostStep> parse_host_script(std::string_view text, std::string_view name);
-/// A word per line in hexadecimal, all there from the start.
+/// One word per line in hexadecimal, all available from the start.
 std::vector<HostStep> parse_host_words(std::string_view text, std::string_view name);
-/// Characters, all there from the start.
+/// Characters, all available from the start.
 std::vector<HostStep> characters(std::string_view text);
-/// A script whose steps are these.
+/// A script with these steps.
 std::string to_text(const std::vector<HostStep>& steps);
 
 class HostScript {
@@ -50,13 +50,13 @@ class HostScript {
   HostScript() = default;
   explicit HostScript(std::vector<HostStep> steps) : steps_(steps.begin(), steps.end()) { begin(0); }
 
-  /// Further steps, behind those that wait.
+  /// Adds steps after those that wait.
   void add(const std::vector<HostStep>& steps, c40::Cycles now);
   /// The program has sent a word.
   void heard(c40::Word word, c40::Cycles now);
-  /// When the next word is there; never_cycle: it waits for the program, or there is none.
+  /// When the next word is available; never_cycle: the script waits for the program, or is at its end.
   c40::Cycles next() const { return steps_.empty() ? never_cycle : ready_; }
-  /// The next word, which is there. \param now not before next()
+  /// Takes the next word. \param now not before next()
   c40::Word take(c40::Cycles now);
   bool done() const { return steps_.empty(); }
 
@@ -65,8 +65,8 @@ class HostScript {
  private:
   void begin(c40::Cycles now);
 
-  std::deque<HostStep> steps_;  ///< the first is under way
-  std::uint64_t word_ = 0;      ///< of the first
+  std::deque<HostStep> steps_;  ///< the first one is active
+  std::uint64_t word_ = 0;      ///< index in the first step
   std::uint64_t heard_ = 0;
   c40::Cycles ready_ = never_cycle;
 };

@@ -19,7 +19,7 @@ std::string upper(std::string_view text) {
 
 std::string line_start(c40::Cycles cycle, unsigned slot) { return fmt::format("{} [dsp {}] ", cycle, slot); }
 
-/// A value as a register or a word of memory holds it; of an extended register the low 32 bits may be an address.
+/// A value of a register or a word of memory. The low 32 bits of an extended register may be an address.
 std::string value_text(std::uint64_t value, bool extended, const Labels* labels) {
   if (labels)
     if (const auto name = labels->names.name(static_cast<c40::Address>(value)))
@@ -27,7 +27,7 @@ std::string value_text(std::uint64_t value, bool extended, const Labels* labels)
   return fmt::format("{:0{}X}", value, extended ? 10 : 8);
 }
 
-/// What a float instruction gives is no address, even if its fraction looks like one.
+/// The result of a float instruction is not an address, even if its fraction looks like one.
 bool gives_floats(isa::Word word) {
   const auto decoded = isa::decode(word);
   const auto* instruction = std::get_if<isa::Instruction>(&decoded);

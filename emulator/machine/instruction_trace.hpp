@@ -1,5 +1,5 @@
 #pragma once
-// A chip's instructions as the lines of docs/trace.md.
+// A chip's instructions as lines of docs/trace.md.
 #include <functional>
 #include <limits>
 #include <optional>
@@ -15,7 +15,7 @@ namespace machine {
 /// "12 [dsp 0] 00300004 6A06FFFB  bnz 00300000h  ; branch=3", without the line's end.
 std::string to_text(const c40::TraceRecord& record, unsigned slot);
 
-/// What a program calls things, for lines that stay the same when it moves in memory.
+/// The program's names for addresses, for lines that do not change when the program moves in memory.
 struct Labels {
   AddressNames names;
   SourceText source;
@@ -27,15 +27,15 @@ struct Labels {
   }
 };
 
-/// "12 [dsp 0] start+0x4 -  bnz start  ; branch=3": labels for addresses, also where registers and words hold them, and
-/// no word of the instruction.
+/// "12 [dsp 0] start+0x4 -  bnz start  ; branch=3": labels instead of addresses, also for addresses in registers and
+/// words, and no instruction word.
 std::string to_text(const c40::TraceRecord& record, unsigned slot, const Labels& labels);
 
 /// Writes each instruction that begins in [from, to) cycles.
 class InstructionText final : public c40::TraceSink {
  public:
   using Line = std::function<void(const std::string& line)>;
-  /// With labels if there are any.
+  /// With labels if given.
   InstructionText(unsigned slot, Line line, c40::Cycles from = 0,
                   c40::Cycles to = std::numeric_limits<c40::Cycles>::max(), std::optional<Labels> labels = {});
   void instruction(const c40::TraceRecord& record) override;

@@ -11,7 +11,7 @@ namespace machine {
 
 namespace {
 
-/// Begins with the token, as the far end begins without.
+/// Has the token after reset; the far end does not.
 constexpr int near_port = 0;
 constexpr int near = 0, far = 1;  // the link's sides
 constexpr Offset fifo_words = c40::Fifo::depth;
@@ -86,7 +86,7 @@ pci::Answer LinkAdapter::answer(pci::Address offset, unsigned, bool write, const
   return most(offset, 1, write, access) == 0 ? pci::Answer::retry : pci::Answer::accept;
 }
 
-// Asked before FRAME#, when others may yet act before it: of the FIFO as it is.
+// Called before FRAME#, when other masters may still act before the access: answers for the FIFO's present state.
 unsigned LinkAdapter::most(pci::Address offset, unsigned words, bool write, const pci::Access&) {
   if (!write || base + offset == symbols_.link_request) return 1;
   const Port& port = ports_[offset / symbols_.link_words];

@@ -1,11 +1,11 @@
 #pragma once
-// The link adapter (ruling 27): a target with one C40-compatible communication port per DSP slot, each wired to
+// The link adapter (ruling 27): a target with one C40-compatible communication port per DSP slot, each connected to
 // port LINK_PORT of that slot's DSP. The host boots DSPs through it (c40_programs/include/task_block.inc has the
 // registers).
 //
-// The adapter's side of a link runs at the DSPs' nominal rate and begins with the token; a reset of the DSP resets it
-// too. A write that finds the output FIFO full is retried on the bus; a burst is disconnected where it becomes full. An
-// empty slot, and a broken wire, is a cut link.
+// The adapter's side of a link runs at the DSPs' nominal rate and has the token after a reset; a reset of the DSP
+// resets it too. A write that finds the output FIFO full is retried on the bus; a burst is disconnected when the FIFO
+// becomes full. An empty slot and a broken wire are cut links.
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -28,32 +28,32 @@ class LinkAdapter final : public pci::Target {
   class Client {
    public:
     virtual ~Client() = default;
-    /// The host has used the port of this slot: its link's next event may be another.
+    /// The host has accessed the port of this slot: its link's next event may have changed.
     virtual void link_changed(unsigned slot) = 0;
     /// A bit of LINK_REQUEST is set.
     virtual void boot_requested(Time now) = 0;
     virtual void link_event(unsigned slot, const c40::LinkEvent& event) = 0;
   };
 
-  /// Throws std::invalid_argument where the program's registers do not lie in the adapter.
+  /// Throws std::invalid_argument if the program's registers are outside the adapter's addresses.
   LinkAdapter(const Symbols& symbols, unsigned slots, Clock bus_clock, Clock port_clock, Client& client);
 
-  /// The board of slot 0, then 1, ...: its chip must outlive the adapter. The link's side 1 is to be attached to it.
+  /// Adds the board of slot 0, then 1, ...: its chip must outlive the adapter. Attach the link's side 1 to the chip.
   void join(c40::Chip& chip, const PacedClock& clock, bool plugged);
   c40::Link& link(unsigned slot) { return *ports_.at(slot).link; }
   const c40::Link& link(unsigned slot) const { return *ports_.at(slot).link; }
   /// The end of the link at the DSP.
   int dsp_port() const { return static_cast<int>(symbols_.link_port); }
 
-  /// The DSP of this slot is being reset; call before its chip is.
+  /// The DSP of this slot is being reset; to be called before its chip is reset.
   void reset(unsigned slot, Time now);
   void set_plugged(unsigned slot, bool plugged, Time now);
   void set_broken(unsigned slot, bool broken, Time now);
   /// The DSP has left reset.
   void request(unsigned slot, Time now);
   bool answers(Offset offset, bool write) const;
-  /// For every link: what was written = read + in FIFOs + under way + lost + discarded. Empty unless the model has a
-  /// fault.
+  /// For every link: words written = read + in FIFOs + under way + lost + discarded. Sentences that name what is wrong;
+  /// empty unless the model has a fault.
   std::vector<std::string> audit() const;
   void append_state(std::vector<std::uint64_t>& words) const;
   void list_state(state::Visitor& list);
@@ -80,7 +80,7 @@ class LinkAdapter final : public pci::Target {
       list("closed", closed);
     }
     bool closed =
-        false;  // since a reset, until the host clears the bit of LINK_REQUEST: words of an older stream are ignored
+        false;  // from a reset until the host clears the bit of LINK_REQUEST: words of an older stream are ignored
   };
   void join(Port& port, Time now);
   void changed(Port& port, const pci::Access& access);

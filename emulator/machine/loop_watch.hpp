@@ -1,10 +1,10 @@
 #pragma once
-/// Whether a chip goes round a loop that it cannot leave by itself.
+/// Finds out whether a chip executes a loop that it cannot leave by itself.
 ///
-/// It can not if, twice in a row, the same instructions have read the same words, written the same and changed the same
-/// registers: what the second round left is what the first one left, so the next will do the same, until something
-/// outside changes what it reads. A loop that takes words from a FIFO, gives some to one, or writes to any register of
-/// a peripheral is not taken for one.
+/// It cannot if the same instructions have, twice in a row, read the same words, written the same words and changed the
+/// same registers: the second pass left the same state as the first, so the next pass will do the same, until something
+/// outside changes what the loop reads. A loop that takes words from a FIFO, puts words into one, or writes a register
+/// of a peripheral does not count.
 #include <optional>
 #include <set>
 #include <vector>
@@ -19,16 +19,16 @@ namespace machine {
 
 class LoopWatch final : public c40::TraceSink {
  public:
-  /// \param next hears what this one hears
+  /// \param next gets the same calls
   LoopWatch(const c40::Chip& chip, c40::TraceSink* next) : chip_(&chip), next_(next) {}
   void instruction(const c40::TraceRecord& record) override;
   void interrupt(c40::Word vector, c40::Cycles cycle) override;
 
   struct Loop {
-    c40::Address pc = 0;           ///< the least address of its instructions
+    c40::Address pc = 0;           ///< the lowest address of its instructions
     std::set<c40::Address> reads;  ///< addresses of data
   };
-  /// The loop that the last instructions have gone round at least twice.
+  /// The loop that the last instructions have executed at least twice.
   std::optional<Loop> loop() const;
   void list_state(state::Visitor& list);
 
@@ -37,7 +37,7 @@ class LoopWatch final : public c40::TraceSink {
     std::uint64_t hash = 0;
     c40::Address pc = 0;
     std::vector<c40::Address> reads;
-    bool has_effect = false;  ///< beyond registers and memory
+    bool has_effect = false;  ///< other than on registers and memory
   };
   const c40::Chip* chip_;
   c40::TraceSink* next_;

@@ -31,12 +31,12 @@ namespace machine {
 
 namespace {
 
-// Master 0 of the host's buses when there is no host.
+// Master 0 of the host's buses if there is no host.
 struct SilentInitiator final : pci::Initiator {
   void completed(const pci::Transaction&, std::span<const Word>) override {}
 };
 
-// What answers on some bus.
+// An address range of a target on a bus.
 struct Region {
   std::string name;
   unsigned bus;
@@ -47,7 +47,7 @@ struct Region {
 }  // namespace
 
 class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, public pci::BusBridge::Client {
-  // Buses and plant are passive: these let them take part.
+  // Buses and plant are passive: these actors let them take part.
   struct BusTurn final : Scheduler::Actor, pci::PlanListener {
     BusTurn(pci::Bus& its_bus, const Clock& its_clock) : bus{its_bus}, clock{its_clock} { bus.set_plan_listener(this); }
     Time next() const override {
@@ -208,8 +208,8 @@ Machine::Parts::Parts(Config given, const toolchain::Image& image, plant::Dock* 
   for (Net& net : nets) net.start();
 }
 
-// Until then nothing that is not yet scheduled at a DSP can act on it: rings and resets come from the host, which a DSP
-// that leaves reset may wake, and failures from the script.
+// Before this instant no unscheduled event can act on a DSP: doorbells and resets come from the host, which a DSP that
+// leaves reset may wake, and failures come from the script.
 Time Machine::Parts::earliest_action() const {
   const Time planned = std::min(scheduler.limit(), script.next());
   if (!host) return planned;
@@ -255,7 +255,7 @@ void Machine::Parts::build_targets() {
   }
 }
 
-// How a board reaches the parts of a window that it finds from offset `at` on; a part that no way leads to is left out.
+// The routes of a board to the parts of a window from offset `at` on; a part without a route is left out.
 std::vector<BusRoute> Machine::Parts::routes(const std::vector<unsigned>& standing, Window window, Offset at) const {
   const Topology& topology = config.topology;
   if (window == Window::a)
@@ -310,7 +310,7 @@ void Machine::Parts::run_until(Time limit) {
   scheduler.run_until(limit);
   time = std::max(time, limit);
   for (Dsp& dsp : dsps) dsp.settle(time);
-  scheduler.all_changed();  // the DMA of one that idles may have given its links something to do
+  scheduler.all_changed();  // the DMA of an idle DSP may have changed its links' next events
 }
 
 void Machine::Parts::act(const ScriptedEvent& event, Time now) {

@@ -47,7 +47,7 @@ std::vector<Clock> clocks_of_chips(const Config& config) {
   return all;
 }
 
-// A bridge between buses clocks its far side from its near one.
+// A bridge between buses gives its far side the clock of its near side.
 std::vector<Clock> clocks_of_buses(const Config& config) {
   std::vector<Clock> all;
   for (unsigned bus = 0; bus < config.topology.buses.size(); ++bus) {

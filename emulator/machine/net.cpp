@@ -27,7 +27,7 @@ void Net::start() {
     owners_[i]->pin_changes(description_.receivers[i].pin, level_, Time{0});
 }
 
-// ---- what drives it ----
+// ---- drivers ----
 
 void Net::add(const Change& change) {
   const auto later = std::ranges::upper_bound(changes_, change.time, {}, &Change::time);
@@ -66,7 +66,7 @@ bool Net::resulting_level() const {
   return low ? false : high || description_.rest;
 }
 
-// ---- what it does ----
+// ---- effects ----
 
 Time Net::next() const {
   Time next = changes_.empty() ? never : changes_.front().time;
@@ -98,7 +98,7 @@ void Net::act(Time now) {
   }
 }
 
-// All that happens at one instant makes one level.
+// All drivers of one instant together make one level.
 void Net::settle(Time now) {
   const bool level = resulting_level();
   if (level == level_) return;
@@ -112,14 +112,14 @@ void Net::settle(Time now) {
       receiver.seen.push_back({at, level});
       continue;
     }
-    // Between two looks it went there and back.
+    // The level changed and changed back between two looks.
     receiver.seen.pop_back();
     ++missed_;
     if (listener != nullptr) listener->missed(*this, description_.receivers[i].chip, now);
   }
 }
 
-/// When an edge comes to a receiver's pin, behind the synchroniser.
+/// When an edge reaches a receiver's pin, after the synchroniser.
 Time Net::due(std::size_t receiver, Time edge) const {
   const PinOwner& owner = *owners_[receiver];
   return owner.time_of(owner.cycle_from(edge) + 1);
@@ -192,7 +192,7 @@ std::vector<ChipPin> parse_pins(std::string_view text, char between, const std::
 
 ChipPin parse_pin(std::string_view text, const std::vector<std::string>& chips) {
   const auto unclear = [&](const std::string& right) {
-    return std::invalid_argument(fmt::format("\"{}\" is no pin of a chip; {}", text, right));
+    return std::invalid_argument(fmt::format("\"{}\" is not a pin of a chip; {}", text, right));
   };
   const std::size_t dot = text.rfind('.');
   if (dot == std::string_view::npos) throw unclear("CHIP.PIN is expected, as 0.TCLK0 or 1.IIOF2");
@@ -221,7 +221,8 @@ NetDescription parse_net(std::string_view text, const std::vector<std::string>& 
   }
   const std::size_t arrow = rest.find('>');
   if (arrow == std::string_view::npos || rest.find('>', arrow + 1) != std::string_view::npos)
-    throw std::invalid_argument(fmt::format("\"{}\" is no net; DRIVER>RECEIVER is expected, as 0.TCLK0>1.IIOF1", text));
+    throw std::invalid_argument(
+        fmt::format("\"{}\" is not a net; DRIVER>RECEIVER is expected, as 0.TCLK0>1.IIOF1", text));
   const std::string_view from = trimmed(rest.substr(0, arrow));
   net.open_drain = from.find('&') != std::string_view::npos;
   if (!from.empty()) net.drivers = parse_pins(from, net.open_drain ? '&' : '+', chips);
@@ -258,9 +259,9 @@ void check(const std::vector<NetDescription>& nets, std::size_t chips) {
         if (pin.chip >= chips) throw refuse(fmt::format("there is no chip {}; the last is {}", pin.chip, chips - 1));
         const auto other = std::ranges::find(taken, pin, &std::pair<ChipPin, const NetDescription*>::first);
         if (other != taken.end() && other->second == &net)
-          throw refuse(fmt::format("pin {} stands in it twice", to_text(pin)));
+          throw refuse(fmt::format("pin {} is in it twice", to_text(pin)));
         if (other != taken.end())
-          throw refuse(fmt::format("pin {} is on net {} already", to_text(pin), other->second->name));
+          throw refuse(fmt::format("pin {} is already on net {}", to_text(pin), other->second->name));
         taken.emplace_back(pin, &net);
       }
     }
@@ -302,7 +303,7 @@ std::size_t net_named(std::string_view text, const std::vector<NetDescription>& 
   for (std::size_t n = 0; n < nets.size(); ++n)
     if (fmt::format("{}", n) == text) return n;
   throw std::invalid_argument(names.empty()
-                                  ? fmt::format("there is no net {}; there are none", text)
+                                  ? fmt::format("there is no net {}; there are no nets", text)
                                   : fmt::format("there is no net {}; {} is expected", text, fmt::join(names, ", ")));
 }
 

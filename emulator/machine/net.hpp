@@ -1,13 +1,13 @@
 #pragma once
 /// Nets: wires between pins of chips (IIOF, NMI, TCLK, RESET), of networks and between the dock's DSPs.
 ///
-/// A net has the level that its driver gives it; when nobody drives it, its level at rest (a pull-up or pull-down
-/// resistor). Several drivers are possible on an open-drain net only: it is low while one of them drives it low. An
-/// edge travels in no time. Each receiver looks at the net at the begin of each of its H1 cycles, and a change that it
-/// sees there acts one cycle later (the synchroniser). What comes and goes between two looks is missed, and counted.
+/// A net has the level of its driver; without a driver it has its level at rest (a pull-up or pull-down resistor). Only
+/// an open-drain net may have several drivers: it is low while one of them drives it low. An edge takes no time. Each
+/// receiver looks at the net at the beginning of each of its H1 cycles; a change that it sees there acts one cycle
+/// later (the synchroniser). A change and its reverse between two looks are missed, and counted.
 ///
-/// Inaccuracies: the synchroniser's one cycle is a model. A processor that is in an instruction takes the interrupt at
-/// its end.
+/// Inaccuracies: the synchroniser's one cycle is a model. A processor in the middle of an instruction takes the
+/// interrupt at its end.
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -32,48 +32,48 @@ struct ChipPin {
 };
 
 struct NetDescription {
-  std::string name;  ///< empty: its number
+  std::string name;  ///< empty: the net's number
   std::vector<ChipPin> drivers, receivers;
   bool open_drain = false;
-  bool rest = true;  ///< the level when nobody drives it
+  bool rest = true;  ///< the level without a driver
 
   bool is_driven() const { return !drivers.empty(); }
 };
 
-/// "0.TCLK0>1.IIOF1+2.NMI"; wired-and: "0.IIOF1&1.IIOF1>2.IIOF0"; driven by a script only: ">1.TCLK0". A name may stand
-/// before it: "index: >1.IIOF2".
-/// \param chips the names of the chips, which also have numbers
+/// "0.TCLK0>1.IIOF1+2.NMI"; wired-and: "0.IIOF1&1.IIOF1>2.IIOF0"; driven only by a script: ">1.TCLK0". A name may come
+/// first: "index: >1.IIOF2".
+/// \param chips the names of the chips; numbers are possible too
 /// \throws std::invalid_argument with what would be right
 NetDescription parse_net(std::string_view text, const std::vector<std::string>& chips);
 ChipPin parse_pin(std::string_view text, const std::vector<std::string>& chips);
 std::string to_text(const ChipPin& pin);
 /// Without the name.
 std::string to_text(const NetDescription& net);
-/// \throws std::invalid_argument for what cannot be joined: a pin on two nets, an input that is to drive, two drivers
+/// \throws std::invalid_argument for impossible nets: a pin on two nets, an input as a driver, two drivers
 void check(const std::vector<NetDescription>& nets, std::size_t chips);
 /// "0.TCLK0>1.IIOF1, 1.TCLK0>0.TCLK1": nets between the dock's slots. \throws std::invalid_argument
 std::vector<NetDescription> parse_slot_nets(std::string_view text, std::size_t slots);
 /// The same, and no net at IIOF0, which is the host's doorbell. \throws std::invalid_argument
 void check_slot_nets(const std::vector<NetDescription>& nets, std::size_t slots);
-/// By its name, else its number. \throws std::invalid_argument with the names that there are
+/// By its name, else its number. \throws std::invalid_argument with the known names
 std::size_t net_named(std::string_view text, const std::vector<NetDescription>& nets);
 
-/// Equal pulses: from the level at rest to the other one, for `width` each.
+/// Equal pulses: each leaves the level at rest for `width`.
 struct PulseTrain {
   Time first{0}, width{0}, period{0};
   std::uint64_t count = 1;  ///< 0: without end
 };
 
-/// A chip on nets, in its surroundings.
+/// The owner of a chip on nets.
 class PinOwner {
  public:
   virtual ~PinOwner() = default;
   virtual c40::Chip& owned_chip() = 0;
   virtual Time time_of(c40::Cycles cycle) const = 0;
   virtual c40::Cycles cycle_from(Time time) const = 0;
-  /// All that it has driven before this is known, and nobody else can make it drive anything before.
+  /// Everything that the chip has driven before this instant is known, and nothing else can make it drive before.
   virtual Time drives_from() const = 0;
-  /// A change of its pin would do something.
+  /// A change of this pin would have an effect.
   virtual bool hears(c40::Pin pin) const = 0;
   virtual void pin_changes(c40::Pin pin, bool level, Time now) = 0;
 };
@@ -83,31 +83,31 @@ class Net final : public Scheduler::Actor {
   /// \param owners of all chips, by number. They must outlive the net.
   Net(NetDescription description, const std::vector<PinOwner*>& owners);
 
-  /// Tells the receivers how it stands at first.
+  /// Reports the initial level to the receivers.
   void start();
-  /// A chip drives one of its pins otherwise.
+  /// A chip changes how it drives one of its pins.
   void driven(const ChipPin& pin, c40::Drive drive, Time at);
-  /// A chip whose accesses to a memory make a script drive it.
+  /// A chip whose accesses to a memory make a script drive the net.
   void moved_by(const PinOwner& chip) { movers_.push_back(&chip); }
-  /// A script drives it, from an instant on that is not past.
+  /// A script drives the net, from an instant on that is not past.
   void script(c40::Drive drive, Time at);
   void script(const PulseTrain& pulses);
 
   Time next() const override;
   void act(Time now) override;
-  /// The earliest instant at which it could act on a chip, as far as is known.
+  /// The earliest instant at which the net could act on a chip, as far as is known.
   Time reaches(std::size_t chip) const;
-  /// A change would do something.
+  /// A change of the net would have an effect.
   bool is_heard() const;
-  /// It changes again, by what is known.
+  /// The net will change again, as far as is known.
   bool goes_on() const { return next() != never; }
 
   const NetDescription& description() const { return description_; }
   bool level() const { return level_; }
-  /// Changes of the level so far, and how many of them receivers have missed.
+  /// Number of changes of the level so far, and how many of them receivers have missed.
   std::uint64_t edges() const { return edges_; }
   std::uint64_t missed() const { return missed_; }
-  /// Who is told of changes, and what was missed by which chip.
+  /// Called for changes of the level, and for changes that a chip has missed.
   class Listener {
    public:
     virtual ~Listener() = default;
@@ -121,10 +121,10 @@ class Net final : public Scheduler::Actor {
  private:
   struct Change {
     Time time{0};
-    std::size_t source = 0;  ///< number of the driver; behind them all the script
+    std::size_t source = 0;  ///< number of the driver; the script comes after all drivers
     c40::Drive drive = c40::Drive::none;
   };
-  /// Seen by a receiver, and not yet at its pin.
+  /// Seen by a receiver, and not at its pin yet.
   struct Seen {
     Time due{0};
     bool level = true;
@@ -143,13 +143,13 @@ class Net final : public Scheduler::Actor {
   bool resulting_level() const;
 
   NetDescription description_;
-  std::vector<PinOwner*> drivers_, owners_;  ///< of the drivers, of the receivers
+  std::vector<PinOwner*> drivers_, owners_;  ///< of the drivers, and of the receivers
   std::vector<const PinOwner*> movers_;
   std::vector<c40::Drive> drives_;  ///< by source
-  std::deque<Change> changes_;      ///< to come, by time
+  std::deque<Change> changes_;      ///< future ones, by time
   std::vector<Receiver> receivers_;
   PulseTrain pulses_{};
-  std::uint64_t pulse_ = 0;  ///< changes of the train that have been: two a pulse
+  std::uint64_t pulse_ = 0;  ///< number of the pulse train's changes so far: two for each pulse
   bool pulsing_ = false;
   bool level_;
   std::uint64_t edges_ = 0, missed_ = 0;

@@ -48,7 +48,7 @@ Network::Network(NetworkDescription description, std::uint64_t turn_order)
 
 Network::~Network() = default;
 
-/// In the order of ties: links, nets, what is scripted, chips.
+/// In the order of ties: links, nets, actions, chips.
 void Network::take_part() {
   for (std::size_t n = 0; n < links_.size(); ++n)
     scheduler_.add(*link_turns_.emplace_back(std::make_unique<LinkTurn>(*this, n)));
@@ -77,7 +77,7 @@ void Network::join_links() {
     }
     for (const PortName& end : {given.a, given.b})
       if (const auto other = taken.find(end); other != taken.end() && given.a != given.b)
-        throw NetworkError(fmt::format("link {}: port {} of chip {} is taken by link {}; a port has one link", name,
+        throw NetworkError(fmt::format("link {}: port {} of chip {} already has link {}; a port has one link", name,
                                        end.port, end.chip, other->second));
     taken.emplace(given.a, name), taken.emplace(given.b, name);
     const std::size_t number = links_.size();
@@ -161,7 +161,7 @@ void Network::load(Node& node) {
   ready_to_start(node);
 }
 
-/// The pins choose a memory, and the program stands there as a boot stream.
+/// The pins select a memory, and the program is there as a boot stream.
 void Network::load_stream(Node& node, const toolchain::Image& image, const c40::Board& board) {
   BootHeader header;
   header.global_interface_control = board.global_interface_control;
@@ -222,7 +222,7 @@ void Network::schedule(const NetworkAction& action) {
       throw NetworkError("pulse: a period of more than the width is expected");
   }
   if (action.time < now_)
-    throw NetworkError(fmt::format("{} at {} ps: the network has been run to {} ps already", name(action.kind),
+    throw NetworkError(fmt::format("{} at {} ps: the network has already run to {} ps", name(action.kind),
                                    action.time.count(), now_.count()));
   actions_.insert(std::upper_bound(actions_.begin(), actions_.end(), action,
                                    [](const auto& a, const auto& b) { return a.time < b.time; }),
@@ -238,7 +238,7 @@ Time Network::effective(const NetworkAction& action) const {
   return node.clock.at(std::max(node.chip.cycle(), node.first_cycle(action.time)));
 }
 
-/// To the chip itself: the cycle from which on it does nothing before it.
+/// The cycle before which the chip's own next action cannot be.
 Cycles Network::next_action_on(const Node& node) const {
   Cycles next = no_cycle;
   for (const NetworkAction& a : actions_)
@@ -253,8 +253,8 @@ Time Network::next_action() const {
   return next;
 }
 
-/// Nothing can happen any more, but for loops that go on as they do, tokens that go to and fro, and timers that nobody
-/// listens to. Or every processor has ended, and only a DMA is armed.
+/// Nothing can happen any more, except loops that repeat, tokens that go back and forth, and timers without a listener.
+/// Or every processor has ended, and only a DMA is armed.
 bool Network::quiet() {
   if (!nodes_[moving_]->is_still() && !nodes_[moving_]->has_ended()) return false;
   if (!actions_.empty()) return false;
@@ -279,7 +279,7 @@ bool Network::waits_for_ever() const {
 }
 
 NetworkStop Network::run_until(Time limit) {
-  // After so long is asked whether to stop: a moment also for 64 chips of which each instruction is written.
+  // Interval between two checks for a stop: a moment even for 64 chips with instruction traces.
   constexpr Time slice = std::chrono::microseconds{200};
   for (;;) {
     const NetworkStop stop = run_slice(std::min(limit, now_ + slice));
@@ -312,8 +312,8 @@ std::optional<NetworkStop> Network::stop_if_quiet(Time limit) {
   return finish(reason, end);
 }
 
-/// Of a network that is quiet. A loop is found by a chip that may be ahead of others, or behind: this is when all have
-/// come to.
+/// For a network that is quiet. The chip that finds a loop may be ahead of others, or behind: this is the instant at
+/// which all have come to rest.
 Time Network::at_rest_since() const {
   Time since = changed_;
   Time ahead{0};
@@ -323,7 +323,7 @@ Time Network::at_rest_since() const {
     if (node->chip.watches_ports())
       ahead = std::max(ahead, node->lookahead());
     else if (node->watches())
-      ahead = std::max(ahead, node->clock.at(2));  // what a pin does to it
+      ahead = std::max(ahead, node->clock.at(2));  // the effect of a pin on it
   }
   return since + ahead;
 }
@@ -340,11 +340,11 @@ void Network::link_happens(std::size_t number, Time time) {
   something_happened();
   if (!passes_token) changed_ = time;
   for (Node* node : nodes) {
-    if (!moved && node->status == ChipStatus::running) continue;  // it does not look at its ports
+    if (!moved && node->status == ChipStatus::running) continue;  // the chip does not look at its ports
     const bool became_ready = node->note_ready(time);
     node->wake_up();
     if (!moved && !became_ready && node->status == ChipStatus::waiting && !node->chip.dma_active())
-      continue;  // as before
+      continue;  // no change
     node->changed();
     if (moved) node->tell_changes();
   }
@@ -361,7 +361,7 @@ void Network::perform_port(Node& node) {
 void Network::actions_happen(Time time) {
   now_ = time;
   for (auto& node : nodes_)
-    if (node->follows()) node->run_to(time);  // an action on one that has begun an instruction waits for its end
+    if (node->follows()) node->run_to(time);  // an action on a chip in the middle of an instruction waits for its end
   for (std::size_t i = 0; i < actions_.size();) {
     if (effective(actions_[i]) > time) {
       ++i;
@@ -409,7 +409,7 @@ void Network::perform(const NetworkAction& action) {
       if (node.status != ChipStatus::held) return;
       node.chip.hold(false);
       node.status = node.chip.halted() ? ChipStatus::fault : ChipStatus::running;
-      return node.note_idle();  // where it stands, not where its next run happens to end
+      return node.note_idle();  // where the chip is, not where its next run will end
     case pull_out:
       for (const std::size_t link : node.links) links_[link]->cut(now_);
       node.chip.hold(true);
@@ -428,11 +428,11 @@ void Network::reset_chip(Node& node) {
   for (auto& memory : memories_)
     if (memory->owner == node.number) memory->owner.reset();
   node.chip.hold(false);
-  if (!node.description.boot) node.chip.reset();  // booting is one
+  if (!node.description.boot) node.chip.reset();  // booting resets it already
   start(node);
 }
 
-// ---- the end, and what can be asked ----
+// ---- the end, and queries ----
 
 NetworkStop Network::finish(NetworkStop::Reason reason, Time end) {
   if (reason != NetworkStop::Reason::limit)
@@ -440,7 +440,7 @@ NetworkStop Network::finish(NetworkStop::Reason reason, Time end) {
       while (link->next_event() <= end) link->advance_to(link->next_event());  // tokens
   if (reason != NetworkStop::Reason::limit)
     for (auto& net : nets_)
-      while (net->next() <= end) net->act(net->next());  // which nobody heeds
+      while (net->next() <= end) net->act(net->next());  // without effect
   now_ = reason == NetworkStop::Reason::limit ? std::max(now_, end) : end;
   for (auto& node : nodes_)
     if (reason == NetworkStop::Reason::limit && !node->patience.loop &&
@@ -451,8 +451,7 @@ NetworkStop Network::finish(NetworkStop::Reason reason, Time end) {
     else if (node->status == ChipStatus::sleeping || node->held() ||
              (node->patience.loop && node->status == ChipStatus::running))
       node->bring_to(end, false);
-  // What has happened since a chip was last looked at is noted at every instant that a run comes to, wherever it was
-  // cut.
+  // Events since a chip was last checked are recorded at the end of every run, wherever the run was divided.
   for (auto& node : nodes_)
     if (!node->patience.is_private && node->patience.happenings != happenings_) node->begin_patience();
   check_words();

@@ -1,4 +1,4 @@
-// What is done to a network at an instant: names and text of actions.
+// Actions on a network at an instant: their names and text.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -104,7 +104,7 @@ NetworkAction parse_action(std::string_view text, const NetworkDescription& netw
   action.target = action_target_named(action.kind, parts[2], network);
   if (action.kind != pulse) {
     if (parts.size() > 3)
-      throw NetworkError(fmt::format("{} has no more than a target; \"{}\" is too much", name(action.kind), parts[3]));
+      throw NetworkError(fmt::format("{} has only a target; \"{}\" is too much", name(action.kind), parts[3]));
     return action;
   }
   std::array<std::optional<double>, 3> values;
@@ -113,7 +113,7 @@ NetworkAction parse_action(std::string_view text, const NetworkDescription& netw
       throw NetworkError("AT_US,pulse,NET,WIDTH_US[,PERIOD_US[,COUNT]] is expected");
   if (!values[0]) throw NetworkError("AT_US,pulse,NET,WIDTH_US[,PERIOD_US[,COUNT]] is expected");
   if (values[2] && (*values[2] != std::floor(*values[2]) || *values[2] < 1))
-    throw NetworkError("pulse: COUNT is a whole number, 1 or more");
+    throw NetworkError("pulse: COUNT is an integer, 1 or more");
   set_pulses(action, *values[0], values[1],
              values[2] ? std::optional(static_cast<std::uint64_t>(*values[2])) : std::nullopt);
   return action;

@@ -1,4 +1,4 @@
-// What stands behind the windows of a network's boards, and the nets to the pins that it pulls.
+// The devices behind the windows of a network's boards, and the nets to the pins that they pull.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ void Network::add_devices() {
   }
 }
 
-/// A net without a driver for each pin of a chip that its devices pull, and for those of dual-port memories.
+/// Adds a net without a driver for each pin of a chip that its devices or a dual-port memory pull.
 void Network::add_pin_nets() {
   const auto add = [&](std::string name, std::size_t chip, Pin pin) {
     NetDescription net;
@@ -80,19 +80,19 @@ BoardDevices* Network::devices(std::size_t n) { return nodes_.at(n)->devices.get
 
 void Network::Node::note_device_event() {
   const Cycles event = device_turn == nullptr ? never_cycle : devices->next_event();
-  // What its user has typed between two runs comes when the next begins.
+  // Text that its user typed between two runs takes effect at the beginning of the next run.
   device_event = event == never_cycle ? never : std::max(network.now_, clock.at(event));
 }
 
-/// They could still interrupt it.
+/// The devices could still interrupt the chip.
 bool Network::Node::devices_go_on() const {
   if (device_turn == nullptr || devices->next_event() == never_cycle) return false;
   if (devices->will_act_on_others()) return true;
   return std::ranges::any_of(devices->pins(), [&](Pin pin) { return hears(pin) && heeds(pin); });
 }
 
-/// At one instant chips go by their numbers, and devices that act by themselves before them all. A chip that waits or
-/// sleeps, and whose turn it is not, does nothing in this instant that others could see.
+/// At one instant chips act in the order of their numbers; devices that act by themselves come before all chips. A chip
+/// that waits or sleeps, and whose turn it is not, does nothing in this instant that others could see.
 Cycles Network::Node::last_before_devices() const {
   Cycles last = std::numeric_limits<Cycles>::max();
   const auto bound = [&](Time time, bool with) {
@@ -114,8 +114,8 @@ Cycles Network::Node::last_before_devices() const {
   return last;
 }
 
-/// An access to a device that acts on others, in its place in the order of the network. Devices of other chips may have
-/// become others by it.
+/// An access to a device that acts on others, in its place in the order of the network. It may change devices of other
+/// chips.
 void Network::perform_device(Node& node) {
   const c40::ExternalAccess& access = node.stop.access;
   const Cycles cycle = node.first_cycle(now_), waited = cycle - access.cycle;
@@ -130,7 +130,7 @@ void Network::perform_device(Node& node) {
   devices_acted();
 }
 
-/// What one has done may show at those of other chips.
+/// The effect of one device may show at the pins of other chips.
 void Network::devices_acted() {
   something_happened();
   for (Node* node : acting_) {
@@ -141,7 +141,8 @@ void Network::devices_acted() {
   }
 }
 
-/// Any other device is the chip's own: the answer comes at once. What it does to a pin bounds how far the chip may run.
+/// Any other device belongs to the chip alone: the answer comes at once. Its effect on a pin limits how far the chip
+/// may run.
 bool Network::Node::serve_device(const c40::ExternalAccess& access) {
   serve(*devices, chip, access);
   if (access.write) network.something_happened();

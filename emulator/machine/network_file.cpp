@@ -47,7 +47,7 @@ class NetworkReader {
     throw NetworkError(fmt::format("{}:{}: {}", file_, node.source().begin.line, what));
   }
 
-  /// An error of what is asked gets the line.
+  /// Adds the line to an error of `ask`.
   template <class Ask>
   auto checked(const toml::node& node, Ask&& ask) const {
     try {
@@ -84,7 +84,7 @@ class NetworkReader {
   std::int64_t number(const toml::node& node, std::string_view key, std::int64_t least, std::int64_t most) const {
     const auto* value = node.as_integer();
     if (value == nullptr || value->get() < least || value->get() > most)
-      fail(node, fmt::format("{}: a whole number from {} to {} is expected", key, least, most));
+      fail(node, fmt::format("{}: an integer from {} to {} is expected", key, least, most));
     return value->get();
   }
 
@@ -110,8 +110,9 @@ class NetworkReader {
     const auto found = toolchain::find_address(given, chip.program.get());
     if (!found)
       fail(node,
-           fmt::format("{}: \"{}\" is no symbol of the program and no 32-bit address (300000h, 0x300000 or decimal)",
-                       key, given));
+           fmt::format(
+               "{}: \"{}\" is neither a symbol of the program nor a 32-bit address (300000h, 0x300000 or decimal)", key,
+               given));
     return *found;
   }
 
@@ -151,7 +152,7 @@ class NetworkReader {
     if (!generated) {
       if (const auto* given = table.get("number"))
         fail(*given,
-             "chip.number: chips are numbered as they come; only with [topology] a number says which chip is another");
+             "chip.number: chips are numbered in the order of the file; a number is possible only with [topology]");
       network_.chips.emplace_back();
       return fill(network_.chips.back(), table);
     }
@@ -259,7 +260,7 @@ class NetworkReader {
     const std::string key(name(target_of(action.kind)));
     for (const char* other : {"link", "chip", "net"})
       if (key != other && table.contains(other))
-        fail(node, fmt::format("event: {} concerns a {}", name(action.kind), key));
+        fail(node, fmt::format("event: {} needs a {}", name(action.kind), key));
     const toml::node& target = needed(table, node, key.c_str(), "event");
     action.target = target.is_integer() && key == "chip" ? chip_at(target) : checked(target, [&] {
       return action_target_named(action.kind, text(target, "event." + key), network_);

@@ -1,5 +1,5 @@
 #pragma once
-// Networks as TOML files describe them (docs/networks.md).
+// Networks from TOML files (docs/networks.md).
 #include <functional>
 #include <string>
 
@@ -7,10 +7,10 @@
 
 namespace machine {
 
-/// Reads a program by the path that the file gives it, which is relative to the file.
+/// Reads a program; its path in the file is relative to the file.
 using ProgramReader = std::function<toolchain::Image(const std::string& path)>;
 
-/// \throws NetworkError and BoardError, which name file and line, and what the reader throws.
+/// \throws NetworkError and BoardError, which name file and line, and the reader's errors.
 NetworkDescription read_network(const std::string& path, const ProgramReader& read_program);
 
 }  // namespace machine

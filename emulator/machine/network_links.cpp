@@ -10,7 +10,7 @@
 namespace machine {
 namespace {
 
-// Side a begins with the token: ports 0 to 2 go "forwards", 3 to 5 "backwards".
+// Side a has the token after reset: ports 0 to 2 go "forwards", 3 to 5 "backwards".
 void join(std::vector<NetworkLink>& links, std::size_t from, std::size_t to, int dimension) {
   links.push_back({{from, dimension}, {to, dimension + 3}, {}});
 }
@@ -23,8 +23,8 @@ std::size_t chip_named(std::string_view text, const std::vector<std::string>& ch
   std::size_t number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc{} || end != text.data() + text.size() || number >= chips.size())
-    throw NetworkError(fmt::format("there is no chip {}; {} are", text,
-                                   chips.size() == 1 ? "only chip 0" : fmt::format("chips 0 to {}", chips.size() - 1)));
+    throw NetworkError(fmt::format("there is no chip {}; the network has {}", text,
+                                   chips.size() == 1 ? "chip 0" : fmt::format("chips 0 to {}", chips.size() - 1)));
   return number;
 }
 
@@ -42,7 +42,7 @@ std::size_t link_named(std::string_view text, const std::vector<std::string>& ch
 PortName parse_port(std::string_view text, const std::vector<std::string>& chips) {
   const std::size_t dot = text.rfind('.');
   if (dot == std::string_view::npos || dot == 0 || dot + 1 == text.size())
-    throw NetworkError(fmt::format("\"{}\" is no port; CHIP.PORT is expected, as 0.3", text));
+    throw NetworkError(fmt::format("\"{}\" is not a port; CHIP.PORT is expected, as 0.3", text));
   const std::string_view chip = text.substr(0, dot), number = text.substr(dot + 1);
   PortName out;
   try {
@@ -96,8 +96,8 @@ std::vector<NetworkLink> grid_links(const std::vector<std::size_t>& size, bool c
   return links;
 }
 
-// Along dimension d, chips with an even number of ones and d even send first, and so do odd with odd: every chip then
-// has at most three ports of either kind.
+// Along dimension d, chips with an even number of ones send first if d is even, and chips with an odd number if d is
+// odd: so every chip has at most three ports of either kind.
 std::vector<NetworkLink> hypercube_links(unsigned dimensions) {
   if (dimensions > c40::port_count)
     throw NetworkError(fmt::format("a hypercube of {} dimensions; a chip has {} ports", dimensions, c40::port_count));
@@ -115,8 +115,8 @@ std::size_t set_topology(NetworkDescription& network, std::string_view text) {
   const std::string_view kind = text.substr(0, colon);
   std::vector<std::size_t> size;
   const auto unclear = [&] {
-    return NetworkError(
-        fmt::format("\"{}\" is no topology; ring:4, line:4, grid:4x4, torus:4x4x4 or hypercube:16 is expected", text));
+    return NetworkError(fmt::format(
+        "\"{}\" is not a topology; ring:4, line:4, grid:4x4, torus:4x4x4 or hypercube:16 is expected", text));
   };
   if (colon == std::string_view::npos) throw unclear();
   for (std::string_view rest = text.substr(colon + 1);; rest.remove_prefix(1)) {

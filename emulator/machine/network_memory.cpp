@@ -1,4 +1,4 @@
-// Memories that several chips reach: shared ones, one access at a time, and dual-port ones.
+// Memories that several chips access: shared ones, with one access at a time, and dual-port ones.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -104,7 +104,7 @@ Time Network::Memory::free_for(std::size_t chip, Address address) const {
   return meet ? std::max(sides[side].until, other.until) : sides[side].until;
 }
 
-/// The last word is written by side 0 and read by side 1; the last but one the other way.
+/// Side 0 writes the last word and side 1 reads it; the last but one is for the other direction.
 void Network::tell_mailboxes(Memory& memory, std::size_t side, Address word, bool write) {
   const Address last = memory.description.words - 1;
   if (word != last && word != last - 1) return;

@@ -11,10 +11,10 @@ namespace machine {
 using c40::Cycles;
 using c40::StopInfo;
 
-/// A chip that waits goes on with its DMA. What links do is known up to `until`. A processor that follows its ports has
-/// begun its last instruction by then: what a link does at that instant is an interrupt for the next one. So the order
-/// of events is the same wherever a run is cut, and the DMA, which follows the processor's read stage, has done all
-/// that lies before.
+/// A waiting chip continues with its DMA. Links are known up to `until`. A processor that follows its ports has begun
+/// its last instruction by then: what a link does at that instant is an interrupt for the next instruction. So the
+/// order of events does not depend on how a run is divided, and the DMA, which follows the processor's read stage, has
+/// done everything before.
 /// \param last the last cycle in which it may begin an instruction, whatever `until` is
 void Network::Node::run_to(Time until, Cycles last) {
   passing_ = false;
@@ -24,7 +24,8 @@ void Network::Node::run_to(Time until, Cycles last) {
   run_chip(chip);
 }
 
-/// Before something outside changes what it follows, at `time`. Whether it has to.
+/// To be called before something outside changes, at `time`, what the chip follows. Returns whether the chip has to
+/// follow.
 bool Network::Node::come_to(Time time) {
   if (status == ChipStatus::waiting && !chip.dma_active()) return false;
   const bool goes_on = follows() || (status == ChipStatus::waiting && dma_waits());
@@ -46,7 +47,7 @@ std::optional<ChipRunner::Span> Network::Node::span() {
 std::optional<ChipRunner::Span> Network::Node::span_of_runner() {
   const bool waits = status == ChipStatus::waiting, idles = chip.idle();
   const Cycles known = std::min(ends_, std::max(chip.cycle(), action_));
-  // Only there it is known whether it still follows its ports.
+  // Only here it is known whether the chip still follows its ports.
   const bool begins_last = chip.cycle() >= ends_ && ends_ <= last_ && !waits && !idles && watches();
   Cycles limit = std::min(ends_ + (begins_last ? 1 : 0), action_);
   const bool timers_behind = chip.dma_active() && chip.next_event() <= std::min(known, chip.settled());
@@ -55,8 +56,8 @@ std::optional<ChipRunner::Span> Network::Node::span_of_runner() {
     return {};
   }
   if (!waits && chip.cycle() >= action_)
-    return span_ = Span{.limit = 0, .known = known};  // the processor does no more before the action
-  // A processor that idles may have ended when its DMA is done, or a timer's event was not for it: in that cycle.
+    return span_ = Span{.limit = 0, .known = known};  // the processor waits for the action
+  // An idle processor may have ended when its DMA is done, or when a timer's event was not for it: in that cycle.
   const bool looks = status == ChipStatus::running && idles;
   if (looks && chip.dma_busy())
     limit = std::min(limit, chip.cycle() + 1);
@@ -77,7 +78,7 @@ bool Network::Node::asks_anew() {
   return false;
 }
 
-/// Whether it goes on.
+/// Returns whether the chip continues.
 bool Network::Node::at_breakpoint() {
   over_breakpoint_ = true;
   if (passing_) return true;
@@ -107,7 +108,7 @@ bool Network::Node::window_access(const c40::ExternalAccess& access) {
 
 bool Network::Node::waits(StopInfo::Reason why, const c40::PortAccess& access) {
   if (passing_) return passes_on();
-  if (waits_for_port()) return false;  // still the same
+  if (waits_for_port()) return false;  // no change
   status = ChipStatus::waiting;
   stop = {};
   stop.reason = why;
@@ -126,7 +127,7 @@ bool Network::Node::faulted(const c40::Fault& why) {
   return false;
 }
 
-/// It waits for none any more.
+/// The chip waits for no port any more.
 void Network::Node::forget_port() { was_ready = false, ready_since = Time{0}; }
 
 void Network::Node::note_idle() {
@@ -137,8 +138,8 @@ void Network::Node::note_idle() {
     status = ChipStatus::idle;
 }
 
-/// Lets a chip that does not run reach an instant; `fully`: a processor that branches to itself has begun its last
-/// branch by then, as one that runs has begun its last instruction (run_to).
+/// Advances a chip that does not run to an instant. `fully`: a processor that branches to itself has begun its last
+/// branch by then, as a running one has begun its last instruction (run_to).
 void Network::Node::bring_to(Time time, bool fully) {
   const Cycles cycle = first_cycle(time);
   if (status != ChipStatus::sleeping && !fully && chip.cycle() >= cycle) return;
@@ -151,16 +152,16 @@ void Network::Node::bring_to(Time time, bool fully) {
     const Cycles limit = cycle + (fully && !chip.idle() ? 1 : 0), event = own_event_cycle();
     pass_to(std::min(limit, event), std::min(cycle, event));
     if (status != ChipStatus::sleeping) return;
-    wake_up();  // perhaps by what happened in the loop's last round
+    wake_up();  // an event during the last pass of the loop may wake it
     if (event >= limit) return;
     if (status == ChipStatus::running)
-      run_to(time);  // perhaps to sleep again
+      run_to(time);  // it may sleep again
     else if (own_event_cycle() == event)
       return pass_to(limit, cycle);
   }
 }
 
-/// Lets a chip that sleeps go on sleeping.
+/// Advances a sleeping chip that stays asleep.
 void Network::Node::pass_to(Cycles limit, Cycles known) {
   passing_ = true;
   span_ = {.limit = limit, .known = known};

@@ -1,5 +1,5 @@
 #pragma once
-// What a network is made of, for its own sources only.
+// The parts of a network; only the network's own sources include this file.
 #include <algorithm>
 #include <limits>
 #include <optional>
@@ -19,7 +19,7 @@ namespace machine {
 struct Network::Memory {
   SharedMemory description;
   std::vector<c40::Word> words;
-  Time free{0};  ///< of the access under way
+  Time free{0};  ///< end of the access under way
   /// The last access of each side of a dual-port memory.
   struct Side {
     c40::Address word = 0;
@@ -27,16 +27,16 @@ struct Network::Memory {
   };
   std::array<Side, 2> sides{};
   std::array<Net*, 2> mailbox_nets{};  ///< to the sides' pins
-  std::optional<std::size_t> owner;    ///< of the lock
+  std::optional<std::size_t> owner;    ///< owner of the lock
 
-  /// Which of its places is the chip's.
+  /// Which of the memory's places belongs to the chip.
   std::size_t side_of(std::size_t chip, c40::Address address) const;
-  /// When the access could begin, as far as others use it.
+  /// When the access could begin, as far as other chips use the memory.
   Time free_for(std::size_t chip, c40::Address address) const;
   void list_state(state::Visitor& list);
 };
 
-/// A chip in the network, and how it goes through time.
+/// A chip of the network, as an actor in time.
 struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner, c40::PinListener, private ChipRunner {
   Node(Network& network_, std::size_t number_, NetworkChip given, Clock clock_)
       : network(network_),
@@ -46,7 +46,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
         chip(board_of(description)),
         ignored(description.board.ignored) {}
 
-  /// One that says nothing of its pins is made to boot from the ports.
+  /// A board without [pins] gets pins for booting from the ports.
   static const c40::Board& board_of(NetworkChip& chip) {
     if (chip.boot && !chip.board.has_pins) chip.board.board = with_boot_from_port(std::move(chip.board.board));
     return chip.board.board;
@@ -59,33 +59,33 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   c40::Chip chip;
   IgnoredAccesses ignored;
   ChipStatus status = ChipStatus::running;
-  c40::StopInfo stop;      ///< of a chip that waits, or why it ended
-  bool was_ready = false;  ///< what it waits for, when last looked at
+  c40::StopInfo stop;      ///< of a waiting chip, or why it ended
+  bool was_ready = false;  ///< whether the port or memory was ready at the last check
   Time ready_since{0};
-  c40::Cycles asleep_since = 0;  ///< of one that sleeps in a branch to itself
+  c40::Cycles asleep_since = 0;  ///< for a chip that sleeps in a branch to itself
   std::vector<std::size_t> links;
   std::unique_ptr<BoardDevices> devices;  ///< null: none
   DeviceTurn* device_turn = nullptr;      ///< null: they do nothing by themselves that others see
   Time device_event = never;
-  std::vector<Net*> nets_in, nets_out;  ///< those that lead to its pins, and those that it can drive
+  std::vector<Net*> nets_in, nets_out;  ///< nets that lead to its pins, and nets that it can drive
   std::vector<c40::Pin> pins_in;
 
-  /// Whether it polls for ever: looked at when nothing has happened for a while, and then ever more rarely.
+  /// The check for endless polling: made when nothing has happened for a while, and then in growing intervals.
   struct Patience {
     static constexpr c40::Cycles first = 10'000;
     static constexpr int growth = 8;
-    c40::Cycles since = 0;         ///< nothing has happened anywhere
-    c40::Cycles length = first;    ///< until the next look
-    std::uint64_t happenings = 0;  ///< as they stood then
+    c40::Cycles since = 0;         ///< no event anywhere since this cycle
+    c40::Cycles length = first;    ///< until the next check
+    std::uint64_t happenings = 0;  ///< number of events at that cycle
     std::optional<LoopWatch> looking;
-    std::optional<LoopWatch::Loop> loop;  ///< found; it holds until something happens
+    std::optional<LoopWatch::Loop> loop;  ///< the loop found; valid until the next event
     Time found{0};                        ///< when
-    bool is_private = false;              ///< it reads nothing that anybody else could change
+    bool is_private = false;              ///< it reads nothing that others could change
     c40::Cycles next_look() const { return since + length + (looking ? length / 10 : 0); }
   } patience;
   c40::TraceSink* trace = nullptr;
   mutable std::optional<AddressNames> named;
-  /// Of its program's addresses, made when first asked for.
+  /// Names of its program's addresses, made at the first call.
   const AddressNames& names() const { return named ? *named : named.emplace(*description.program); }
   std::vector<c40::PeripheralEvent> peripheral_events;
   void happened(const c40::PeripheralEvent& event) override { peripheral_events.push_back(event); }
@@ -97,17 +97,17 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   bool waits_for_window() const {
     return status == ChipStatus::waiting && stop.reason == c40::StopInfo::Reason::external_access;
   }
-  /// At a device that acts on other chips, for its place in the order of the network.
+  /// It is before an access to a device that acts on other chips, and waits for its place in the order of the network.
   bool waits_for_device() const {
     return waits_for_window() && devices != nullptr && devices->has(stop.access.address);
   }
   bool waits_for_memory() const { return waits_for_window() && !waits_for_device(); }
   c40::Cycles first_cycle(Time time) const { return clock.tick_at_or_after(time); }
-  /// Everything before it is done, by the processor and by the DMA.
+  /// Processor and DMA have done everything before this instant.
   Time now() const { return clock.at(chip.settled()); }
-  /// What it does depends on its ports or pins, or on a device that acts on chips.
+  /// Its behaviour depends on its ports or pins, or on a device that acts on other chips.
   bool watches() const { return !nets_in.empty() || chip.watches_ports() || !network.acting_.empty(); }
-  /// It goes on by itself, and its ports or pins decide how: it must not run past what they do.
+  /// It runs, and its behaviour depends on its ports or pins: it must not run past their next events.
   bool follows() const {
     if (status == ChipStatus::running) return watches();
     return status == ChipStatus::waiting && chip.dma_busy();
@@ -120,7 +120,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
     return lives && chip.dma_active() && !chip.dma_busy();
   }
 
-  // Its pins.
+  // Implements PinOwner.
   c40::Chip& owned_chip() override { return chip; }
   Time time_of(c40::Cycles cycle) const override { return clock.at(cycle); }
   c40::Cycles cycle_from(Time time) const override { return first_cycle(time); }
@@ -129,29 +129,29 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   void pin_changes(c40::Pin pin, bool level, Time now) override;
   void driven(c40::Pin pin, c40::Drive drive, c40::Cycles at) override;
 
-  // Its turns.
+  // Implements Scheduler::Processor.
   Time next() const override;
   void act(Time now) override;
   bool runs() const override { return status == ChipStatus::running && !patience.is_private; }
   void run_ahead(Time until) override;
   Time horizon() const override;
 
-  /// The next events of its links, and of actions on it, may have become others.
+  /// The next events of its links, and of actions on it, may have changed.
   void tell_changes();
 
-  // How it goes on.
+  // How it continues.
   void run_to(Time until, c40::Cycles last = std::numeric_limits<c40::Cycles>::max());
   bool come_to(Time time);
   void bring_to(Time time, bool fully);
   void look_for_loop();
   void begin_patience();
   void note_idle();
-  /// Whether the port that it waits for has become ready, or is so no more.
+  /// Updates whether the port for which it waits is ready.
   bool note_ready(Time time);
   void forget_port();
   void wake_up();
 
-  // How it stands.
+  // Its status.
   bool ready() const;
   bool wakes() const;
   Time access_time() const;
@@ -159,7 +159,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   Time own_event() const;
   Time at_rest_since() const;
   Time lookahead() const;
-  /// When its devices next do something by themselves that a pin shows. Asked for over and over, so kept.
+  /// When its devices next act by themselves with an effect on a pin. Stored, because it is used often.
   Time next_device_event() const { return device_event; }
   void note_device_event();
   bool devices_go_on() const;
@@ -167,7 +167,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   c40::Cycles last_before_devices() const;
   bool has_ended() const;
   bool awaits_dma_for_ever() const;
-  /// Nothing will happen here, but for a loop that goes on as it does.
+  /// Nothing will happen here, except a loop that repeats.
   bool is_still() const {
     return patience.loop ||
            (status != ChipStatus::running && (planned() == never || (!nets_out.empty() && only_drives_unheard())));
@@ -203,15 +203,15 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
     return status == ChipStatus::sleeping && (chip.cycle() < span_.limit || chip.settled() < span_.known);
   }
 
-  // Of the call of run_to or pass_to under way.
-  bool passing_ = false;          ///< it sleeps, and goes on sleeping
-  bool over_breakpoint_ = false;  ///< the instruction at the breakpoint is next
+  // For the present call of run_to or pass_to.
+  bool passing_ = false;          ///< it sleeps, and stays asleep
+  bool over_breakpoint_ = false;  ///< the instruction at the breakpoint is executed next
   c40::Cycles ends_ = 0, action_ = 0, last_ = 0;
   Span span_;
   c40::Cycles cycle_before_ = -1, settled_before_ = -1;
 };
 
-/// Lets a link take part.
+/// A link as an actor.
 struct Network::LinkTurn final : Scheduler::Actor {
   LinkTurn(Network& network_, std::size_t number_) : network(network_), number(number_) {}
   Time next() const override { return network.links_[number]->next_event(); }
@@ -220,7 +220,7 @@ struct Network::LinkTurn final : Scheduler::Actor {
   std::size_t number;
 };
 
-/// Lets what the devices of a chip do by themselves take part.
+/// The devices of a chip, with what they do by themselves, as an actor.
 struct Network::DeviceTurn final : Scheduler::Actor {
   explicit DeviceTurn(Node& node_) : node(node_) {}
   Time next() const override { return node.next_device_event(); }
@@ -234,7 +234,7 @@ struct Network::DeviceTurn final : Scheduler::Actor {
   Node& node;
 };
 
-/// Lets what is scripted take part.
+/// The scripted actions as an actor.
 struct Network::ActionTurn final : Scheduler::Actor {
   explicit ActionTurn(Network& network_) : network(network_) {}
   Time next() const override { return network.next_action(); }
@@ -242,7 +242,7 @@ struct Network::ActionTurn final : Scheduler::Actor {
   Network& network;
 };
 
-/// Keeps what happens on nets. Of two that change at one instant, any may be the first to say so.
+/// Records events of nets. If two nets change at one instant, either may report first.
 struct Network::NetTap final : Net::Listener {
   explicit NetTap(Network& network_) : network(network_) {}
   void changed(Net& net, bool level, Time at) override {
@@ -263,7 +263,7 @@ struct Network::NetTap final : Net::Listener {
   Network& network;
 };
 
-/// Keeps what happens on one link.
+/// Records events of one link.
 struct Network::LinkTap final : c40::LinkListener {
   LinkTap(Network& network_, std::size_t number_) : network(network_), number(number_) {}
   void happened(const c40::LinkEvent& e) override {

@@ -1,4 +1,4 @@
-// What a network is saved and loaded by, and what must be the same for that.
+// The list with which a network is saved and loaded, and the properties that must be equal for that.
 #include <fmt/format.h>
 
 #include "machine/network_parts.hpp"
@@ -73,8 +73,7 @@ void Network::Memory::list_state(state::Visitor& list) {
   const std::size_t size = words.size();
   list("words", words);
   if (words.size() != size)
-    throw state::StateError(
-        fmt::format("memory {}: {} words, where there are {}", description.name, words.size(), size));
+    throw state::StateError(fmt::format("memory {}: {} words instead of {}", description.name, words.size(), size));
   list("free", free);
   list("sides", sides);
   list("owner", owner);
@@ -82,7 +81,7 @@ void Network::Memory::list_state(state::Visitor& list) {
 
 void LoopWatch::list_state(state::Visitor& list) { list("rounds", rounds_); }
 
-// Patience is state: what it finds ends a run, and when it looks depends on when something last happened.
+// Patience is state: its result ends a run, and the time of its checks depends on earlier events.
 void Network::Node::list_state(state::Visitor& list) {
   list("chip", chip);
   if (devices != nullptr) list("devices", *devices);
@@ -109,7 +108,7 @@ void Network::Node::list_state(state::Visitor& list) {
   list("peripheral_events", peripheral_events);
 }
 
-// Not: who listens, what is recorded from now on, the order of turns.
+// Not listed: listeners, what is recorded from now on, the order of turns.
 void Network::list_state(state::Visitor& list) {
   list("now", now_);
   list("nodes", nodes_);

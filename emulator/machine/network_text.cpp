@@ -1,4 +1,4 @@
-// What a network says: names, how each chip stands, events.
+// The texts of a network: names, status of each chip, events.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -12,7 +12,7 @@ namespace machine {
 using c40::Address;
 
 namespace {
-/// "loop+2, ring.asm:14"; empty if nothing is known of the address.
+/// "loop+2, ring.asm:14"; empty if the address is unknown.
 std::string source_of(const toolchain::Image& image, Address pc) {
   const auto holds = [pc](const toolchain::Image::Section& s) { return s.loaded && pc - s.address < s.size; };
   const auto section = std::find_if(image.sections.begin(), image.sections.end(), holds);
@@ -101,7 +101,7 @@ std::string Network::where(const Node& node) const {
   return fmt::format("PC {:08X}h{}", node.chip.pc(), source.empty() ? "" : " (" + source + ")");
 }
 
-/// Where a boot stream could have put something.
+/// The RAM into which a boot stream could have loaded something.
 std::string Network::memories_of(const Node& node) const {
   std::vector<std::string> ram{fmt::format("{:08X}h", c40::on_chip_ram)};
   for (const c40::Region& region : node.description.board.board.regions)
@@ -141,7 +141,7 @@ std::string Network::whom(const Node& node, int port, bool write) const {
   return ", to which nothing is linked,";
 }
 
-/// A loop that reads nothing which others could change is an end, as a branch to itself is.
+/// A loop that reads nothing that others could change is an end, like a branch to itself.
 bool Network::polls(const Node& node) const {
   const auto& reads = node.patience.loop->reads;
   return std::any_of(reads.begin(), reads.end(),
@@ -167,9 +167,8 @@ std::string Network::describe_loop(const Node& node) const {
   const Address pc = node.patience.loop->pc;
   const std::string source = source_of(*node.description.program, pc);
   const std::string_view rom = boots(node) ? " (the boot loader)" : "";
-  const std::string does =
-      polled.empty() ? "does the same over and over" : fmt::format("polls {}", fmt::join(polled, "; "));
-  return fmt::format("{}; nothing has changed since cycle {}, at PC {:08X}h{}{}", does, node.patience.since, pc, rom,
+  const std::string does = polled.empty() ? "repeats a loop" : fmt::format("polls {}", fmt::join(polled, "; "));
+  return fmt::format("{}; no change since cycle {}, at PC {:08X}h{}{}", does, node.patience.since, pc, rom,
                      source.empty() ? "" : " (" + source + ")");
 }
 
@@ -199,7 +198,7 @@ std::string Network::describe(std::size_t n) const {
                            describe_dma(node));
       return fmt::format("sleeps at {} until {} interrupts it", where(node), node.heeds_pins() ? "a pin" : "a port");
     case ChipStatus::halt: return fmt::format("branches to itself at {}", where(node));
-    case ChipStatus::idle: return fmt::format("is in IDLE before {}, and no interrupt is to come", where(node));
+    case ChipStatus::idle: return fmt::format("is in IDLE before {}, and no interrupt will come", where(node));
     case ChipStatus::until: return fmt::format("reached {}", where(node));
     case ChipStatus::fault:
       return fmt::format("{}, at {}, cycle {}{}", node.stop.fault->message, where(node), node.stop.fault->cycle,
@@ -208,8 +207,8 @@ std::string Network::describe(std::size_t n) const {
       const std::string who =
           node.stop.access.channel < 0 ? "" : fmt::format("DMA channel {} ", node.stop.access.channel);
       return fmt::format(
-          "{}{} {:08X}h at {}: that is a window, and no device of the board and no memory of the network is behind it",
-          who, node.stop.access.write ? "writes" : "reads", node.stop.access.address, where(node));
+          "{}{} {:08X}h at {}: this is a window without a device of the board or a memory of the network", who,
+          node.stop.access.write ? "writes" : "reads", node.stop.access.address, where(node));
     }
     case ChipStatus::held: return fmt::format("is held at {}", where(node));
     case ChipStatus::pulled_out: return "has been pulled out";

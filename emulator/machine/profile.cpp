@@ -21,7 +21,7 @@ void add(report::ProfileCost& to, const report::ProfileCost& cost) {
   for (std::size_t i = 0; i < to.causes.size(); ++i) to.causes[i] += cost.causes[i];
 }
 
-/// Of several symbols with one value the first in the alphabet.
+/// If several symbols have one value, the first in the alphabet.
 std::map<Address, std::string> labels(const toolchain::Image& image) {
   std::map<Address, std::string> all;
   for (const auto& [name, value] : image.symbols) all.try_emplace(value, name);
@@ -41,7 +41,7 @@ std::vector<report::ProfileRoutine> routines_of(const c40::ProfileCounts& counts
   return all;
 }
 
-/// Data: whatever stands there is a directive, behind a label or not.
+/// Data: the line has a directive, with or without a label.
 bool is_directive(std::string_view text) {
   const auto skip = [&text](std::string_view characters, bool these) {
     const std::size_t n = these ? text.find_first_not_of(characters) : text.find_first_of(characters);

@@ -1,5 +1,5 @@
 #pragma once
-// How a program says that it has ended: IDLE, or an unconditional branch to itself.
+// How a program ends: IDLE, or an unconditional branch to itself.
 #include <set>
 
 #include "toolchain/objects/image.hpp"
@@ -8,7 +8,7 @@ namespace machine {
 
 enum class ProgramEnd : std::uint8_t { none, idle, halt };
 
-/// What the word at `pc` may be the end of.
+/// The kind of end that the word at `pc` may be.
 ProgramEnd program_end(toolchain::Word word, toolchain::Address pc);
 
 /// The addresses of all words of an image that may be an end.

@@ -21,7 +21,7 @@ void Scheduler::all_changed() {
   for (Actor* actor : actors_) actor->changed();
 }
 
-// In any order and to any point.
+// In any order and to any instant.
 void Scheduler::run_some_ahead(Time limit) {
   if (!shuffle_.active()) return;
   limit_ = limit;
@@ -41,7 +41,7 @@ bool Scheduler::step(Time limit) {
   const EventCalendar::Turn turn = calendar_.earliest();
   if (turn.time >= limit) return false;
   Actor& actor = *actors_[turn.who];
-  assert(actor.next() >= turn.time && "an actor that has come to an earlier event has not said so");
+  assert(actor.next() >= turn.time && "an actor has an earlier event and has not reported it");
   now_ = turn.time;
   {
     const Acting acting{*this, actor};

@@ -1,12 +1,12 @@
 #pragma once
-/// The order in which things happen, of the dock and of networks: always the earliest event of all actors. Of several
-/// at one instant, the actor that was added first.
+/// The order of events, for the dock and for networks: always the earliest event of all actors. If several are at one
+/// instant, the actor that was added first comes first.
 ///
-/// Processors run ahead of that order on what is their own, up to their horizon: the earliest instant at which another
-/// actor could act on them. So the order in which processors are advanced changes nothing, nor does the way in which
-/// a run is cut; a seed shuffles the one, and tests compare.
+/// Processors run ahead of that order as long as they use only their own resources, up to their horizon: the earliest
+/// instant at which another actor could act on them. So neither the order in which processors advance nor the way in
+/// which a run is divided changes anything. A seed shuffles the order, and tests compare.
 ///
-/// When an actor's next event becomes another one, the actor says so: nobody is asked over and over.
+/// When an actor's next event changes, the actor reports it; the scheduler does not ask all actors again and again.
 #include <cstdint>
 #include <vector>
 
@@ -23,19 +23,19 @@ class Scheduler {
     Actor(const Actor&) = delete;
     Actor& operator=(const Actor&) = delete;
     virtual ~Actor() = default;
-    /// Its next event, unless another actor changes that; never: it waits for others.
+    /// Its next event, unless another actor changes it; never: it waits for others.
     virtual Time next() const = 0;
-    /// Its event at `now` happens. Afterwards the scheduler asks for next() by itself.
+    /// Executes its event at `now`. Afterwards the scheduler calls next() by itself.
     virtual void act(Time now) = 0;
-    /// next() may have become another one: to be called wherever others make that happen. Of one that has become later
-    /// it may be left out, if act() then finds nothing to do (the plant, which a reader may bring to its latch before
+    /// next() may have changed: to be called wherever another actor changes it. If it only became later, the call may
+    /// be left out, provided act() then finds nothing to do (the plant, which a reader may advance to its latch before
     /// its turn).
     void changed() {
       if (scheduler_ != nullptr && scheduler_->acting_ != this) scheduler_->calendar_.set(place_, next());
     }
 
    protected:
-    /// next(), as it was when last told.
+    /// next() as of the last report.
     Time planned() const { return scheduler_->calendar_.time(place_); }
 
    private:
@@ -44,18 +44,18 @@ class Scheduler {
     std::size_t place_ = 0;
   };
 
-  /// A chip, in its surroundings.
+  /// A chip with its surroundings.
   class Processor : public Actor {
    public:
-    /// It executes instructions, and its next event is the next of them.
+    /// It executes instructions, and its next event is the next instruction.
     virtual bool runs() const = 0;
     /// \param until at most its horizon
     virtual void run_ahead(Time until) = 0;
-    /// The earliest instant at which something outside could act on it, as far as this is known without asking others.
+    /// The earliest instant at which something outside could act on it, as far as known without asking others.
     virtual Time horizon() const = 0;
   };
 
-  /// \param seed of the order in which processors are run ahead; 0: each when its turn comes
+  /// \param seed for the order in which processors run ahead; 0: each when its turn comes
   explicit Scheduler(std::uint64_t seed = 0) : shuffle_{seed} {}
   Scheduler(const Scheduler&) = delete;
   Scheduler& operator=(const Scheduler&) = delete;
@@ -63,18 +63,18 @@ class Scheduler {
   /// In the order of ties. The actor must outlive all runs.
   void add(Actor& actor);
   void add(Processor& processor);
-  /// All events may have changed: what the actors stand for has been loaded.
+  /// All events may have changed: the actors' objects have been loaded.
   void all_changed();
 
-  /// Lets the next event before `limit` happen; false: there is none.
+  /// Executes the next event before `limit`; false: there is none.
   bool step(Time limit);
-  /// Lets some processors do in advance what is theirs alone, as far as the seed says; nothing without one.
+  /// Lets some processors run ahead, as the seed says; does nothing without a seed.
   void run_some_ahead(Time limit);
-  /// Lets all events before `limit` happen.
+  /// Executes all events before `limit`.
   void run_until(Time limit);
-  /// Where the run under way ends.
+  /// The end of the present run.
   Time limit() const { return limit_; }
-  /// Of the last event.
+  /// The instant of the last event.
   Time now() const { return now_; }
   Time earliest() const { return calendar_.earliest().time; }
   Time earliest_of_others(const Actor& than) const { return calendar_.earliest_of_others(than.place_); }
@@ -95,7 +95,7 @@ class Scheduler {
     std::uint64_t state_;
   };
 
-  /// While an actor acts, its own next event is not entered over and over.
+  /// While an actor acts, its own next event is entered only once, at the end.
   struct Acting {
     Acting(Scheduler& its_scheduler, const Actor& actor) : scheduler{its_scheduler} { scheduler.acting_ = &actor; }
     ~Acting() { scheduler.acting_ = nullptr; }

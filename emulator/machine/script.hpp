@@ -1,5 +1,5 @@
 #pragma once
-// The machine's script: its events by time, each of which has its turn among the scheduler's.
+// The machine's script: its events by time, as an actor of the scheduler.
 #include <deque>
 #include <functional>
 #include <optional>
@@ -23,7 +23,7 @@ class LinkAdapter;
 class SharedRegisters;
 struct Fence;
 
-/// What scripted events act on.
+/// The objects of scripted events.
 struct Stage {
   std::deque<Dsp>& dsps;
   SharedRegisters& registers;
@@ -38,15 +38,15 @@ struct Stage {
 class Script final : public Scheduler::Actor {
  public:
   using Act = std::function<void(const ScriptedEvent&, Time now)>;
-  /// \param events by time; those to come are kept there too
+  /// \param events by time; future ones are kept there too
   Script(std::vector<ScriptedEvent>& events, Act act) : events_{events}, act_{std::move(act)} {}
 
   Time next() const override { return done < events_.size() ? events_[done].time : never; }
   void act(Time now) override;
-  /// Behind those of its time.
+  /// Added after the events of the same time.
   void add(const ScriptedEvent& event);
 
-  std::size_t done = 0;  ///< events that have happened
+  std::size_t done = 0;  ///< number of events that have happened
 
  private:
   std::vector<ScriptedEvent>& events_;

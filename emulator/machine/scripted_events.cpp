@@ -52,7 +52,7 @@ void stall_bus(const Stage& on, const Event& event, Time now) {
   on.buses[event.number].stall(clocks(now), clocks(now + Time{event.amount}));
 }
 
-// A drive or sensor of the dock fails or works again; most are numbered.
+// A drive or sensor of the dock fails or works again; most have a number.
 template <auto fail>
 void of_dock(const Stage& on, const Event& event, Time now) {
   if (on.dock == nullptr) return;
@@ -68,11 +68,11 @@ using Amount = ScriptAmount;
 
 constexpr ScriptedAction actions[] = {
     {Action::fail, Target::dsp, Amount::none, befalls_dsp<&Dsp::fail>, "fail",
-     "the chip dies and stays dead; only another board helps (unplug, plug)"},
+     "the chip fails until its board is replaced (unplug, plug)"},
     {Action::hang, Target::dsp, Amount::none, befalls_dsp<&Dsp::hang>, "hang",
-     "its program loops for ever with interrupts masked, until it is reset"},
+     "its program loops forever with interrupts masked, until it is reset"},
     {Action::freeze, Target::dsp, Amount::none, befalls_dsp<&Dsp::freeze>, "freeze",
-     "the chip stands still until it is reset"},
+     "the chip is halted until it is reset"},
     {Action::unplug, Target::dsp, Amount::none, unplug, "unplug",
      "the board is pulled out: transactions break off, posted words are lost"},
     {Action::plug, Target::dsp, Amount::none, plug, "plug",
@@ -81,34 +81,33 @@ constexpr ScriptedAction actions[] = {
     {Action::pace, Target::dsp, Amount::factor, set_pace, "slow",
      "its clock runs at this factor of its frequency; 1 is full speed again"},
     {Action::link, Target::dsp, Amount::failed, break_link, "break_link",
-     "the wires between it and the link adapter break: it cannot be booted any more, and a word on its way is lost",
-     "repair_link", "the wires are whole again"},
+     "the wires between it and the link adapter break: it cannot be booted any more, and a word under way is lost",
+     "repair_link", "the wires are repaired"},
     {Action::pause_host, Target::host, Amount::duration, pause_host, "pause_host",
-     "the host's processor does nothing for so long"},
+     "the host's processor does nothing for this time"},
     {Action::stall_bus, Target::bus, Amount::duration, stall_bus, "stall_bus",
-     "the bus's arbiter grants nothing for so long"},
+     "the bus's arbiter grants nothing for this time"},
     {Action::drive, Target::joint, Amount::failed, of_dock<&Dock::fail_drive>, "fail_drive",
      "the drive has no torque and its brake closes", "repair_drive", "the drive works again"},
     {Action::encoder, Target::joint, Amount::failed, of_dock<&Dock::fail_encoder>, "stick_encoder",
-     "the encoder goes on showing the count of this instant", "repair_encoder", "the encoder works again"},
+     "the encoder keeps showing the count of this instant", "repair_encoder", "the encoder works again"},
     {Action::sway, Target::axis, Amount::failed, of_dock<&Dock::fail_sway>, "stick_sway",
-     "the sway sensor goes on showing the angle of this instant", "repair_sway", "the sway sensor works again"},
+     "the sway sensor keeps showing the angle of this instant", "repair_sway", "the sway sensor works again"},
     {Action::second_sway, Target::axis, Amount::failed, of_dock<&Dock::fail_second_sway>, "stick_second_sway",
-     "the second sway sensor goes on showing the angle of this instant", "repair_second_sway",
+     "the second sway sensor keeps showing the angle of this instant", "repair_second_sway",
      "the second sway sensor works again"},
     {Action::drive_status, Target::joint, Amount::failed, of_dock<&Dock::fail_drive_status>, "stick_drive_status",
-     "what the drive says of itself stays what it is at this instant", "repair_drive_status",
-     "the drive says of itself what is true again"},
+     "the drive's status stays as it is at this instant", "repair_drive_status", "the drive's status is right again"},
     {Action::drive_speed, Target::joint, Amount::failed, of_dock<&Dock::fail_drive_speed>, "stick_drive_speed",
      "the drive's estimate of its speed stays what it is at this instant", "repair_drive_speed",
      "the drive's estimate of its speed works again"},
     {Action::load_cell, Target::load_cell, Amount::failed, of_dock<&Dock::fail_load_cell>, "stick_load_cell",
-     "the load cell goes on showing the load of this instant", "repair_load_cell", "the load cell works again"},
+     "the load cell keeps showing the load of this instant", "repair_load_cell", "the load cell works again"},
     {Action::anemometer, Target::anemometer, Amount::failed, of_dock<&Dock::fail_anemometer>, "stick_anemometer",
-     "the anemometer goes on showing the wind of this instant", "repair_anemometer", "the anemometer works again"},
+     "the anemometer keeps showing the wind of this instant", "repair_anemometer", "the anemometer works again"},
 };
 
-// Every action has one row, and a second word just where there is something to undo.
+// Every action has one row; the second name is given only if the action can be undone.
 constexpr bool complete() {
   std::array<bool, action_count> has{};
   for (const ScriptedAction& row : actions) {

@@ -1,5 +1,5 @@
 #pragma once
-// What can be made to happen to a machine at a given instant: failures, hot-plug, standstills. One row each in
+// Events that can be scripted for a machine at a given instant: failures, hot-plug, pauses. One row each in
 // scripted_events.cpp; a new action is an enumerator and its row.
 #include <cstdint>
 #include <span>
@@ -9,9 +9,9 @@
 
 namespace machine {
 
-struct Stage;  // what they act on: machine/script.hpp
+struct Stage;  // the objects of events: machine/script.hpp
 
-/// Traces and snapshots have it by its number, so a new one stands last.
+/// Traces and snapshots use the number, so a new action comes last.
 enum class Action : std::uint8_t {
   fail,
   freeze,
@@ -37,15 +37,15 @@ inline constexpr std::size_t action_count = static_cast<std::size_t>(Action::ane
 struct ScriptedEvent {
   Time time{};
   Action action{};
-  unsigned number = 0;      ///< of what it acts on (ScriptTarget)
+  unsigned number = 0;      ///< number of its object (ScriptTarget)
   std::int64_t amount = 0;  ///< see ScriptAmount
 };
 
-/// What an event's number counts. The machine has the first three, the plant the others.
+/// What an event's number counts. The first three belong to the machine, the others to the plant.
 enum class ScriptTarget : std::uint8_t { dsp, host, bus, joint, axis, load_cell, anemometer };
 constexpr bool is_of_machine(ScriptTarget target) { return target <= ScriptTarget::bus; }
 
-/// What an event's amount is.
+/// The meaning of an event's amount.
 enum class ScriptAmount : std::uint8_t {
   none,
   factor,    ///< millionths, not 0
@@ -59,14 +59,14 @@ struct ScriptedAction {
   ScriptAmount amount;
   void (*act)(const Stage&, const ScriptedEvent&, Time now);
   std::string_view name, meaning;
-  std::string_view undo{}, undo_meaning{};  ///< the same of amount 0, where that says that it works again
+  std::string_view undo{}, undo_meaning{};  ///< the name for amount 0, if that repairs the failure
 };
-/// In the order in which texts list them.
+/// In the order of lists in texts.
 std::span<const ScriptedAction> scripted_actions();
-/// \throws std::invalid_argument for what is none
+/// \throws std::invalid_argument for an unknown action
 const ScriptedAction& row_of(Action action);
 
-/// \throws std::invalid_argument for an event before `now`, with a number that nothing has, or an amount without sense
+/// \throws std::invalid_argument for an event before `now`, with an unknown number, or with an amount without sense
 void require_sense(const ScriptedEvent& event, Time now, unsigned slots, unsigned buses);
 
 }  // namespace machine

@@ -53,8 +53,8 @@ pci::Answer SharedRegisters::answer(pci::Address offset, unsigned, bool write, c
   return answers(base + offset, write, is_host(access.agent)) ? pci::Answer::accept : pci::Answer::abort;
 }
 
-// The host also gets what a DSP holds that is fenced off, in one step: were it freed first, a DSP that polls could come
-// in between.
+// The host also gets, in one step, a semaphore held by a fenced DSP: if the semaphore were freed first, a polling DSP
+// could take it in between.
 Word SharedRegisters::acquire(unsigned number, const pci::Access& access) {
   const unsigned owner = owner_of(access.agent);
   Semaphore& semaphore = semaphores_[number];
@@ -71,7 +71,7 @@ Word SharedRegisters::acquire(unsigned number, const pci::Access& access) {
   return 0;
 }
 
-// By its owner, or by the host: a DSP that wakes late must not release what another has acquired since.
+// By its owner, or by the host: a DSP that wakes late must not release what another DSP has acquired since.
 void SharedRegisters::release(unsigned number, const pci::Access& access) {
   if (!is_host(access.agent) && semaphores_[number].owner != owner_of(access.agent)) return;
   semaphores_[number] = {};

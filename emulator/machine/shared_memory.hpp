@@ -14,13 +14,13 @@
 
 namespace machine {
 
-/// Which DSPs may write; one register for both buses.
+/// The DSPs that may write; one register for both buses.
 struct Fence {
   Word mask = ~Word{0};
   bool closed(unsigned slot) const { return (mask >> slot & 1) == 0; }
 };
 
-/// What the registers do to the outside.
+/// The effects of the registers on the outside.
 class DoorbellClient {
  public:
   virtual ~DoorbellClient() = default;
@@ -29,7 +29,7 @@ class DoorbellClient {
   virtual void semaphore_event(unsigned number, SemaphoreEvent event, unsigned owner, pci::Clocks clock) = 0;
 };
 
-/// Agents, as the buses' transactions carry them: 0 is the host, n + 1 is DSP slot n.
+/// Agents as the buses' transactions carry them: 0 is the host, n + 1 is DSP slot n.
 constexpr bool is_host(unsigned agent) { return agent == 0; }
 
 class Guard;
@@ -46,7 +46,7 @@ class SharedSram final : public pci::Target {
   }
   void write(pci::Address offset, Word value, const pci::Access& access) override;
   void set_guard(Guard& guard, const SharedRegisters& registers) { guard_ = &guard, registers_ = &registers; }
-  /// Hears every access by a bus, before it; none: nobody. Changes nothing.
+  /// Called for every access by a bus, before it; an empty function: none. Changes nothing.
   using Watch = std::function<void(Offset, Word before, Word value, bool write, const pci::Access&)>;
   void set_watch(Watch watch) { watch_ = std::move(watch); }
   std::vector<Word>& words() { return words_; }
@@ -68,15 +68,15 @@ class SharedRegisters final : public pci::Target {
 
   SharedRegisters(const Symbols& symbols, unsigned slots, Clock bus_clock, Fence& fence, DoorbellClient& client);
 
-  /// Whether something is there for this access. Only the host may ring, fence and reset.
+  /// Whether there is a register for this access. Only the host may ring doorbells, fence and reset.
   bool answers(Offset offset, bool write, bool by_host) const;
-  /// A write there acts on a DSP.
+  /// A write to this offset acts on a DSP.
   bool acts_on_dsps(Offset offset) const { return offset == symbols_.doorbell_ring || offset == symbols_.reset_dsp; }
-  /// Writes so far that acted on a DSP.
+  /// Number of writes so far that acted on a DSP.
   std::uint64_t acted() const { return acted_; }
-  /// The board of a slot is gone or starts anew: it is not idle.
+  /// The board of a slot is gone or starts again: it is not idle.
   void clear_idle(unsigned slot) { idle_ &= ~(Word{1} << slot); }
-  /// 0 nobody, DSP slot + 1, or host_owner.
+  /// 0: free; DSP slot + 1, or host_owner.
   unsigned holder(unsigned number) const { return semaphores_.at(number).owner; }
   void append_state(std::vector<std::uint64_t>& words) const;
   void list_state(state::Visitor& list) {
@@ -91,7 +91,7 @@ class SharedRegisters final : public pci::Target {
 
  private:
   struct Semaphore {
-    std::uint8_t owner = 0;  // 0 nobody, slot + 1, host_owner
+    std::uint8_t owner = 0;  // 0: free; slot + 1, host_owner
     pci::Clocks since = 0;
   };
   static constexpr std::size_t most_semaphores = 64;

@@ -1,7 +1,7 @@
 #pragma once
-// Numbers that the dock's devices and the DSP programs both have (plant/parameters/device_codes.hpp,
-// c40_programs/include/devices.inc): who builds a dock and who programs its controller each need them. They are
-// compared when a program is loaded.
+// Numbers that both the dock's devices and the DSP programs have (plant/parameters/device_codes.hpp,
+// c40_programs/include/devices.inc). The builder of a dock and the programmer of its controller both need them. They
+// are compared when a program is loaded.
 #include <optional>
 #include <string>
 
@@ -11,8 +11,8 @@ struct Image;
 
 namespace machine {
 
-/// Where the program contradicts the devices: each number, what it is and what it should be. None: nowhere. A number
-/// that the program does not define contradicts nothing.
+/// The differences between the program and the devices: each number, its value and the right value; none: there is no
+/// difference. A number that the program does not define is not a difference.
 std::optional<std::string> contradiction(const toolchain::Image& program);
 
 }  // namespace machine

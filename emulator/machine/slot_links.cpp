@@ -30,7 +30,8 @@ std::vector<SlotLink> parse_slot_links(std::string_view text) {
     while (rest.ends_with(' ')) rest.remove_suffix(1);
     const std::string_view one = rest;
     const auto unclear = [&] {
-      return std::invalid_argument{fmt::format("\"{}\" is no link; SLOT.PORT:SLOT.PORT is expected, as 0.1:1.4", one)};
+      return std::invalid_argument{
+          fmt::format("\"{}\" is not a link; SLOT.PORT:SLOT.PORT is expected, as 0.1:1.4", one)};
     };
     const auto number = [&](char behind) {
       unsigned value = 0;
@@ -66,15 +67,16 @@ void check(const std::vector<SlotLink>& links, unsigned slots) {
         throw std::invalid_argument{fmt::format(
             "link {}: port 3 of every DSP is linked to the link adapter; ports 0, 1, 2, 4 and 5 are free", name)};
       if (std::ranges::find(taken, end) != taken.end())
-        throw std::invalid_argument{fmt::format("link {}: port {} is taken; a port has one link", name, to_text(end))};
+        throw std::invalid_argument{
+            fmt::format("link {}: port {} already has a link; a port has one link", name, to_text(end))};
       taken.push_back(end);
     }
     if (link.a.slot == link.b.slot)
       throw std::invalid_argument{
-          fmt::format("link {}: both ends are in slot {}; a link joins two slots", name, link.a.slot)};
+          fmt::format("link {}: both ends are in slot {}; a link connects two slots", name, link.a.slot)};
     if (link.a.port > 2 || link.b.port < 4)
       throw std::invalid_argument{fmt::format(
-          "link {}: one of ports 0, 1, 2, which begin with the token, is joined with one of ports 4, 5", name)};
+          "link {}: one of ports 0, 1, 2, which begin with the token, must be connected to one of ports 4, 5", name)};
   }
 }
 
@@ -100,7 +102,7 @@ void SlotWire::act(Time now) {
   b_.link_moved(now);
 }
 
-// A DSP may be ahead by what nothing on a link can reach: so long it takes until the wires are joined.
+// A DSP may be ahead by a time in which nothing on a link can reach it; the wires are connected after this time.
 void SlotWire::slots_changed(Time now) {
   const bool join = a_.booted() && b_.booted();
   if (join && link_.is_cut()) {

@@ -1,9 +1,9 @@
 #pragma once
-// Links between communication ports of the dock's DSP boards: ports 0, 1, 2 of one slot with 4, 5 of another (port 3 is
-// the link adapter's, machine/link_adapter.hpp).
+// Links between communication ports of the dock's DSP boards: ports 0, 1, 2 of one slot to ports 4, 5 of another (port
+// 3 belongs to the link adapter, machine/link_adapter.hpp).
 //
-// A slot that is empty, or whose program has not yet said that it runs, is a cut link: what is on the wires is lost.
-// When both programs run, both ports are reset and the wires are joined; what the ports held is discarded. Lost and
+// If a slot is empty, or its program has not yet reported that it runs, the link is cut: words on the wires are lost.
+// When both programs run, both ports are reset and the wires are connected; words in the ports are discarded. Lost and
 // discarded words are counted.
 #include <cstdint>
 #include <deque>
@@ -38,25 +38,25 @@ struct SlotLink {
 std::vector<SlotLink> parse_slot_links(std::string_view text);
 std::string to_text(const SlotPort& port);
 std::string to_text(const SlotLink& link);
-/// \throws std::invalid_argument for a slot or port that there is not, a port that is taken, and ends that cannot be
-/// joined
+/// \throws std::invalid_argument for a slot or port that does not exist, a port with another link, and ends that cannot
+/// be connected
 void check(const std::vector<SlotLink>& links, unsigned slots);
 
-/// Of one direction, in words.
+/// The words of one direction.
 struct SlotLinkTraffic {
   std::uint64_t sent = 0, arrived = 0, lost = 0;
   std::uint64_t discarded = 0;  ///< in the FIFOs of both ports, when the ports were reset
   friend bool operator==(const SlotLinkTraffic&, const SlotLinkTraffic&) = default;
 };
 
-/// One of them, as an actor.
+/// One of the links, as an actor.
 class SlotWire final : public Scheduler::Actor {
  public:
   SlotWire(SlotLink ends, Dsp& a, Dsp& b);
 
   Time next() const override;
   void act(Time now) override;
-  /// Whether the program of one of the slots runs has changed.
+  /// The program of one of the slots has started or stopped.
   void slots_changed(Time now);
 
   const SlotLink& ends() const { return ends_; }
@@ -64,7 +64,7 @@ class SlotWire final : public Scheduler::Actor {
   c40::Link& link() { return link_; }
   /// \param side 0: from a to b
   SlotLinkTraffic traffic(int side) const;
-  /// How often the wires have been joined.
+  /// How often the wires have been connected.
   std::uint64_t joined() const { return joined_; }
   void list_state(state::Visitor& list);
   void append_state(std::vector<std::uint64_t>& words) const;
@@ -76,7 +76,7 @@ class SlotWire final : public Scheduler::Actor {
   Dsp& a_;
   Dsp& b_;
   c40::Link link_;
-  Time joins_ = never;  ///< both programs run
+  Time joins_ = never;  ///< when both programs run
   std::uint64_t joined_ = 0;
 };
 

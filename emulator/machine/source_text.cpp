@@ -21,7 +21,7 @@ std::string tidy(std::string_view text) {
   return out;
 }
 
-/// A label stands in the first column, or has a colon.
+/// A label begins in the first column, or has a colon.
 std::string_view without_label(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t");
   if (first == std::string_view::npos) return {};

@@ -1,5 +1,5 @@
 #pragma once
-// An instruction as its source line has it.
+// An instruction as in its source line.
 #include <functional>
 #include <map>
 #include <string>
@@ -14,8 +14,8 @@ class SourceText {
   SourceText() = default;
   explicit SourceText(const toolchain::Image& image, Label label);
 
-  /// Without comment, blanks put right, both lines of a parallel instruction in one. Where no line is known,
-  /// disassembled; `symbols` then gives branch targets their names.
+  /// Without comment, with normal blanks, and both lines of a parallel instruction in one. If no line is known,
+  /// disassembled; `symbols` then names branch targets.
   std::string operator()(isa::Address address, isa::Word word,
                          const std::function<std::string(isa::Address)>& symbols = {}) const;
 

@@ -1,5 +1,5 @@
 #pragma once
-// The machine's time is that of its chips (c40/clock.hpp).
+// The machine's time is the time of its chips (c40/clock.hpp).
 #include "c40/clock.hpp"
 
 namespace machine {

@@ -30,7 +30,7 @@ std::string deflated(std::string_view bytes) {
   return out;
 }
 
-/// Seven bits a byte, the lowest first; a set eighth bit says that more follow. The sign is the lowest bit.
+/// Seven bits per byte, the lowest first; a set eighth bit says that more bytes follow. The sign is the lowest bit.
 void put_varint(std::string& out, std::int64_t value) {
   auto bits = static_cast<std::uint64_t>(value) << 1 ^ static_cast<std::uint64_t>(value >> 63);
   for (; bits >= 0x80; bits >>= 7) out.push_back(static_cast<char>(bits | 0x80));
@@ -74,7 +74,7 @@ void Columns::scaled(const std::string& name, std::span<const double> values, do
   steps.reserve(values.size());
   for (const double value : values) {
     if (!(std::abs(value / unit) < 9e15))
-      throw std::invalid_argument(fmt::format("column {}: {} cannot be told in steps of {}", name, value, unit));
+      throw std::invalid_argument(fmt::format("column {}: {} cannot be stored in steps of {}", name, value, unit));
     steps.push_back(std::llround(value / unit));
   }
   add(name, steps, unit);

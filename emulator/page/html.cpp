@@ -8,7 +8,7 @@
 namespace page {
 namespace {
 
-/// Nothing of the text is markup; what is no character to be shown is a space.
+/// Escapes the text: none of it is markup. A character that cannot be shown becomes a space.
 std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : text) {
@@ -34,7 +34,7 @@ void replace(std::string& text, std::string_view mark, std::string_view by) {
 
 std::string html(std::string_view recording, std::string_view title) {
   std::string text(embedded_page());
-  // The recording's mark comes last in the file; what is put in is base64 and holds no mark.
+  // The recording's mark is replaced last: the recording is base64 and contains no mark.
   replace(text, "@RECORDING@", base64(recording));
   replace(text, "@TITLE@", escaped(title));
   return text;

@@ -38,7 +38,7 @@ const char* name(plant::ContainerState state) {
 
 nlohmann::json box(const plant::Box& b) { return {b.x_min, b.x_max, b.y_min, b.y_max, b.z_min, b.z_max}; }
 
-/// An offset in shared memory that a symbol of the program names; a program of the user's may lack it.
+/// An offset in shared memory that a symbol of the program names. A user's own program may not have the symbol.
 std::optional<cmrc::Word> offset_of(const cmrc::Simulation& simulation, const char* symbol) {
   const auto& symbols = simulation.image().symbols;
   const auto found = symbols.find(symbol);
@@ -173,7 +173,8 @@ void PlantSamples::take(Time now) {
   }
 }
 
-// Where a container is follows from what carries it; what it keeps towards that is told when it changes hands.
+// The place of a container follows from its carrier. The container's pose relative to the carrier is written when the
+// carrier changes.
 void PlantSamples::watch_containers(Time now) {
   const plant::Dock& dock = simulation_.dock();
   const std::vector<plant::ContainerStatus> all = dock.containers();
@@ -210,7 +211,7 @@ void PlantSamples::put(Columns& columns, nlohmann::json& header, const cmrc::Ref
     put_ideal(columns, header, *reference);
 }
 
-// The ghost stands where the ideal run's load was, told from this run's load: mostly small numbers.
+// The ideal run's load is written relative to this run's load: mostly small numbers.
 void PlantSamples::put_ideal(Columns& columns, nlohmann::json& header, const cmrc::Reference& reference) const {
   const cmrc::Course &run = simulation_.course(), &ideal = reference.course;
   const auto difference = [&](Time time, std::size_t column) { return ideal.at(time)[column] - run.at(time)[column]; };

@@ -15,18 +15,19 @@ namespace page {
 class Columns;
 using machine::Time;
 
-/// What the dock consists of and where it stands, for who draws it: m and rad.
+/// The parts of the dock and their places, for drawing: m and rad.
 nlohmann::json layout_of(const plant::DockConfig& config);
 
 class PlantSamples {
  public:
-  /// Of a run that ends at `end`: 10 ms apart, and of a long run farther, so that there are at most `rows_max`.
+  /// For a run that ends at `end`: samples 10 ms apart; in a long run farther apart, so that there are at most
+  /// `rows_max`.
   static constexpr std::size_t rows_max = 20'000;
   PlantSamples(cmrc::Simulation& simulation, Time from, Time end);
 
   Time period() const { return period_; }
   void take(Time now);
-  /// Columns; and in the header how containers changed hands.
+  /// Writes the columns; and into the header how containers changed their carriers.
   void put(Columns& columns, nlohmann::json& header, const cmrc::Reference* reference) const;
 
  private:
@@ -46,7 +47,7 @@ class PlantSamples {
   std::vector<Time> times_;
   std::vector<Column> columns_;
   bool ship_moves_;
-  std::optional<cmrc::Word> planned_crane_, planned_agv_;  // offsets of the planned points, where the program has them
+  std::optional<cmrc::Word> planned_crane_, planned_agv_;  // offsets of the planned points, if the program has them
   cmrc::Word agv_words_ = 0;
   std::map<std::string, std::size_t> planned_rows_;  // by how their columns' names begin, rows before a first plan
   std::vector<plant::ContainerState> container_states_;

@@ -20,7 +20,7 @@ using report::EventKind;
 constexpr std::int64_t bus_slices_max = 16'384;
 constexpr Time shortest_slice = std::chrono::milliseconds{1};
 
-/// What a stretch is; from `job` on a job of kind n - `job`.
+/// The kind of an interval; from `job` on a job of kind n - `job`.
 enum What : std::uint8_t { off, failed, asleep, awake, job };
 
 std::int64_t tick(Time time) { return time / lane_tick; }
@@ -60,7 +60,7 @@ Recorder::Recorder(cmrc::Simulation& simulation, std::size_t stretches)
   simulation.watch(*this);
 }
 
-// Kind and robot take eight bits each: a task has no more of either.
+// Kind and robot have eight bits each: no task has a larger number of either.
 Recorder::JobKey Recorder::key(const report::JobName& name) {
   return static_cast<JobKey>(name.number) << 16 | static_cast<JobKey>(name.robot & 0xFF) << 8 |
          static_cast<JobKey>(name.kind & 0xFF);
@@ -138,7 +138,7 @@ void Recorder::event(const report::Event& event) {
   }
 }
 
-// By their beginnings. Where a DSP is off, it is dead from its failure to its reset.
+// In order of their beginnings. A DSP that is off counts as failed from its failure to its reset.
 std::vector<Recorder::Lane> Recorder::lanes_in_order() {
   std::vector<Lane> all;
   all.reserve(stretches_.size());
@@ -166,8 +166,8 @@ std::vector<Recorder::Lane> Recorder::lanes_in_order() {
   return all;
 }
 
-// A stretch begins where the one before it on its DSP ended, so only its length is told; of a busy one also its job. A
-// job's number is told less that of the job of its kind and robot before it.
+// An interval begins at the end of the one before on its DSP, so only its length is written; for a busy interval also
+// its job. A job's number is written minus the number of the job before of the same kind and robot.
 void Recorder::put_lanes(Columns& columns) {
   const std::vector<Lane> lanes = lanes_in_order();
   std::unordered_map<JobKey, std::size_t> by_key;
@@ -217,7 +217,7 @@ void Recorder::put_lanes(Columns& columns) {
   columns.whole("job.missed", values_of(never, [](const Job& one) { return one.missed; }));
 }
 
-// How long each master held a bus, in thousandths of a slice.
+// How long each master owned a bus, in thousandths of a slice.
 void Recorder::put_buses(Columns& columns, const report::RunReport& report) const {
   const auto slices = static_cast<std::size_t>((simulation_.time() - from_) / bus_slice_ + 1);
   for (std::size_t bus = 0; bus < std::min(buses_.size(), report.buses.size()); ++bus) {

@@ -1,5 +1,5 @@
 #pragma once
-// What a page shows of a run, kept while it runs (docs/page.md, The recording). Listens, and changes nothing.
+// Records during a run what its page shows (docs/page.md, The recording). Listens only, and changes nothing.
 #include <array>
 #include <cstdint>
 #include <map>
@@ -17,21 +17,22 @@ namespace page {
 class Columns;
 using report::Time;
 
-/// Lanes are told in these.
+/// The unit of times in lanes.
 inline constexpr Time lane_tick = std::chrono::nanoseconds{1};
-/// Stretches of DSPs that are kept, and half as many jobs; of what comes later the page says that it has no lanes.
+/// The limit of DSP intervals, and twice the limit of jobs. For the time after the limit, the page says that it has no
+/// lanes.
 inline constexpr std::size_t stretches_max = 6'000'000;
-/// Events of the dock that are kept.
+/// The limit of dock events.
 inline constexpr std::size_t dock_events_max = 50'000;
 
 class Recorder : public cmrc::RunWatcher, public cmrc::DspIntervalListener, public report::EventSink {
  public:
-  /// Records `simulation` from now on: before its run, or after restore(). It must live as long as the run.
+  /// Records `simulation` from now on: before its run, or after restore(). The recorder must live as long as the run.
   explicit Recorder(cmrc::Simulation& simulation, std::size_t stretches = stretches_max);
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  /// The recording of what has run, for a run that does not go on. \param report of that
+  /// The recording of what has run, for a run that has ended. \param report of that run
   std::string recording(const report::RunReport& report, const std::string& title);
 
   // cmrc::RunWatcher, DspIntervalListener
@@ -51,7 +52,7 @@ class Recorder : public cmrc::RunWatcher, public cmrc::DspIntervalListener, publ
   void on_bus(machine::BusId bus, const pci::Attempt& attempt, const machine::Clock& clock) override;
   void latched(const plant::Dock& dock, Time now) override;
 
-  // report::EventSink: of failures and resets alone
+  // report::EventSink: failures and resets only
   void event(const report::Event& event) override;
 
  private:
@@ -67,12 +68,12 @@ class Recorder : public cmrc::RunWatcher, public cmrc::DspIntervalListener, publ
   };
   struct Lane {
     Time from{}, to{};
-    JobKey job = 0;                                           // of a busy one
+    JobKey job = 0;                                           // of a busy interval
     std::array<std::int64_t, cmrc::held_up_count> held_up{};  // ps
     std::uint8_t slot = 0, what = 0, end = 0;
   };
   struct Bus {
-    std::map<std::uint32_t, std::vector<std::int64_t>> held;  // ps by master, per slice of time
+    std::map<std::uint32_t, std::vector<std::int64_t>> held;  // ps per time slice, by master
     std::vector<std::int64_t> refused;                        // attempts that ended without data
   };
 
@@ -88,7 +89,7 @@ class Recorder : public cmrc::RunWatcher, public cmrc::DspIntervalListener, publ
   std::vector<Lane> stretches_;
   std::vector<Job> jobs_;
   std::vector<Bus> buses_;
-  std::map<unsigned, std::vector<std::pair<Time, bool>>> failures_;  // by slot: it fails, or is reset (false)
+  std::map<unsigned, std::vector<std::pair<Time, bool>>> failures_;  // by slot: a failure (true) or a reset (false)
   Time lanes_until_ = Time::max();
   std::size_t left_out_ = 0;
 };

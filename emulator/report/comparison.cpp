@@ -100,7 +100,7 @@ std::optional<double> Comparison::Row::difference() const {
 }
 
 std::string to_text(const Comparison& comparison) {
-  std::string text = fmt::format("The run beside the same run with instant execution, {:g} s simulated{}\n\n",
+  std::string text = fmt::format("The run and the same run with instant execution, {:g} s simulated{}\n\n",
                                  comparison.duration_s, comparison.interrupted ? "; interrupted" : "");
   TextTable table({"", "unit", "run", "ideal", "difference", "%"});
   for (const Comparison::Row& row : comparison.rows) {
@@ -111,7 +111,7 @@ std::string to_text(const Comparison& comparison) {
                shown(difference), relative ? fmt::format("{:+.1f}", 100 * *difference / std::abs(*row.ideal)) : "-"});
   }
   return text + table.render() +
-         "\n(effort): what the drives were made to do, no measure of quality: a crane that stands asks for little.\n";
+         "\n(effort): what the drives did. Not a measure of quality: a crane that does not move needs little.\n";
 }
 
 std::string to_json(const Comparison& comparison) {

@@ -1,5 +1,5 @@
 #pragma once
-// A run beside the same run with instant execution (docs/report.md, Ideal).
+// A run and the same run with instant execution (docs/report.md, Ideal).
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,17 +12,17 @@ namespace report {
 struct Metric {
   std::string name;
   std::string unit;
-  std::optional<double> value;  ///< none: has not happened
-  bool effort = false;          ///< what the drives were made to do: no measure of quality
+  std::optional<double> value;  ///< none: the event has not happened
+  bool effort = false;          ///< what the drives did: not a measure of quality
 };
 
-/// What a run is judged by: misses, rates, errors, lag, control cost, cycles, every kind's slowest response; and the
-/// drives' effort. The names depend on the configuration only.
+/// The numbers that judge a run: misses, rates, errors, lag, control cost, cycles, the slowest response of every kind;
+/// and the drives' effort. The names depend on the configuration only.
 std::vector<Metric> metrics(const RunReport& report);
 
 struct Comparison {
-  double duration_s = 0;     ///< that was simulated
-  bool interrupted = false;  ///< before its end
+  double duration_s = 0;     ///< simulated time
+  bool interrupted = false;  ///< the run ended early
   struct Row {
     Metric run;
     std::optional<double> ideal;

@@ -21,12 +21,14 @@ std::string told(const HandledError& error) {
                         error.done ? "done at " + at(*error.done) : "not done by the end");
   else
     text += "    no DSP has decided what to do\n";
-  text += fmt::format("    it moved {:.3f} m until noticed, {:.3f} m until that was done, at most {:.3f} m\n",
-                      error.moved_until_noticed_m, error.moved_until_done_m, error.moved_most_m);
+  text += fmt::format(
+      "    the load moved {:.3f} m until the error was noticed, {:.3f} m until the response was done, at most {:.3f} "
+      "m\n",
+      error.moved_until_noticed_m, error.moved_until_done_m, error.moved_most_m);
   if (error.cleared)
     text += fmt::format("    cleared by the operator at {}\n", at(*error.cleared));
   else if (error.stands)
-    text += "    NOT CLEARED: it waits for the operator (errors.clear)\n";
+    text += "    NOT CLEARED: the robot waits for the operator (errors.clear)\n";
   return text;
 }
 

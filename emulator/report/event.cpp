@@ -9,13 +9,13 @@
 namespace report {
 namespace {
 
-/// How an argument is written: d decimal, h hexadecimal with a leading 0x, s signed decimal, n decimal or "none".
+/// The format of an argument: d decimal, h hexadecimal with a leading 0x, s signed decimal, n decimal or "none".
 struct Argument {
   std::string_view name;
   char format = 'd';
 };
 
-constexpr std::uint32_t none = 0xFFFFFFFF;  // no container, no place: -1 of the plant
+constexpr std::uint32_t none = 0xFFFFFFFF;  // no container, no place: the plant's -1
 
 struct KindRow {
   EventKind kind;

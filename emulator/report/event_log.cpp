@@ -1,6 +1,6 @@
 #include "report/event_log.hpp"
 
-// The plain functions: a hash under way is saved and loaded as the numbers that it is, which EVP does not show.
+// The plain SHA-256 functions: an unfinished hash is saved and loaded as its numbers, and EVP does not show them.
 #define OPENSSL_SUPPRESS_DEPRECATED
 #include <fmt/format.h>
 #include <openssl/sha.h>
@@ -41,7 +41,7 @@ struct Sha256 {
     std::array<SHA_LONG, 8> words = std::to_array(context.h);
     std::array<SHA_LONG, 2> bits{context.Nl, context.Nh};
     std::string begun(reinterpret_cast<const char*>(context.data),
-                      context.num);  // NOLINT: bytes of the block under way
+                      context.num);  // bytes of the unfinished block
     list("words", words);
     list("bits", bits);
     list("begun", begun);
@@ -123,8 +123,7 @@ void EventLog::drain(Time until) {
   for (EventSink* sink : sinks_)
     for (const Event& event : settled) sink->event(event);
   pending_.erase(pending_.begin(), end);
-  drain_at_ =
-      pending_.size() + batch;  // each event is looked at a bounded number of times, however far chips run ahead
+  drain_at_ = pending_.size() + batch;  // each event is sorted a bounded number of times, however far chips run ahead
 }
 
 void EventLog::list_state(state::Visitor& list) {

@@ -1,5 +1,5 @@
 #pragma once
-// The ordered events of a run: hashed as they come, and handed to whoever listens.
+// The ordered events of a run: hashed in order and passed on to the sinks.
 #include <memory>
 #include <span>
 #include <string>
@@ -22,9 +22,9 @@ class EventSink {
 
 /// Puts events in order of (time, component, order of arrival) and hashes them (SHA-256, docs/trace.md).
 ///
-/// Chips run ahead of one another, so events arrive out of order. `settle(t)` promises that nothing before `t` will
-/// follow; what is settled is sorted and hashed, so the hash cannot depend on whose turn came first. Events of one
-/// component must arrive in their own order.
+/// Chips run ahead of one another, so events arrive out of order. `settle(t)` promises that no event before `t` will
+/// follow. Settled events are sorted and hashed, so the hash cannot depend on which chip ran first. Events of one
+/// component must arrive in the component's own order.
 class EventLog {
  public:
   EventLog();
@@ -32,28 +32,28 @@ class EventLog {
   EventLog(EventLog&&) noexcept;
   EventLog& operator=(EventLog&&) noexcept;
 
-  /// Adds an event. \throws std::logic_error when its time lies before the last `settle`.
+  /// Adds an event. \throws std::logic_error if its time lies before the last `settle`.
   void add(const Event& event);
-  /// No event before `time` will follow. Cheap; call as often as is convenient.
+  /// No event before `time` will follow. Cheap; may be called often.
   void settle(Time time);
   /// Hashes bytes of the final machine state after all events (calls `flush`).
   void absorb(std::span<const std::byte> bytes);
-  /// The same, and sinks hear at once what is settled.
+  /// The same; sinks get the settled events at once.
   void deliver(Time time);
-  /// Settles everything that was added.
+  /// Settles all events.
   void flush();
-  /// SHA-256 of all that was settled so far, as 64 hexadecimal digits. May be asked at any time.
+  /// SHA-256 of all settled events so far, as 64 hexadecimal digits. May be called at any time.
   std::string hash() const;
   /// The hash as it would be after flush and absorb(bytes), without doing either.
   std::string hash_with(std::span<const std::byte> bytes) const;
   /// Number of events added so far.
   std::uint64_t count() const { return count_; }
-  /// `sink` hears every event settled from now on; it must outlive the log. Changes nothing in the hash.
+  /// `sink` gets every event settled from now on; it must outlive the log. Does not change the hash.
   void listen(EventSink& sink);
-  /// `sink` hears every event as it is added, in no order; null: nobody. Changes nothing.
+  /// `sink` gets every event when it is added, in no order; null removes the sink. Changes nothing.
   void tap(EventSink* sink) { tap_ = sink; }
-  /// Settles first what may be settled, so that the state does not depend on when that was done last: sinks have then
-  /// heard every event before the last `settle`, and those of a log that is loaded hear the rest.
+  /// Settles first what can be settled, so that the state does not depend on when this was last done. Sinks have then
+  /// got every event before the last `settle`; the sinks of a loaded log get the rest.
   void list_state(state::Visitor& list);
 
  private:

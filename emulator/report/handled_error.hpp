@@ -1,5 +1,5 @@
 #pragma once
-// One error (x = 1) as the report tells it (docs/report.md, Errors handled).
+// One error (x = 1) of a run's report (docs/report.md, Errors handled).
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,15 +13,16 @@ struct HandledError {
                        ///< "block given up"
   std::string robot;   ///< "crane", "agv 0"
   std::vector<std::string> of;   ///< joints, sway axes, or the kind of the block
-  std::optional<Time> happened;  ///< where it is known: the timed event, or what the plant says
-  std::string because;           ///< of that: "fail_drive luff", "drive_stopped"
+  std::optional<Time> happened;  ///< if known: from the timed event, or from the plant
+  std::string because;           ///< why it happened: "fail_drive luff", "drive_stopped"
   Time noticed{};
   std::optional<Time> decided;  ///< by an error block on a DSP
-  std::string response;         ///< "stop", "hold", "set down", "retry", "second sensor"; empty: nobody decided
+  std::string response;         ///< "stop", "hold", "set down", "retry", "second sensor"; empty: no DSP decided
   std::optional<Time> done;     ///< the response was carried out
   std::optional<Time> cleared;  ///< by the operator
-  bool stands = false;          ///< at the end its robot waits for the operator
-  /// Distances of the load (of an AGV's error: of the AGV) from where it was when it happened, or was noticed; from the
+  bool stands = false;          ///< at the end of the run the robot waits for the operator
+  /// Distances of the load (for an AGV's error: of the AGV) from its place when the error happened or was noticed; from
+  /// the plant, m.
   /// plant, m.
   double moved_until_noticed_m = 0;
   double moved_until_done_m = 0;  ///< or the end of the run

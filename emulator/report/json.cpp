@@ -25,7 +25,7 @@ Json histogram(const Log2Histogram& bins) {
   return list;
 }
 
-/// null of no samples: 0 would be a measurement.
+/// null without samples: 0 would look like a measurement.
 template <class Value>
 Json measured(std::uint64_t samples, Value value) {
   return samples > 0 ? Json(value) : Json(nullptr);
@@ -282,7 +282,7 @@ std::string to_json(const RunReport& report) {
   for (const CycleReport& of : report.cycles) root["cycles"].push_back(cycle(of));
   for (const FailureReport& of : report.failures) root["failures"].push_back(failure(of));
   root["errors_handled"] = errors_json(report.errors_handled);
-  // Messages may quote a user's file: bytes that are no UTF-8 are replaced, never thrown at.
+  // Messages may quote a user's file. Bytes that are not UTF-8 are replaced instead of causing an exception.
   return root.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

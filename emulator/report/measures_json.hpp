@@ -1,5 +1,5 @@
 #pragma once
-// The keys of a run's report that tell its errors against the ideal run (docs/report.md).
+// The keys of a run's report for its errors against the ideal run (docs/report.md).
 #include <nlohmann/json.hpp>
 
 #include "report/run_report.hpp"

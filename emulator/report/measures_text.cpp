@@ -23,7 +23,7 @@ std::string length(double metres) {
 
 std::string of_doing_nothing(const Errors& errors) {
   return errors.doing_nothing_m > 0
-             ? fmt::format(" ({} % of doing nothing)", percent(errors.load.rms, errors.doing_nothing_m))
+             ? fmt::format(" ({} % of a crane that does nothing)", percent(errors.load.rms, errors.doing_nothing_m))
              : "";
 }
 
@@ -105,7 +105,7 @@ std::string after_stop_section(const RunReport& report) {
   if (!report.after_stop || report.after_stop->to <= report.after_stop->from) return "";
   const AfterStop& after = *report.after_stop;
   return fmt::format(
-      "\nAfter the stop, braked, {:.3f} to {:.3f} s\n  load: up to {} from where it was; sway {:.4f} rad at most, "
+      "\nAfter the stop, braked, {:.3f} to {:.3f} s\n  load: moved up to {}; sway {:.4f} rad at most, "
       "{:.4f} rad in the last 2 s\n",
       seconds(after.from), seconds(after.to), length(after.moved_m), after.sway_peak_rad, after.sway_end_rad);
 }

@@ -11,14 +11,15 @@ namespace {
 
 using protozero::pbf_writer;
 
-// Numbers of the fields, by message.
+// Field numbers, by message.
 namespace trace {
 constexpr unsigned packet = 1;
 }
 namespace packet {
 constexpr unsigned clock_snapshot = 6, timestamp = 8, sequence = 10, track_event = 11, interned_data = 12,
                    sequence_flags = 13, timestamp_clock = 58, defaults = 59, track_descriptor = 60;
-// Of the flags. That a packet needs its sequence's state is not said: two bytes of each, for readers of torn traces.
+// Bits of the flags. A third flag says that a packet needs its sequence's state. It is left out: two bytes of each
+// packet, useful only for incomplete traces.
 constexpr unsigned state_cleared = 1;
 }  // namespace packet
 namespace defaults {
@@ -42,12 +43,12 @@ namespace interned {
 constexpr unsigned event_name = 2, note_name = 3, id = 1, text = 2;
 }
 
-constexpr unsigned boot_time = 6;     // the clock of all of a trace
-constexpr unsigned track_clock = 64;  // a sequence's own
+constexpr unsigned boot_time = 6;     // the clock of the whole trace
+constexpr unsigned track_clock = 64;  // the clock of one sequence
 
 enum class Type : unsigned { begin = 1, end = 2, instant = 3, counter = 4 };
 
-/// Rounded down also before 0.
+/// Rounds down, also before 0.
 std::int64_t nanoseconds(Time at) { return std::chrono::floor<std::chrono::nanoseconds>(at).count(); }
 
 }  // namespace
@@ -57,7 +58,7 @@ struct PerfettoTrace::Event {
   Time at{};
   std::string_view name{};
   Notes notes{};
-  std::string_view exact{};  ///< of the note that has the picoseconds
+  std::string_view exact{};  ///< the name of the note with the picoseconds
   std::span<const Flow> from{}, to{};
   std::variant<std::monostate, std::int64_t, double> value{};
   bool in_order = true;
@@ -107,7 +108,7 @@ PerfettoTrace::Track PerfettoTrace::add_counter(std::string_view name, std::stri
   return add(name, parent, description, &of);
 }
 
-// A track's first packet: its clock, and that its packets are of this track and told by that clock.
+// The first packet of a track: its clock, and that its packets belong to this track and use that clock.
 PerfettoTrace::State& PerfettoTrace::introduce(Track track) {
   State& state = tracks_.at(track);
   if (track == 0) throw std::logic_error("PerfettoTrace: no track");
@@ -141,7 +142,7 @@ void PerfettoTrace::write(Track track, const Event& event) {
   State& state = introduce(track);
   const std::int64_t ns = nanoseconds(event.at);
   if (event.in_order && ns < state.last_ns)
-    throw std::logic_error(fmt::format("PerfettoTrace: {} ns is told after {} ns", ns, state.last_ns));
+    throw std::logic_error(fmt::format("PerfettoTrace: {} ns comes after {} ns", ns, state.last_ns));
   packet_.clear();
   pbf_writer packet(packet_);
   packet.add_uint64(packet::timestamp, static_cast<std::uint64_t>(event.in_order ? ns - state.last_ns : ns));

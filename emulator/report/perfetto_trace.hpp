@@ -1,10 +1,10 @@
 #pragma once
-// Writes a trace for Perfetto (ui.perfetto.dev): tracks of slices, instants and counters, packet by packet as they are
-// told. Knows no run. Format: protos/perfetto/trace/trace_packet.proto of github.com/google/perfetto.
+// Writes a trace for Perfetto (ui.perfetto.dev): tracks of slices, instants and counters, packet by packet in the order
+// of the calls. Does not know runs. Format: protos/perfetto/trace/trace_packet.proto of github.com/google/perfetto.
 //
-// Perfetto counts whole nanoseconds: times are rounded down, and where that loses something, a note of the event
-// (begin_ps, end_ps, at_ps) has the picoseconds. Each track is a sequence of packets of its own, with its own table of
-// names and a clock of which each packet tells the difference to the one before.
+// Perfetto counts whole nanoseconds. Times are rounded down; if this loses something, a note of the event (begin_ps,
+// end_ps, at_ps) has the picoseconds. Each track is a sequence of packets, with its own table of names and its own
+// clock; each packet gives the time since the one before.
 #include <cstdint>
 #include <iosfwd>
 #include <map>
@@ -23,7 +23,7 @@ class PerfettoTrace {
   using Track = std::uint32_t;  ///< its uuid; 0: none
   using Flow = std::uint64_t;   ///< not 0
 
-  /// What is told beside an event, in the order in which it is to be shown.
+  /// A note at an event; notes are shown in the order of the list.
   struct Note {
     std::string_view name;
     std::variant<std::int64_t, std::string_view> value;
@@ -33,27 +33,27 @@ class PerfettoTrace {
   /// `out` must outlive this.
   explicit PerfettoTrace(std::ostream& out);
 
-  /// A track that holds others, in the order in which they are added, and shows nothing itself.
+  /// A track that contains other tracks, in the order in which they are added, and shows nothing itself.
   Track add_group(std::string_view name, Track parent = 0, std::string_view description = {});
   /// A track of slices and instants.
   Track add_slices(std::string_view name, Track parent = 0, std::string_view description = {});
   Track add_counter(std::string_view name, std::string_view unit, Track parent = 0, std::string_view description = {});
 
-  /// A slice opens within those of this track that are open. \throws std::logic_error before the last begin or end of
-  /// the track
+  /// Opens a slice inside the open slices of this track. \throws std::logic_error for a time before the last begin or
+  /// end of the track
   void begin(Track track, Time at, std::string_view name, Notes notes = {});
-  /// The last one that is open closes. \throws std::logic_error where none is, and as begin()
+  /// Closes the slice opened last. \throws std::logic_error if no slice is open, and as begin()
   void end(Track track, Time at, Notes notes = {});
-  /// At any time, also before what has been told. \param from, to flows that begin here, and that end here
+  /// May have any time, also one before the last event. \param from, to flows that begin here, and flows that end here
   void instant(Track track, Time at, std::string_view name, Notes notes = {}, std::span<const Flow> from = {},
                std::span<const Flow> to = {});
-  /// A counter's value from `at` on; times as of begin().
+  /// A counter's value from `at` on; times as in begin().
   void count(Track track, Time at, std::int64_t value);
   void count(Track track, Time at, double value);
 
-  /// Slices of a track that are open.
+  /// Number of open slices of a track.
   std::size_t depth(Track track) const { return tracks_.at(track).open; }
-  /// Whether a slice may begin there: it is not before the last begin or end.
+  /// Whether a slice may begin at this time: the time is not before the last begin or end.
   bool free_at(Track track, Time at) const;
 
  private:

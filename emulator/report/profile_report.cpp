@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The causes that occur, so that a table has no empty columns.
+/// The causes with cycles, so that a table has no empty columns.
 std::vector<std::size_t> occurring(const CyclesByCause& causes) {
   std::vector<std::size_t> shown;
   for (std::size_t i = 0; i < causes.size(); ++i)

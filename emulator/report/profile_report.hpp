@@ -1,5 +1,5 @@
 #pragma once
-// Where cycles went, in a program or in the tasks of a run: as tables, as annotated source, as JSON (docs/cli.md,
+// The cycles of a program, or of the tasks of a run, by place: as tables, as annotated source, as JSON (docs/cli.md,
 // Profiles).
 #include <cstdint>
 #include <string>
@@ -10,7 +10,7 @@ namespace report {
 /// Cycles by cause, in the order of Profile::causes.
 using CyclesByCause = std::vector<std::int64_t>;
 
-/// Instructions and what they took.
+/// Number of instructions, and their cycles.
 struct ProfileCost {
   std::uint64_t instructions = 0;
   std::int64_t cycles = 0;
@@ -21,29 +21,29 @@ struct ProfileRoutine {
   std::string name;
   std::uint32_t address = 0;
   std::uint64_t calls = 0;
-  ProfileCost own;  ///< without what it calls
+  ProfileCost own;  ///< without the routines that it calls
 };
 
 struct ProfileLine {
   std::uint32_t address = 0;
   std::string file;  ///< empty: no source is known, and text is the disassembly
   int line = 0;
-  std::string text;  ///< of a parallel instruction two lines
-  ProfileCost cost;  ///< no instructions: not executed
+  std::string text;  ///< a parallel instruction has two lines
+  ProfileCost cost;  ///< no instructions: never executed
 };
 
-/// What belongs together: a program, or a task kind.
+/// A program, or a task kind.
 struct ProfileGroup {
   std::string name;
   std::uint64_t jobs = 0;
-  ProfileCost total;                     ///< all of it: the routines and what lies outside
-  CyclesByCause outside;                 ///< of no instruction: interrupt entries, idling, standing still
+  ProfileCost total;                     ///< everything: the routines and the cycles outside them
+  CyclesByCause outside;                 ///< cycles of no instruction: interrupt entries, idling, halted
   std::vector<ProfileRoutine> routines;  ///< most cycles first; with `outside` they sum to total
   std::vector<ProfileLine> lines;        ///< by address; with `outside` they sum to total
 };
 
 struct Profile {
-  std::vector<std::string> causes;  ///< their names
+  std::vector<std::string> causes;  ///< the causes' names
   std::vector<ProfileGroup> groups;
   ProfileCost total;  ///< of all groups
 };
@@ -51,7 +51,7 @@ struct Profile {
 /// One group: its routines and its source.
 std::string to_text(const Profile& profile, const ProfileGroup& group);
 std::string to_json(const Profile& profile, const ProfileGroup& group);
-/// The groups beside each other, then each of them.
+/// All groups side by side, then each group.
 std::string to_text(const Profile& profile);
 std::string to_json(const Profile& profile);
 

@@ -1,6 +1,6 @@
 #pragma once
-// Everything that a run says of itself, as plain structs (docs/report.md): filled by the controller, rendered here as
-// text and JSON.
+// Everything that a run reports, as plain structs (docs/report.md). The controller fills them; this room makes text and
+// JSON.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -42,7 +42,7 @@ struct TaskReport {
   WhyLate why_late;                       ///< of the missed jobs
 };
 
-/// A DSP's way from reset to its running program.
+/// The boot of a DSP, from reset to its running program.
 struct BootReport {
   Time reset{};                ///< RESET goes low; 0 at power-on
   std::optional<Time> booted;  ///< the program has answered over the link; absent: it never did
@@ -69,20 +69,21 @@ struct LinkReport {
   struct Direction {
     std::string from, to;  ///< "0.1": slot and port
     std::uint64_t sent = 0, arrived = 0;
-    std::uint64_t lost = 0;       ///< on the wires
-    std::uint64_t discarded = 0;  ///< in the ports, when they were reset
+    std::uint64_t lost = 0;       ///< lost on the wires
+    std::uint64_t discarded = 0;  ///< discarded by ports that were reset
   };
   std::array<Direction, 2> directions;
-  std::uint64_t joined = 0;  ///< how often its wires were joined
+  std::uint64_t joined = 0;  ///< how often its wires were connected
   bool is_cut = false;       ///< at the end
 };
 
 /// A net between pins of slots.
 struct NetReport {
-  std::string name, pins;    ///< "0.TCLK0>1.IIOF1"
-  std::uint64_t edges = 0;   ///< changes of its level
-  std::uint64_t missed = 0;  ///< of them by receivers: shorter than between two looks
-  bool high = true;          ///< at the end
+  std::string name, pins;   ///< "0.TCLK0>1.IIOF1"
+  std::uint64_t edges = 0;  ///< changes of its level
+  std::uint64_t missed =
+      0;             ///< changes that a receiver did not see: shorter than the time between two looks at the pin
+  bool high = true;  ///< at the end
 };
 
 struct MasterReport {
@@ -109,37 +110,37 @@ struct BusReport {
   std::int64_t data = 0;
   std::int64_t wait = 0;
   std::int64_t turnaround = 0;
-  std::int64_t idle_requested = 0;  ///< nobody on the bus although someone asked
+  std::int64_t idle_requested = 0;  ///< no master on the bus although a master requested it
   std::int64_t idle = 0;
   std::vector<MasterReport> masters;
   std::vector<TargetReport> targets;
 };
 
-/// One container's way (equations 2 to 4). Absent: has not happened by the end of the run.
+/// The cycle of one container (equations 2 to 4). Absent: has not happened by the end of the run.
 struct CycleReport {
   unsigned number = 0;  ///< from 1
   unsigned agv = 0;
   std::optional<Time> t3, t4, t5, t6;  ///< duration of the process
-  std::optional<Time> t_v;             ///< crane stood above the spot, without an AGV
-  std::optional<Time> t_w;             ///< AGV waited, from leaving the lane to the start of the t4 that loads it again
-  std::optional<Time> t_wait;          ///< t_w + that t4
-  std::optional<Time> T_g;             ///< t3 + t4 + t_v
-  std::optional<Time> T_a;             ///< t5 + t6 + t_wait
-  std::optional<std::int64_t> agv_interval;  ///< N^_a of its way to the warehouse, refreshes
-  unsigned landings_missed = 0;              ///< of its container: lifted, aligned and lowered again
-  std::optional<Time> delivered;             ///< instant of delivery
+  std::optional<Time> t_v;             ///< the crane waited above the spot for an AGV
+  std::optional<Time> t_w;     ///< the AGV waited, from leaving the lane to the start of the t4 that loads it again
+  std::optional<Time> t_wait;  ///< t_w + that t4
+  std::optional<Time> T_g;     ///< t3 + t4 + t_v
+  std::optional<Time> T_a;     ///< t5 + t6 + t_wait
+  std::optional<std::int64_t> agv_interval;  ///< N^_a on the AGV's way to the warehouse, refreshes
+  unsigned landings_missed = 0;              ///< how often the container had to be lifted, aligned and lowered again
+  std::optional<Time> delivered;             ///< time of delivery
 };
 
-/// RMS and peak of a quantity that the run itself tells; none where it never had a value.
+/// RMS and peak of a quantity that the run itself measured; none if the quantity never had a value.
 struct OwnMeasure {
   std::string name;  ///< "s", "psi", "phi", "l", "kappa"; "alpha", "beta"; "agv 0 lateral"
   std::string unit;  ///< "m", "rad"
   std::optional<double> rms, peak;
 };
 
-/// A drive of the crane: what it was made to do.
+/// What a drive of the crane did.
 struct DriveReport {
-  std::string name;        ///< of its joint
+  std::string name;        ///< name of its joint
   double saturated_s = 0;  ///< time at full torque, |code| = 2047
 };
 
@@ -151,15 +152,15 @@ struct ControlCost {
   std::optional<double> cost() const { return error_m2s ? std::optional(*error_m2s + rho_m2 * drive_s) : std::nullopt; }
 };
 
-/// What the plant did when nothing drove the crane any more.
+/// The plant after all drives had stopped.
 struct AfterStop {
   Time from{}, to{};
-  double moved_m = 0;        ///< largest distance of the load from where it was at the beginning
+  double moved_m = 0;        ///< largest distance of the load from its place at the beginning
   double sway_peak_rad = 0;  ///< largest sway
   double sway_end_rad = 0;   ///< the same in the last two seconds
 };
 
-/// A robot's hunger: whole point intervals inside its legs in which it consumed no new point.
+/// Intervals inside a robot's legs in which the robot got no new point.
 struct Starved {
   std::string robot;
   std::uint64_t intervals = 0;
@@ -176,28 +177,28 @@ struct HostReport {
   std::uint64_t semaphores_freed = 0;
 };
 
-/// How windy it was, and what the wind kept the crane from (docs/report.md, Wind).
+/// The wind, and the lifts that it delayed (docs/report.md, Wind).
 struct WindReport {
-  double limit_m_s = 0;     ///< no lift begins above it
-  Time watched{};           ///< of the run
-  Time above{};             ///< of this the 3-s mean was above the limit
-  Time waited{};            ///< a lift waited for less wind
-  std::uint64_t waits = 0;  ///< so many times
+  double limit_m_s = 0;     ///< no lift begins above this wind speed
+  Time watched{};           ///< measured part of the run
+  Time above{};             ///< part of it with a 3-s mean above the limit
+  Time waited{};            ///< time for which lifts waited for less wind
+  std::uint64_t waits = 0;  ///< number of such waits
 };
 
-/// What was made to happen, as the configuration or the operator asked.
+/// A timed event, requested by the configuration or the operator.
 struct TimedEventReport {
   Time time{};
   std::string what;
 };
 
-/// The life of every task block, checked while it ran (docs/controller.md).
+/// The checks of every task block's life during the run (docs/controller.md).
 struct AuditReport {
   std::uint64_t checks = 0;
   std::vector<std::string> violations;
 };
 
-/// Something that went wrong and was contained, or not.
+/// A failure during the run, contained or not.
 struct FailureReport {
   Time time{};
   std::optional<unsigned> dsp;
@@ -205,7 +206,7 @@ struct FailureReport {
   std::string message;
 };
 
-/// A setting of the run, as given by the configuration after defaults.
+/// A setting of the run, from the configuration and the defaults.
 struct Setting {
   std::string key;
   std::variant<std::int64_t, double, bool, std::string> value;
@@ -226,15 +227,15 @@ std::string name(StopReason reason);
 struct RunReport {
   StopReason stop_reason = StopReason::completed;
   Time simulated{};
-  Time account_end{};    ///< until then deadlines are counted
+  Time account_end{};    ///< deadlines are counted until this time
   double elapsed_s = 0;  ///< wall clock; not in the hash
   std::string hash;      ///< 64 hexadecimal digits (ruling 4)
   std::uint64_t events = 0;
   std::vector<Setting> configuration;
   std::vector<TaskReport> tasks;      ///< every kind of ruling 29 in its order, also those never released
   std::vector<MissReport> missed;     ///< the first report.misses_max missed jobs, one by one
-  std::uint64_t misses_left_out = 0;  ///< missed jobs that are not among them
-  std::uint64_t boot_words = 0;       ///< that each DSP is sent to boot; 0: its program is preloaded
+  std::uint64_t misses_left_out = 0;  ///< missed jobs that are not in this list
+  std::uint64_t boot_words = 0;       ///< words that each DSP gets over its link to boot; 0: its program is preloaded
   std::vector<DspReport> dsps;
   std::vector<LinkReport> links;  ///< between slots
   std::vector<NetReport> nets;    ///< between pins of slots
@@ -242,12 +243,12 @@ struct RunReport {
   std::vector<CycleReport> cycles;
   unsigned cycles_completed = 0;
   unsigned containers_delivered = 0;
-  std::optional<Time> makespan;   ///< first refresh to last delivery; none: the job was not done
+  std::optional<Time> makespan;   ///< first refresh to last delivery; none: the job did not end
   std::string reference;          ///< "ideal", "none"
-  std::string reference_problem;  ///< why there is no ideal run though one was asked for
-  std::optional<Errors> errors;   ///< none without a reference, and while the run is not over
+  std::string reference_problem;  ///< why a requested ideal run does not exist
+  std::optional<Errors> errors;   ///< none without a reference, and until the run is over
   std::vector<Starved> starved;
-  std::vector<OwnMeasure> pid_error;  ///< what PID itself computed
+  std::vector<OwnMeasure> pid_error;  ///< errors that PID itself computed
   std::vector<OwnMeasure> sway;       ///< angle of the rope
   std::vector<OwnMeasure> agvs;       ///< distance from the lane while driving
   std::vector<DriveReport> drives;
@@ -256,9 +257,9 @@ struct RunReport {
   HostReport host;
   WindReport wind;
   std::vector<TimedEventReport> timed_events;
-  std::size_t timed_events_to_come = 0;  ///< the run ended before them
+  std::size_t timed_events_to_come = 0;  ///< events whose time is after the end of the run
   AuditReport audit;
-  bool braked = false;  ///< at the end no drive is on
+  bool braked = false;  ///< at the end all drives are off
   std::vector<FailureReport> failures;
   std::vector<HandledError> errors_handled;  ///< in the order in which they were noticed
 
@@ -268,7 +269,7 @@ struct RunReport {
 
 /// The report for a terminal, in at most 100 columns. Ends with a line feed.
 std::string to_text(const RunReport& report);
-/// Its key "tasks" alone.
+/// Only the key "tasks" of the JSON report.
 std::string tasks_to_json(const std::vector<TaskReport>& tasks);
 /// The report as JSON (docs/report.md), indented by two. Ends with a line feed.
 std::string to_json(const RunReport& report);

@@ -11,10 +11,10 @@
 namespace report {
 namespace {
 
-constexpr int bin_bits = 10;  // of a value that tell its bin
+constexpr int bin_bits = 10;  // bits of a value that select its bin
 
-/// The place in a sorted row, from 1 on, of the smallest sample with at least per_mille / 1000 of all samples at or
-/// below it.
+/// The place in a sorted row, counted from 1, of the smallest sample that has at least per_mille / 1000 of all samples
+/// at or below it.
 std::uint64_t rank(std::uint64_t count, std::uint64_t per_mille) {
   return std::max<std::uint64_t>((count * per_mille + 999) / 1000, 1);
 }
@@ -23,12 +23,12 @@ std::uint64_t magnitude(std::int64_t value) {
   return value < 0 ? 0 - static_cast<std::uint64_t>(value) : static_cast<std::uint64_t>(value);
 }
 
-/// Bits below those that tell a value's bin.
+/// Number of bits below those that select a value's bin.
 int bits_below(std::int64_t value) {
   return std::max(0, static_cast<int>(std::bit_width(magnitude(value))) - 1 - bin_bits);
 }
 
-/// The value of the same bin that is nearest to zero.
+/// The value of the same bin nearest to zero.
 std::int64_t bin_of(std::int64_t value) {
   const auto kept = static_cast<std::int64_t>(magnitude(value) >> bits_below(value) << bits_below(value));
   return value < 0 ? -kept : kept;
@@ -51,7 +51,7 @@ void Distribution::add(std::int64_t sample) {
   ++bins_[bin_of(sample)];
 }
 
-// The middle of the bin in which the sample of that rank lies.
+// The middle of the bin that holds the sample of that rank.
 std::int64_t Distribution::percentile_of_bins(std::uint64_t per_mille) const {
   std::uint64_t left = rank(counted_.count, per_mille);
   for (const auto& [bin, count] : bins_) {

@@ -22,12 +22,12 @@ struct Share {
 /// Bin k counts samples in [2^(k-1), 2^k); bin 0 counts samples <= 0.
 using Log2Histogram = std::array<std::uint64_t, 64>;
 
-/// What a report says of a set of samples. All zero when there are none.
+/// The summary of a set of samples. All zero without samples.
 struct Summary {
   std::uint64_t count = 0;
   std::int64_t best = 0;
   double mean = 0;
-  std::int64_t p50 = 0;  ///< smallest sample that at least 50 % of the samples do not exceed (nearest rank)
+  std::int64_t p50 = 0;  ///< smallest sample that is not below 50 % of the samples (nearest rank)
   std::int64_t p99 = 0;
   std::int64_t p99_9 = 0;
   std::int64_t worst = 0;
@@ -37,8 +37,8 @@ struct Summary {
 
 __extension__ using WideInteger = __int128;
 
-/// Collects samples. Count, best, worst, mean and histogram are exact. Percentiles are exact too, up to `samples_max`
-/// samples; from then on samples are counted in bins, each no wider than 1/1024 of its values.
+/// Collects samples. Count, best, worst, mean and histogram are exact. Percentiles are exact up to `samples_max`
+/// samples; beyond, samples are counted in bins, each no wider than 1/1024 of its values.
 class Distribution {
  public:
   static constexpr std::size_t usual_samples_max = 65'536;
@@ -54,14 +54,14 @@ class Distribution {
   std::int64_t percentile_of_bins(std::uint64_t per_mille) const;
 
   std::size_t samples_max_;
-  Summary counted_;                             // all but the mean and the percentiles
-  WideInteger sum_ = 0;                         // the mean does not depend on the order of the samples
-  std::vector<std::int64_t> samples_;           // as long as there are few
-  std::map<std::int64_t, std::uint64_t> bins_;  // later: how many, by the bin's value nearest to zero
+  Summary counted_;                    // everything except the mean and the percentiles
+  WideInteger sum_ = 0;                // an integer, so that the mean does not depend on the order of the samples
+  std::vector<std::int64_t> samples_;  // while there are few
+  std::map<std::int64_t, std::uint64_t> bins_;  // later: number of samples, by the bin's value nearest to zero
 };
 
-/// Deviation of the starts of a periodic task from the period: start[i+1] - start[i] - period, over neighbouring ticks
-/// only.
+/// Deviation of the starts of a periodic task from its period: start[i+1] - start[i] - period, between neighbouring
+/// ticks only.
 struct Jitter {
   std::uint64_t count = 0;
   std::int64_t peak_to_peak = 0;  ///< largest minus smallest deviation
@@ -72,11 +72,11 @@ struct Jitter {
 /// Collects the starts of a periodic task.
 class Starts {
  public:
-  /// \param period ps; 0: the task is not periodic, and has no jitter
+  /// \param period ps; 0: the task is not periodic and has no jitter
   explicit Starts(std::int64_t period) : period_(period) {}
 
-  /// The start of the tick of that number, ps. Each tick has one; they may come out of order by less than `remembered`
-  /// ticks.
+  /// The start of the tick with that number, ps. Each tick has one; starts may come out of order by less than
+  /// `remembered` ticks.
   void add(std::int64_t tick, std::int64_t time);
   Jitter jitter() const;
   void list_state(state::Visitor& list);

@@ -25,7 +25,8 @@ std::string title(const RunReport& report) {
                                  ? " The run is not over."
                                  : fmt::format(" The run ended early: {}.", name(report.stop_reason));
   const bool stands = std::ranges::any_of(report.errors_handled, &HandledError::stands);
-  const std::string waits = stands ? " A robot stands with an error that nobody has cleared (Errors, below)." : "";
+  const std::string waits =
+      stands ? " A robot waits with an error that the operator has not cleared (Errors, below)." : "";
   return fmt::format("{} DSP{}, {:.3f} s simulated in {:.2f} s ({:.1f} x real time).{}{}\n", report.dsps.size(),
                      report.dsps.size() == 1 ? "" : "s", simulated, report.elapsed_s,
                      report.elapsed_s > 0 ? simulated / report.elapsed_s : 0.0, reason, waits);
@@ -55,7 +56,7 @@ std::string times(const RunReport& report) {
          table.render();
 }
 
-/// What a part of a chain says, for a reader who has not read docs/report.md.
+/// The meaning of a chain's part, for a reader who has not read docs/report.md.
 std::string explained(std::string_view part) {
   static constexpr std::pair<std::string_view, std::string_view> words[] = {
       {"host_late", "the host's refresh began late"},
@@ -66,12 +67,12 @@ std::string explained(std::string_view part) {
       {"claim", "claiming: instructions"},
       {"claim_bus_a", "claiming: bus A"},
       {"claim_bus_b", "claiming: bus B"},
-      {"lock", "the list was held by another"},
-      {"behind_list", "behind blocks that stood before it"},
-      {"blocked", "every DSP ran a block taken before"},
+      {"lock", "another master held the list"},
+      {"behind_list", "behind blocks with earlier places in the list"},
+      {"blocked", "every DSP ran a block claimed earlier"},
       {"no_dsp", "no DSP was there"},
-      {"own_dsp_out", "the DSP that it is for was out"},
-      {"lost_run", "runs lost with their DSP"},
+      {"own_dsp_out", "the only DSP that may run it was out"},
+      {"lost_run", "runs lost when their DSP failed"},
       {"watchdog", "until the watchdog noticed"},
       {"execution.execute", "ran longer: more instructions"},
       {"execution.slow_clock", "ran longer: slowed DSP"}};
@@ -84,7 +85,7 @@ std::string explained(std::string_view part) {
   return "ran longer: " + cause;
 }
 
-/// " (obstacle_avoidance 97 %)": whose blocks were in the way.
+/// " (obstacle_avoidance 97 %)": the kinds of the blocks in the way.
 std::string in_the_way(std::vector<Share> behind) {
   if (behind.empty()) return "";
   std::ranges::stable_sort(behind, std::greater{}, &Share::amount);
@@ -96,7 +97,7 @@ std::string in_the_way(std::vector<Share> behind) {
   return fmt::format("    in the way: {}{}\n", share(behind[0]), behind.size() > 1 ? ", " + share(behind[1]) : "");
 }
 
-/// The parts of a kind's chains on average, the largest first until nine tenths are told, and what they add up to.
+/// The parts of a kind's chains on average, the largest first until they make up nine tenths, and their sum.
 std::string chain(const WhyLate& why) {
   if (why.chains == 0) return "";
   std::vector<Share> longer;
@@ -139,7 +140,7 @@ std::string reasons(const RunReport& report) {
     text += ".\n";
     const WhyLate& why = task.why_late;
     if (why.dropped_previous_out > 0)
-      text += fmt::format("    {} dropped: the previous block was still out when the next was due\n",
+      text += fmt::format("    {} dropped: the previous block was not done when the next was due\n",
                           why.dropped_previous_out);
     if (why.dropped_host_late > 0)
       text += fmt::format("    {} dropped: the host skipped the refresh of its tick\n", why.dropped_host_late);
@@ -152,7 +153,7 @@ std::string reasons(const RunReport& report) {
   return text.empty() ? heading("No deadline was missed.") : heading("Why deadlines were missed") + text;
 }
 
-/// At power-on all together; each later one by itself.
+/// All boots at power-on together; each later boot by itself.
 std::string boots(const RunReport& report) {
   std::string later;
   std::optional<Time> shortest, longest;
@@ -166,7 +167,7 @@ std::string boots(const RunReport& report) {
       } else {
         later += fmt::format("  dsp {} {}: {}\n", dsp.slot,
                              power_on ? "at power-on" : fmt::format("reset at {:.6f} s", seconds(boot.reset)),
-                             boot.booted ? fmt::format("its program ran {:.3f} ms later",
+                             boot.booted ? fmt::format("its program ran after {:.3f} ms",
                                                        static_cast<double>((*boot.booted - boot.reset).count()) * 1e-9)
                                          : "its program has not run yet");
       }
@@ -178,7 +179,7 @@ std::string boots(const RunReport& report) {
          later;
 }
 
-/// Columns are DSPs, eight at a time; rows are causes that any DSP knows.
+/// Columns are DSPs, eight at a time; rows are the causes that occur on any DSP.
 std::string dsps(const RunReport& report) {
   constexpr std::size_t per_table = 8;
   std::string text;
@@ -212,7 +213,7 @@ std::string dsps(const RunReport& report) {
   return text.empty() ? "" : heading("DSPs") + text + boots(report);
 }
 
-/// The masters' waits as histograms, and how often they were stopped.
+/// The masters' waits as histograms, and how often targets stopped them.
 std::string waits(const BusReport& bus) {
   static constexpr const char* names[] = {"0", "1", "2-3", "4-7", "8-15", "16-31", "32-63", "64-127", ">127"};
   constexpr std::size_t last = std::size(names) - 1;
@@ -327,7 +328,7 @@ std::string timed_events(const RunReport& report) {
   for (const TimedEventReport& event : report.timed_events)
     text += fmt::format("  {:.6f} s  {}\n", seconds(event.time), event.what);
   if (report.timed_events_to_come > 0)
-    text += fmt::format("  {} more would have come after the end\n", report.timed_events_to_come);
+    text += fmt::format("  {} more were due after the end\n", report.timed_events_to_come);
   return text;
 }
 
@@ -352,7 +353,7 @@ std::string to_text(const RunReport& report) {
          links(report) + nets(report) + buses(report) + cycles(report) + errors_section(report) +
          after_stop_section(report) + host_work(report) + wind(report) + timed_events(report) +
          errors_text(report.errors_handled) + failures(report) +
-         fmt::format("\ntask blocks: {} steps of their lives checked, {} violations{}\n", report.audit.checks,
+         fmt::format("\ntask blocks: {} state changes checked, {} violations{}\n", report.audit.checks,
                      report.audit.violations.size(), report.braked ? "; every crane drive is braked" : "") +
          fmt::format("hash {} over {} events\n", report.hash, report.events);
 }

@@ -18,9 +18,9 @@ class TextTable {
   std::vector<std::vector<std::string>> rows_;
 };
 
-/// Picoseconds in the unit that suits them, four significant digits: "31.25 us", "8.812 ms", "12.34 s", "0".
+/// Picoseconds in a suitable unit, four significant digits: "31.25 us", "8.812 ms", "12.34 s", "0".
 std::string duration(double picoseconds);
-/// 12.3 % as "12.3"; "0" when nothing, "<0.1" when next to nothing.
+/// 12.3 % as "12.3"; "0" for exactly nothing, "<0.1" for less than a tenth of a percent.
 std::string percent(double part, double whole);
 
 }  // namespace report

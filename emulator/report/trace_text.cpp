@@ -28,7 +28,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(0, text.find_last_not_of(' ') + 1);
 }
 
-/// "name=value name=value"; words without = are taken into one field `title` (an event's kind).
+/// Reads "name=value name=value"; words without = form one field `title` (an event's kind).
 void take_pairs(std::string_view rest, const char* title, TraceLine& line) {
   std::string kind;
   while (!trimmed(rest).empty()) {
@@ -42,7 +42,7 @@ void take_pairs(std::string_view rest, const char* title, TraceLine& line) {
   if (!kind.empty()) line.fields.emplace(line.fields.begin(), title, kind);
 }
 
-/// Reads what counts of a trace.
+/// Reads the lines of a trace that count.
 class Reader {
  public:
   explicit Reader(std::istream& in) : in_(in) {}
@@ -65,7 +65,7 @@ class Reader {
   const std::string& header() const { return header_; }
 
  private:
-  // Of a bounded length: what is no text may have no end of a line.
+  // Has a limit of length: a file that is not text may have no line end.
   bool line(std::string& text) {
     in_.getline(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
     if (in_.fail() && in_.gcount() > 0)
@@ -103,7 +103,7 @@ std::optional<TraceDifference> compare_lines(const TraceLine& left, const TraceL
   }
   for (const auto& [name, value] : right.fields)
     if (!find_field(left, name)) return differing(left, right, name, "-", value);
-  return std::nullopt;  // they differ in blanks only
+  return std::nullopt;  // the lines differ only in blanks
 }
 
 }  // namespace

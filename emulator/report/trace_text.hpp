@@ -1,5 +1,5 @@
 #pragma once
-// Text traces (docs/trace.md): writing the events of a window, and finding where two traces part.
+// Text traces (docs/trace.md): writes the events of a window; finds the first difference of two traces.
 #include <cstddef>
 #include <iosfwd>
 #include <optional>
@@ -35,7 +35,7 @@ class EventTextTrace final : public EventSink {
   Window window_;
 };
 
-/// A line of either trace, taken apart.
+/// A line of either kind of trace, split into its parts.
 struct TraceLine {
   std::size_t number = 0;  ///< in its file, from 1
   std::string when;        ///< time in s or cycle, as written
@@ -43,26 +43,26 @@ struct TraceLine {
   std::vector<std::pair<std::string, std::string>> fields;
   std::string text;
 
-  /// \throws std::invalid_argument with the line's number when it is no line of a trace.
+  /// \throws std::invalid_argument with the line's number if it is not a line of a trace.
   static TraceLine parse(std::string_view text, std::size_t number);
 };
 
-/// A line of a labelled instruction trace as golden hashes take it (docs/trace.md): of the instruction the mnemonics
-/// alone.
+/// A line of a labelled instruction trace in the form that golden hashes use (docs/trace.md): only the mnemonics of the
+/// instruction.
 std::string without_operands(std::string_view line);
 
-/// Where two traces part.
+/// The first difference of two traces.
 struct TraceDifference {
   std::optional<TraceLine> left, right;  ///< none: that trace has ended
   std::string field;                     ///< "time", "cycle", "component", "pc", "R0", "end", ...
-  std::string left_value, right_value;   ///< "-" where the field is missing
+  std::string left_value, right_value;   ///< "-" if the field is missing
 
   /// "cycle 1234, dsp 0, field R0: 0000000001 (line 17) and 0000000002 (line 17)", followed by both lines.
   std::string message() const;
 };
 
-/// First difference of two traces; lines that start with # and empty lines do not count, but both must have the same
-/// header. \throws std::invalid_argument when a text is no trace.
+/// First difference of two traces. Lines that start with # and empty lines do not count, but both traces must have the
+/// same header. \throws std::invalid_argument if a text is not a trace.
 std::optional<TraceDifference> compare_traces(std::istream& left, std::istream& right);
 
 }  // namespace report

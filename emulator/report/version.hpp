@@ -1,9 +1,9 @@
 #pragma once
-// The version, which emulator/report/version.cmake asks git for.
+// The project's version; emulator/report/version.cmake gets it from git.
 
 namespace report {
 
-/// Of the project: "0.1.0", or between releases "0.1.0.devN+gHASH". No part of a run's hash.
+/// "0.1.0", or between releases "0.1.0.devN+gHASH". Not part of a run's hash.
 extern const char* const emulator_version;
 
 }  // namespace report

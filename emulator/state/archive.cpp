@@ -27,7 +27,8 @@ std::string hexadecimal(std::string_view bytes) {
 void Saver::bytes(void* data, std::size_t size) { text_.append(static_cast<const char*>(data), size); }
 
 void Saver::rows(void* first, std::size_t count, std::size_t columns) {
-  constexpr std::size_t few = 256;  // rows: what they would save is less than the note of them
+  constexpr std::size_t few =
+      256;  // tables with fewer rows are left as they are: a note about them would be longer than what they save
   if (count >= few) tables_.push_back({text_.size(), count, columns});
   bytes(first, count * columns * sizeof(std::uint64_t));
 }
@@ -40,7 +41,7 @@ std::size_t Saver::count(std::size_t present, std::size_t /*least*/) {
 
 void Saver::listed(std::string_view name) {
   const std::uint32_t tag = hash(name);
-  text_.append(reinterpret_cast<const char*>(&tag), sizeof tag);  // NOLINT: bytes of a number
+  text_.append(reinterpret_cast<const char*>(&tag), sizeof tag);  // the bytes of a number
 }
 
 void Loader::refuse_here(const std::string& what) const { refuse(fmt::format("{}: {}", fmt::join(path_, "."), what)); }
@@ -54,7 +55,7 @@ void Loader::bytes(void* data, std::size_t size) {
 std::size_t Loader::count(std::size_t /*present*/, std::size_t least) {
   std::uint64_t n = 0;
   bytes(&n, sizeof n);
-  if (n > rest_.size() / least) refuse_here(fmt::format("{} elements, more than the rest of the state can hold", n));
+  if (n > rest_.size() / least) refuse_here(fmt::format("{} elements, more than fit into the rest of the state", n));
   return static_cast<std::size_t>(n);
 }
 
@@ -62,7 +63,7 @@ void Loader::listed(std::string_view name) {
   path_.push_back(name);
   std::uint32_t tag = 0;
   bytes(&tag, sizeof tag);
-  if (tag != hash(name)) refuse_here("another field is there; the state is another version's");
+  if (tag != hash(name)) refuse_here("the state has another field here; it comes from another version");
 }
 
 void Loader::end() const {
@@ -105,7 +106,7 @@ std::optional<std::string> first_difference(const Lister& a, const Lister& b) {
   };
   for (std::size_t i = 0; i < std::max(a.leaves().size(), b.leaves().size()); ++i) {
     if (i >= a.leaves().size() || i >= b.leaves().size())
-      return fmt::format("{}: in one of them only", (i < a.leaves().size() ? a : b).leaves()[i].path);
+      return fmt::format("{}: only in one of the two", (i < a.leaves().size() ? a : b).leaves()[i].path);
     const Leaf &one = a.leaves()[i], &other = b.leaves()[i];
     if (one.path != other.path) return fmt::format("{} beside {}", one.path, other.path);
     if (said(a, one) != said(b, other))

@@ -1,6 +1,6 @@
 #pragma once
-/// State as bytes, and back. Before each listed field stands a hash of its name, so that a state of another list is
-/// refused by the name of the first field that differs.
+/// State as bytes, and back. A hash of each field's name precedes the field, so that a state with another list is
+/// refused with the name of the first field that differs.
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,7 +11,7 @@
 
 namespace state {
 
-/// A saved state, and where it holds long tables.
+/// A saved state, and the places of long tables in it.
 struct Saved {
   std::string text;
   std::vector<Table> tables;
@@ -23,7 +23,7 @@ class Saver : public Visitor {
   const std::string& text() const { return text_; }
   std::string take() { return std::move(text_); }
   std::vector<Table> take_tables() { return std::move(tables_); }
-  /// So many bytes are expected: a state of tens of megabytes is not moved as it grows.
+  /// Reserves memory for this number of bytes, so that a state of tens of megabytes is not moved while it grows.
   void expect(std::size_t bytes) { text_.reserve(bytes); }
 
  protected:
@@ -61,13 +61,13 @@ class Loader : public Visitor {
   std::vector<std::string_view> path_;
 };
 
-/// A value in a saved state: "buses.0.ports.1.wanted", and where its bytes stand there.
+/// A value in a saved state: "buses.0.ports.1.wanted", and the place of its bytes.
 struct Leaf {
   std::string path;
   std::size_t offset = 0, size = 0;
 };
 
-/// Saves, and notes where everything stands.
+/// Saves, and notes the place of each value.
 class Lister final : public Saver {
  public:
   const std::vector<Leaf>& leaves() const { return leaves_; }
@@ -87,12 +87,12 @@ class Lister final : public Saver {
   std::vector<Leaf> leaves_;
 };
 
-/// \param expected bytes, if that is known
+/// \param expected number of bytes, if known
 template <class T>
 Saved save_with_tables(const T& object, std::size_t expected = 0) {
   Saver saver;
   saver.expect(expected);
-  const_cast<T&>(object).list_state(saver);  // NOLINT: a saver only reads
+  const_cast<T&>(object).list_state(saver);  // a saver only reads
   return {saver.take(), saver.take_tables()};
 }
 template <class T>
@@ -100,7 +100,7 @@ std::string save(const T& object) {
   return save_with_tables(object).text;
 }
 
-/// \throws StateError; the object is then in no usable state
+/// \throws StateError; after that the object must not be used
 template <class T>
 void load(T& object, std::string_view text) {
   Loader loader(text);
@@ -108,7 +108,7 @@ void load(T& object, std::string_view text) {
   loader.end();
 }
 
-/// The same; where it throws, the object is as it was before.
+/// The same; after an exception the object is as before.
 template <class T>
 void load_or_leave(T& object, std::string_view text) {
   const std::string before = save(object);
@@ -121,11 +121,11 @@ void load_or_leave(T& object, std::string_view text) {
   }
 }
 
-/// A value that has no list of its own: what a visitor takes as a field.
+/// A value without a list of its own: anything that a visitor takes as a field.
 template <class T>
 std::string save_value(const T& value) {
   Saver saver;
-  saver("value", const_cast<T&>(value));  // NOLINT: a saver only reads
+  saver("value", const_cast<T&>(value));  // a saver only reads
   return saver.take();
 }
 
@@ -139,13 +139,14 @@ T load_value(std::string_view text) {
   return value;
 }
 
-/// The first value in which two states differ, as "path: 1F00 beside 2000" (bytes, hexadecimal); none: they are alike.
+/// The first value that differs between two states, as "path: 1F00 beside 2000" (bytes, hexadecimal); none if the
+/// states are equal.
 std::optional<std::string> first_difference(const Lister& a, const Lister& b);
 
 template <class T>
 std::optional<std::string> difference(const T& a, const T& b) {
   Lister of_a, of_b;
-  const_cast<T&>(a).list_state(of_a);  // NOLINT: a lister only reads
+  const_cast<T&>(a).list_state(of_a);  // a lister only reads
   const_cast<T&>(b).list_state(of_b);  // NOLINT
   return first_difference(of_a, of_b);
 }

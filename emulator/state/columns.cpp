@@ -11,19 +11,20 @@
 namespace state {
 namespace {
 
-using Word = std::uint64_t;  // all sums and differences modulo 2^64, so that each has a way back
+using Word = std::uint64_t;  // all sums and differences are modulo 2^64, so that each can be undone
 
 constexpr unsigned orders = 6;  // differences of order 0 to 5
 constexpr unsigned readings = 3;
 
-/// How a word is read as a whole number.
+/// How a word is read as an integer.
 enum class Reading : std::uint8_t { as_it_is, ordered, scaled };
 
-// The integers in the order of the doubles whose bits they are: neighbours are one apart. It is its own way back.
+// Orders the integers as the doubles with the same bits: neighbouring doubles are one apart. The function is its own
+// inverse.
 Word ordered(Word bits) { return (bits >> 63) != 0 ? bits ^ std::numeric_limits<std::int64_t>::max() : bits; }
 
-// Doubles that are whole multiples of 2^-30, as a course's rows are, and small enough to have no other bits than that
-// multiple's.
+// Doubles that are whole multiples of 2^-30 (the rows of a course are), and small enough that this multiple alone gives
+// their bits.
 constexpr double parts = 1 << 30;
 constexpr double most = 1LL << 52;
 
@@ -31,7 +32,7 @@ bool is_scaled(Word bits) {
   const double multiple = std::bit_cast<double>(bits) * parts;
   if (!(multiple > -most && multiple < most)) return false;
   const double whole = static_cast<double>(static_cast<std::int64_t>(multiple)) / parts;
-  return std::bit_cast<Word>(whole) == bits;  // so zero with a sign is none
+  return std::bit_cast<Word>(whole) == bits;  // false for a zero with a sign
 }
 
 Word read(Word bits, Reading reading) {
@@ -46,21 +47,21 @@ Word written(Word number, Reading reading) {
   return std::bit_cast<Word>(static_cast<double>(static_cast<std::int64_t>(number)) / parts);
 }
 
-// Small numbers of either sign as small numbers.
+// Maps small numbers of either sign to small numbers.
 Word folded(Word difference) { return difference << 1 ^ (0 - (difference >> 63)); }
 Word unfolded(Word number) { return number >> 1 ^ (0 - (number & 1)); }
 
-/// Differences of each order of the numbers that are put in, one after the other.
+/// The differences of each order of a sequence of numbers.
 class Differences {
  public:
-  /// Of orders 0, 1, 2, ...
+  /// The differences of orders 0, 1, 2, ...
   const std::array<Word, orders>& of(Word number) {
     std::array<Word, orders> now{};
     now[0] = number;
     for (unsigned order = 1; order < orders; ++order) now[order] = now[order - 1] - last_[order - 1];
     return last_ = now;
   }
-  /// The number of which `difference` is the difference of that order.
+  /// The number whose difference of that order is `difference`.
   Word number(Word difference, unsigned order) {
     last_[order] = difference;
     for (unsigned lower = order; lower-- > 0;) last_[lower] += last_[lower + 1];
@@ -83,7 +84,7 @@ struct How {
   char byte() const { return static_cast<char>(static_cast<unsigned>(reading) * orders + order); }
 };
 
-/// The reading and the order of which the differences are the shortest.
+/// The reading and the order with the shortest differences.
 How best(const char* table, std::size_t rows, std::size_t columns, std::size_t column) {
   std::array<std::array<std::uint64_t, orders>, readings> bits{};
   std::array<Differences, readings> differences;
@@ -108,8 +109,7 @@ How best(const char* table, std::size_t rows, std::size_t columns, std::size_t c
 
 How how_of(char byte) {
   const auto code = static_cast<unsigned char>(byte);
-  if (code >= readings * orders)
-    throw StateError("the snapshot is damaged: a column is written in a way that there is not");
+  if (code >= readings * orders) throw StateError("the snapshot is damaged: a column has an unknown form");
   return {static_cast<Reading>(code / orders), code % orders};
 }
 
@@ -141,7 +141,8 @@ void from_columns(std::string& text, const std::vector<Table>& tables, std::stri
   for (const Table& table : tables) {
     std::string out(table.bytes(), '\0');
     for (std::size_t column = 0; column < table.columns; ++column) {
-      if (next == how.end()) throw StateError("the snapshot is damaged: it has more columns than ways to read them");
+      if (next == how.end())
+        throw StateError("the snapshot is damaged: it has more columns than descriptions of columns");
       const How one = how_of(*next++);
       const char* const planes = text.data() + table.offset + column * table.rows * sizeof(Word);
       Differences differences;

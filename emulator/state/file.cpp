@@ -17,7 +17,7 @@ constexpr std::string_view magic = "CMRC state\n";
 
 struct Envelope {
   std::string kind;
-  std::vector<std::pair<std::string, std::string>> key;  // with fingerprints
+  std::vector<std::pair<std::string, std::string>> key;  // values as fingerprints
   Saved state;
 };
 
@@ -31,7 +31,7 @@ void append_text(std::string& out, std::string_view text) {
 }
 
 std::string packed(std::string_view text) {
-  constexpr int quick = 1;  // a state packs to a third; more work finds little more
+  constexpr int quick = 1;  // a state compresses to a third; a slower level gains little
   uLongf size = compressBound(text.size());
   std::string bytes(size, '\0');
   if (compress2(reinterpret_cast<Bytef*>(bytes.data()), &size, reinterpret_cast<const Bytef*>(text.data()), text.size(),
@@ -42,7 +42,7 @@ std::string packed(std::string_view text) {
 }
 
 std::string unpacked(std::string_view bytes, std::uint64_t length) {
-  constexpr std::uint64_t most = 1032;  // zlib packs no better
+  constexpr std::uint64_t most = 1032;  // zlib's limit of compression
   std::string text;
   uLongf size = length;
   if (length / most <= bytes.size()) text.resize(length);
@@ -54,7 +54,7 @@ std::string unpacked(std::string_view bytes, std::uint64_t length) {
   return text;
 }
 
-/// What a damaged envelope may hold has been ruled out by its checksum; a wrong one ends here all the same.
+/// A checksum excludes damaged envelopes; whatever passes nevertheless is refused here.
 class Reader {
  public:
   explicit Reader(std::string_view bytes) : rest_(bytes) {}
@@ -80,7 +80,8 @@ Envelope read(std::string_view sealed) {
   constexpr std::size_t digits = 64;                                               // of the checksum
   constexpr std::size_t head = magic.size() + 2 * sizeof(std::uint64_t) + digits;  // version, size, checksum
   if (sealed.size() < magic.size() || !sealed.starts_with(magic))
-    throw StateError(fmt::format("{} bytes that are no snapshot; one begins with \"CMRC state\"", sealed.size()));
+    throw StateError(
+        fmt::format("{} bytes that are not a snapshot; a snapshot begins with \"CMRC state\"", sealed.size()));
   if (sealed.size() < head) throw StateError("the snapshot was cut short");
   Reader start(sealed.substr(magic.size(), head - magic.size()));
   const std::uint64_t its_version = start.number(), size = start.number();
@@ -88,9 +89,9 @@ Envelope read(std::string_view sealed) {
     throw StateError(fmt::format("a snapshot of version {}; this emulator reads version {}", its_version, version));
   const std::string_view body = sealed.substr(head);
   if (body.size() != size)
-    throw StateError(fmt::format("the snapshot was cut short or added to: {} bytes of {}", body.size(), size));
+    throw StateError(fmt::format("the snapshot was cut short or extended: {} bytes instead of {}", body.size(), size));
   if (sha256(body) != sealed.substr(head - digits, digits))
-    throw StateError("the snapshot is damaged: its checksum is another one");
+    throw StateError("the snapshot is damaged: its checksum is wrong");
   Reader reader(body);
   Envelope out;
   out.kind = reader.text();
@@ -105,7 +106,7 @@ Envelope read(std::string_view sealed) {
   const std::string how = reader.text();
   const std::uint64_t length = reader.number();
   out.state.text = unpacked(reader.text(), length);
-  if (!reader.at_end()) throw StateError("the snapshot is damaged: something stands behind it");
+  if (!reader.at_end()) throw StateError("the snapshot is damaged: bytes follow its end");
   for (const Table& table : out.state.tables) {
     const std::uint64_t room = length - std::min(length, table.offset), words = room / sizeof(std::uint64_t);
     if (table.columns == 0 || table.rows > words / table.columns)

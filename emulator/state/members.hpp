@@ -1,6 +1,6 @@
 #pragma once
-/// The members of an aggregate, as references, without a list of them. C++20 has no reflection: a structured binding
-/// needs their number, which is the greatest number of initialisers that the type takes.
+/// References to the members of an aggregate, without a list of them. C++20 has no reflection: a structured binding
+/// needs the number of members, which is the greatest number of initialisers that the type takes.
 #include <cstddef>
 #include <tuple>
 #include <type_traits>
@@ -13,7 +13,7 @@ inline constexpr std::size_t most_members = 48;
 namespace detail {
 struct Anything {
   template <class T>
-  operator T() const;  // NOLINT: to be an initialiser of any type
+  operator T() const;  // converts to an initialiser of any type
 };
 
 template <class T, std::size_t... I>

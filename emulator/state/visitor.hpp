@@ -1,11 +1,13 @@
 #pragma once
-/// What has state lists it once, in a member function
-///     void list_state(state::Visitor& list) { list("time", time_); list("ports", ports_); }
-/// and from that list it is saved, loaded, compared and hashed. Aggregates need no list: all their members are state.
-/// Pointers and references are no state; a class that has some lists what else it has. What is derived from the rest is
-/// not listed: who loads makes it anew.
+/// An object with state lists its state once, in a member function list_state:
 ///
-/// A list that is only read leaves everything as it was, so a const object can be saved.
+///     list("time", time_); list("ports", ports_);
+///
+/// This list serves to save, load, compare and hash the state. Aggregates need no list: all their members are state.
+/// Pointers and references are not state; a class that has some lists its other members. Derived values are not listed:
+/// loading computes them again.
+///
+/// A list that is only read changes nothing, so a const object can be saved.
 #include <array>
 #include <chrono>
 #include <cstddef>
@@ -28,7 +30,7 @@
 
 namespace state {
 
-/// What was to be loaded is not a state of this object. The message says where, and what is there.
+/// The bytes to load are not a state of this object. The message names the place and what was found there.
 class StateError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -50,7 +52,7 @@ inline constexpr bool is_duration = false;
 template <class Rep, class Period>
 inline constexpr bool is_duration<std::chrono::duration<Rep, Period>> = true;
 
-/// Its bytes are its value: no padding, no pointer, nothing that is owned.
+/// The value is its bytes: no padding, no pointer, nothing that is owned.
 template <class T>
 constexpr bool plain();
 template <class Tuple>
@@ -71,7 +73,7 @@ constexpr bool plain() {
   else if constexpr (is_array<T>)
     return plain<typename T::value_type>();
   else if constexpr (is_duration<T>)
-    return plain<typename T::rep>();  // the ticks alone
+    return plain<typename T::rep>();  // only the ticks
   else if constexpr (std::is_aggregate_v<T> && std::is_trivially_copyable_v<T> && !std::is_empty_v<T>)
     return std::has_unique_object_representations_v<T> && all_plain<decltype(members(std::declval<T&>()))>;
   else
@@ -83,7 +85,7 @@ class Visitor {
  public:
   virtual ~Visitor() = default;
 
-  /// A field of the object that lists itself.
+  /// A field whose object has a list of its own.
   template <class T>
   void operator()(std::string_view name, T& field) {
     listed(name);
@@ -91,7 +93,7 @@ class Visitor {
     leave();
   }
 
-  /// Doubles or integers of eight bytes in rows, one after the other: in a file they take less room than as they are.
+  /// Rows of eight-byte doubles or integers, one after the other; in a file they take less room than the plain bytes.
   template <class T>
   void table(std::string_view name, std::span<T> numbers, std::size_t columns) {
     static_assert(sizeof(T) == 8 && detail::plain<T>());
@@ -100,20 +102,20 @@ class Visitor {
     leave();
   }
 
-  /// The object's fields are to be set: what is derived from them has to be made anew afterwards.
+  /// Whether the visitor sets the object's fields. Derived values then have to be computed again.
   virtual bool loads() const = 0;
 
  protected:
-  /// A value whose bytes are all there is to it.
+  /// A value that consists of its bytes only.
   virtual void bytes(void* data, std::size_t size) = 0;
-  /// Words of eight bytes in rows.
+  /// Rows of eight-byte words.
   virtual void rows(void* first, std::size_t count, std::size_t columns) { bytes(first, count * columns * 8); }
-  /// How many elements there are: the present number, or while loading the one to be. At least `least` bytes each.
+  /// The number of elements: the present one, or while loading the stored one. Each element has at least `least` bytes.
   virtual std::size_t count(std::size_t present, std::size_t least) = 0;
-  /// Until `leave`, everything is part of the field of this name.
+  /// Everything until `leave` belongs to the field of this name.
   virtual void listed(std::string_view name) = 0;
   virtual void leave() = 0;
-  /// It wants elements and members one by one, each between `part` and `leave`.
+  /// Whether the visitor visits elements and members one by one, each between `part` and `leave`.
   virtual bool wants_parts() const { return false; }
   virtual void part(std::size_t /*index*/) {}
   [[noreturn]] void refuse(const std::string& what) const { throw StateError(what); }
@@ -128,7 +130,7 @@ class Visitor {
 
   template <class T>
   void value(T& v) {
-    static_assert(!std::is_const_v<T>, "what never changes is no state");
+    static_assert(!std::is_const_v<T>, "a constant is not state");
     if constexpr (Lists<T>)
       v.list_state(*this);
     else if constexpr (std::is_enum_v<T> || std::is_arithmetic_v<T> || std::is_same_v<T, detail::Wide>)
@@ -195,19 +197,19 @@ class Visitor {
     if (loads()) resize(v, n);
     for (std::size_t i = 0; i < n; ++i) element(i, v[i]);
   }
-  /// Elements that cannot be made alone (they know their surroundings) are there already, in the same number.
+  /// Elements that cannot be constructed alone exist already, in the same number.
   template <class Container>
   void resize(Container& v, std::size_t n) {
     if constexpr (std::is_default_constructible_v<typename Container::value_type>)
       v.resize(n);
     else if (v.size() != n)
-      refuse("a list of " + std::to_string(n) + " parts, where there are " + std::to_string(v.size()));
+      refuse("a list of " + std::to_string(n) + " parts instead of " + std::to_string(v.size()));
   }
 
-  /// Whether there is one, which is said as a number of elements.
+  /// Whether there is a value, stored as a number of elements.
   bool one(bool there) {
     const std::size_t n = count(there ? 1 : 0, 1);
-    if (n > 1) refuse("more than one, where there is one or none");
+    if (n > 1) refuse("more than one value instead of one or none");
     return n == 1;
   }
   template <class T>
@@ -219,7 +221,7 @@ class Visitor {
       else if constexpr (std::is_default_constructible_v<T>)
         v.emplace();
       else
-        refuse("a part that is not there");
+        refuse("a part that does not exist");
     }
     if (v) value(*v);
   }
@@ -232,7 +234,7 @@ class Visitor {
       else if constexpr (std::is_default_constructible_v<T>)
         v = std::make_unique<T>();
       else
-        refuse("a part that is not there");
+        refuse("a part that does not exist");
     }
     if (v) value(*v);
   }
@@ -262,10 +264,10 @@ class Visitor {
       std::size_t index = 0;
       for (const auto& entry : v) {
         if constexpr (std::is_same_v<Element, typename Container::value_type>)
-          element(index++, const_cast<Element&>(entry));  // NOLINT: read
+          element(index++, const_cast<Element&>(entry));  // only read
         else {
           enter_part(index++);
-          value(const_cast<typename Element::first_type&>(entry.first));  // NOLINT: read
+          value(const_cast<typename Element::first_type&>(entry.first));  // only read
           value(const_cast<typename Element::second_type&>(entry.second));
           leave_part();
         }
@@ -293,7 +295,7 @@ class Visitor {
   void other(std::variant<T...>& v) {
     std::size_t index = v.index();
     bytes(&index, sizeof index);
-    if (loads() && index >= sizeof...(T)) refuse("an alternative that there is not");
+    if (loads() && index >= sizeof...(T)) refuse("an alternative that does not exist");
     if (loads() && index != v.index()) emplace(v, index, std::index_sequence_for<T...>());
     std::visit([this](auto& alternative) { value(alternative); }, v);
   }

@@ -13,14 +13,14 @@ namespace {
 
 struct Angles {
   SinCos psi, phi, alpha, beta;
-  double trolley;  // m, what phi is on a gantry
+  double trolley;  // m, the gantry's value of phi
   explicit Angles(const CraneVector& q) : trolley(q[Q_PHI]) {
     const auto jib = sin_cos(q[Q_PSI], q[Q_PHI]), sway = sin_cos(q[Q_ALPHA], q[Q_BETA]);
     psi = jib[0], phi = jib[1], alpha = sway[0], beta = sway[1];
   }
 };
 
-// Symmetric, so that rows or columns first is the same.
+// Symmetric, so the order of rows and columns does not matter.
 using CraneColumn = Eigen::Matrix<double, crane_size, 1>;
 using CraneSquare = Eigen::Matrix<double, crane_size, crane_size>;
 
@@ -100,7 +100,7 @@ void add_force(CraneVector& sum, const Point& point, const Vector3& force) {
   Eigen::Map<CraneColumn>(sum.data()) += point.jacobian().transpose() * eigen(force);
 }
 
-// h + g: what the inertia of each mass asks for, with `motion` times the velocity terms and `weight` times gravity.
+// h + g: the force for the inertia of each mass, with `motion` times the velocity terms and `weight` times gravity.
 CraneVector bias_and_gravity(const CraneParameters& p, const Angles& a, const CraneVector& q, const CraneVector& qd,
                              const Payload& payload, double motion, double weight) {
   CraneVector sum{};
@@ -109,7 +109,7 @@ CraneVector bias_and_gravity(const CraneParameters& p, const Angles& a, const Cr
   add_force(sum, jib, p.jib_mass * (motion * jib.bias + up));
   const Point load = payload_point(p, a, q, qd);
   add_force(sum, load, payload.mass * (motion * load.bias + up));
-  // The counterweight moves on a circle; its pull reaches the gantry only.
+  // The counterweight moves on a circle; its force acts only on the gantry.
   sum[Q_S] += motion * p.counterweight * p.counterweight_radius * qd[Q_PSI] * qd[Q_PSI] * a.psi.cos;
   if (is_gantry(p)) return sum;
   // The slender jib turns about its centre: T = I_j (phid^2 + cos^2 phi psid^2) / 2.
@@ -170,7 +170,7 @@ CraneMatrix closed_form(const CraneParameters& p, const Angles& angles, const Cr
   return m;
 }
 
-// The gantry's, as the sum over its masses of their partial velocities' products.
+// The gantry's mass matrix: the sum over its masses of the products of their partial velocities.
 CraneMatrix from_points(const CraneParameters& p, const Angles& a, const CraneVector& q, const Payload& payload) {
   CraneMatrix m{};
   const auto add = [&m](double mass, const Point& point) {
@@ -244,7 +244,7 @@ double Crane::potential_energy(const CraneVector& q, const Payload& payload) con
 
 namespace {
 
-// Free coordinates in their order.
+// The free coordinates in their order.
 struct FreeCoordinates {
   std::array<std::size_t, crane_size> at{};
   std::size_t count = 0;
@@ -256,9 +256,9 @@ struct FreeCoordinates {
 
 constexpr std::integral_constant<std::size_t, crane_size> all_rows{};
 
-// Written out: before it was unrolled, factors and solution took 1,160 host instructions on the average of 20,000
-// random matrices, a quarter of them with two locked coordinates (callgrind, -O2), where Eigen 3.4's LLT in place took
-// 2,650 and its LDLT 3,630.
+// Unrolled by hand. Before that, factors and solution took 1,160 host instructions on average over 20,000 random
+// matrices, a quarter of them with two locked coordinates (callgrind, -O2); Eigen 3.4's LLT in place took 2,650 and its
+// LDLT 3,630.
 template <class Count>
 [[gnu::always_inline]] inline void factor_rows(const CraneMatrix& m, Factors& f, Count n) {
   for (std::size_t i = 0; i < n; ++i) {
@@ -357,7 +357,7 @@ CraneVector Crane::acceleration(const Dynamics& d, const CraneVector& force) {
   return d.mass.solve(rest);
 }
 
-// The sign of a joint's speed, smooth about rest.
+// The sign of a joint's speed, smooth around rest.
 double Crane::direction(const JointForces& joint, double v) const { return tanh(v / joint.smooth); }
 
 double Crane::behind_gear(std::size_t j, double torque, double direction) const {
@@ -370,7 +370,7 @@ double Crane::friction_towards(const JointForces& joint, double v, double direct
   return (joint.coulomb + joint.bump * bump) * direction + joint.viscous * v;
 }
 
-// The Stribeck curve's share of what it is at rest is exp of this; 0 where that is less than any double tells apart.
+// The exponent of the Stribeck curve's share of its value at rest; 0 where no double could show the share.
 double Crane::bump_exponent(const JointForces& joint, double v) const {
   const double x = v / joint.bump_speed;
   return -x * x;
@@ -482,7 +482,7 @@ CraneVector within_limits(const CraneParameters& p, const CraneVector& q) {
 CraneVector inverse_kinematics(const CraneParameters& p, const CranePose& pose) {
   CraneVector q{};
   if (is_gantry(p)) {
-    q[Q_S] = pose.x;  // pose.s is where the gantry has to be
+    q[Q_S] = pose.x;  // pose.s is the required place of the gantry
     q[Q_PSI] = 0.5 * std::numbers::pi;
     q[Q_PHI] = pose.y;
     q[Q_L] = p.pivot_height - pose.z;

@@ -5,7 +5,7 @@
 //
 //   M(q) qdd + h(q, qd) + g(q) = B F - friction - sway damping + external
 //
-// CraneParameters::machine makes it a ship-to-shore gantry: psi held at pi/2, phi the trolley's place in m.
+// With CraneParameters::machine it is a ship-to-shore gantry: psi held at pi/2, phi the trolley's place in m.
 //
 // The payload is a mass that translates without tilting on an inextensible rope; its yaw is psi + kappa.
 #include <array>
@@ -22,7 +22,7 @@ inline constexpr std::size_t coordinate_of(std::size_t joint) { return joint_coo
 using CraneVector = std::array<double, crane_size>;
 using CraneMatrix = std::array<CraneVector, crane_size>;
 
-// What hangs on the rope. mass 0: nothing (level L2, where the payload is a body of its own and pulls through
+// The load on the rope. mass 0: nothing (level L2, where the payload is a body of its own and pulls through
 // `external`).
 struct Payload {
   double mass;     // kg
@@ -33,7 +33,7 @@ struct Payload {
 struct Factors {
   CraneMatrix lower;                              // below the diagonal; each column still times its pivot
   CraneVector inverse;                            // of the pivots
-  unsigned locked;                                // bits of the coordinates that are left out
+  unsigned locked;                                // bits of the locked coordinates
   CraneVector solve(const CraneVector& b) const;  // 0 for the locked ones
 };
 
@@ -49,27 +49,27 @@ class Crane {
   double kinetic_energy(const CraneVector& q, const CraneVector& qd, const Payload&) const;  // J
   double potential_energy(const CraneVector& q, const Payload&) const;                       // J, zero at z = 0
 
-  // What the accelerations take from the state, whatever the drives do.
+  // The part of the accelerations that follows from the state alone, without the drives.
   struct Dynamics {
     Factors mass;                // M on the free coordinates
     CraneVector resisting;       // h + g
     Joints direction, stribeck;  // dry friction of the free joints: smooth sign of the speed, share of the bump
   };
-  // Coordinates whose bit is set in `locked` are held at qdd = 0 (sway angles at L0 and L2, brakes).
+  // Coordinates with a bit set in `locked` are held at qdd = 0 (sway angles at L0 and L2, brakes).
   Dynamics dynamics(const CraneVector& q, const CraneVector& qd, const Payload&, unsigned locked) const;
-  // qdd under generalised forces.
+  // qdd for given generalised forces.
   static CraneVector acceleration(const Dynamics&, const CraneVector& force);
   // Solves M x = b on the free coordinates, 0 on the locked ones.
   static CraneVector solve(const CraneMatrix& m, const CraneVector& b, unsigned locked);
 
-  // Friction force of an actuated joint at joint speed v, opposing it. sliding: 0 smooths dry friction about v = 0; 1
-  // and -1 take it whole, for a joint that is known to slide in that direction (stiction).
+  // Friction force of an actuated joint at joint speed v, against v. sliding: 0 smooths dry friction around v = 0; 1
+  // and -1 use its full value, for a joint known to slide in that direction (stiction).
   double friction(int joint, double v, int sliding = 0) const;
-  // What a motor's torque (N m, behind the lag) does at its joint behind the gear, N or N m: gear times efficiency
-  // times torque, as plant-and-bus.md 1.3 has it; with gear_losses gear / efficiency where the load drives the motor,
-  // smooth about rest.
+  // The force or torque at the joint, behind the gear, N or N m, for a motor torque in N m behind the lag: gear times
+  // efficiency times torque, as in plant-and-bus.md 1.3; with gear_losses gear / efficiency when the load drives the
+  // motor, smooth around rest.
   double gear_force(std::size_t joint, double torque, double v) const;
-  // gear_force less friction, of the joints whose coordinates are not locked.
+  // gear_force minus friction, for the joints whose coordinates are free.
   Joints drive_forces(const Joints& torque, const CraneVector& qd, const std::array<std::int8_t, joint_count>& sliding,
                       const Dynamics&) const;
   double static_friction(int joint) const;  // F_s, N or N m: what a stuck joint withstands
@@ -88,10 +88,10 @@ class Crane {
  private:
   // A joint's constants, from its drive's parameters.
   struct JointForces {
-    double smooth;      // joint speed over which dry friction turns its sign
+    double smooth;      // joint speed within which dry friction changes its sign
     double coulomb;     // N or N m
-    double bump;        // of the Stribeck curve at rest
-    double bump_speed;  // at which it has fallen to 1 / e
+    double bump;        // height of the Stribeck curve at rest
+    double bump_speed;  // speed at which it has fallen to 1 / e
     double viscous;     // per unit of joint speed
     double half_gear;
     double either_way, loss;  // the gear's 1 / efficiency + efficiency, and - efficiency
@@ -105,7 +105,8 @@ class Crane {
   std::array<JointForces, joint_count> joints_;
 };
 
-// Inverse kinematics, plant-and-bus.md 1.2. Throws std::invalid_argument when out of reach or beyond a joint limit.
+// Inverse kinematics, plant-and-bus.md 1.2. Throws std::invalid_argument for a pose out of reach or beyond a joint
+// limit.
 CraneVector inverse_kinematics(const CraneParameters&, const CranePose&);
 
 }  // namespace plant

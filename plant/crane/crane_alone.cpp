@@ -13,7 +13,7 @@
 namespace plant {
 namespace {
 
-// Between two looks at brakes and end stops, and in wind, s; and where none of them acts.
+// Interval, s, between two checks of brakes and end stops, and in wind; and the interval if none of these acts.
 constexpr double short_piece = 1e-3, long_piece = 1e-2;
 constexpr std::int64_t sway_sample = 10'000'000'000;  // ps
 
@@ -131,7 +131,7 @@ void CraneAlone::brake_off_drives() {
   for (std::size_t j = 0; j < joint_count; ++j) {
     const std::size_t k = coordinate_of(j);
     if ((state_.faulted >> j & 1U) == 0 && !state_.swung_out) continue;
-    state_.modes.stuck &= ~(1U << j);  // what dry friction held, the brake holds from now on
+    state_.modes.stuck &= ~(1U << j);  // from now on the brake holds the joint instead of dry friction
     if ((state_.inputs.locked >> k & 1U) != 0) continue;
     state_.inputs.braked[j] = true;
     state_.inputs.sliding[j] = 0;

@@ -1,6 +1,6 @@
 #pragma once
-// A crane by itself: no dock, no codes, no latches. Motor torques in N m are held over a step; for controllers that
-// bring their own loop.
+// A crane without a dock, codes and latches. Motor torques in N m are held during a step; for controllers with their
+// own loop.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -13,12 +13,12 @@ namespace plant {
 struct CraneAloneConfig {
   CraneParameters crane;
   CranePose home = {0.0, 12.0, 16.0, 14.0, 0.0};
-  Payload load = {0.0, 0.0};  // besides the spreader: kg, kg m2
+  Payload load = {0.0, 0.0};  // in addition to the spreader: kg, kg m2
   bool rigid = false;         // level L0
   double tolerance = 1e-6;    // with order 4 a hundredth of an encoder count (docs/plant.md, From Python)
   Method method = Method::erk;
   int order = 4;             // of ERKStep, 3 to 5
-  bool bookkeeping = false;  // State::work is kept: more states to integrate, so other bits
+  bool bookkeeping = false;  // State::work is computed: more states to integrate, so different bits
   SensorParameters sensors;
   WindParameters wind;
 };
@@ -37,7 +37,7 @@ class CraneAlone {
     CraneInputs inputs;
     CraneModes modes;
     std::uint32_t faulted = 0;  // drives that were given a torque that is no number
-    bool swung_out = false;     // a sway angle passed 40 degrees: all drives are off
+    bool swung_out = false;     // a sway angle exceeded 40 degrees: all drives are off
     Work work;                  // since the last reset, with bookkeeping
   };
   struct Event {
@@ -48,12 +48,12 @@ class CraneAlone {
   static constexpr double longest_step = 60.0;  // s
 
   explicit CraneAlone(const CraneAloneConfig&);
-  // Goes on by `seconds`, 0 to longest_step (0 changes nothing but a drive's fault). Torques beyond 1.5 x rated
-  // saturate; one that is no finite number faults its drive, whose brake closes until reset.
+  // Advances by `seconds`, 0 to longest_step (0 changes nothing except a drive's fault). Torques beyond 1.5 x rated
+  // saturate; a torque that is not finite faults its drive, whose brake closes until reset.
   void step(const Joints& torque, double seconds);
-  void set_load(const Payload& load);  // besides the spreader; positions and speeds stay
+  void set_load(const Payload& load);  // in addition to the spreader; positions and speeds stay
   void reset(const CraneVector& q, const CraneVector& qd,
-             const Joints& torque);  // the motors', within what they can give
+             const Joints& torque);  // the motors' torques, within their limits
 
   const State& state() const { return state_; }
   void restore(const State& state);
@@ -64,8 +64,8 @@ class CraneAlone {
   double energy() const;                                        // J
   std::array<std::uint32_t, joint_count> encoders() const;      // 24-bit counters
   std::array<std::int32_t, 2> sway() const;                     // codes, 2048 = 10 degrees; of this instant
-  // By CVODES, over `seconds` from the present state with the torques held; the state stays.
-  // Of state(), which may be that of another crane of this config.
+  // By CVODES, over `seconds` from the present state with the torques held; the state does not change. `state` may be
+  // the state of another crane with the same config.
   CraneMotion::Slope linearize(const State& state) const { return motion_.linearize(state.crane, state.inputs); }
   CraneSensitivity sensitivity(const Joints& torque, double seconds) const;
 

@@ -7,7 +7,7 @@
 namespace plant {
 namespace {
 
-constexpr int most_events = 64;  // of one interval; more is a chatter that the next grid point ends
+constexpr int most_events = 64;  // in one interval; more are chatter, which the next grid point ends
 
 struct Candidate {
   CraneRoot root;
@@ -50,7 +50,7 @@ class Interval {
       const double gone = motion_.advance_to(c_, in_, seconds - at, {roots.data(), count_}, which);
       if (work_ != nullptr && gone > 0.0) *work_ += motion_.advance_booked(before, in_, gone);
       at += gone;
-      if (which < 0) return;  // on the very end of the interval
+      if (which < 0) return;  // exactly at the end of the interval
       happen(*found_[static_cast<std::size_t>(which)], at);
       if (at >= seconds) return;
     }
@@ -65,7 +65,7 @@ class Interval {
     if (now != 0.0 && now * then <= 0.0 && count_ < found_.size()) found_[count_++] = candidate;
   }
 
-  // Every event that lies between the present state and the trial's.
+  // All events between the present state and the trial's.
   void gather(const CraneState& trial) {
     using Kind = CraneRoot::Kind;
     count_ = 0;
@@ -120,7 +120,8 @@ class Interval {
     if (work_ != nullptr) work_->impacts += before - motion_.crane().kinetic_energy(c_.q, c_.qd, in_.payload);
   }
 
-  // ---- dry friction. A joint at rest sticks if friction can hold it there, else it slides where it is pushed.
+  // ---- dry friction: a joint at rest sticks if friction can hold it there, else it slides in the direction of the
+  // force
   void settle() {
     for (std::size_t j = 0; j < joint_count; ++j) {
       const std::size_t k = coordinate_of(j);

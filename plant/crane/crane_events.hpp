@@ -1,9 +1,9 @@
 #pragma once
-// The crane over an interval in which things happen: joints run into their ends, stick and break away, the rope goes
-// slack, the load swings out. Each is found as a root by the integrator; the rest of the interval is integrated from
-// there. An interval whose ends show no change of sign costs nothing more.
+// The crane over an interval with events: joints reach their ends, stick and break away, the rope becomes slack, the
+// load swings out. The integrator finds each event as a root; the rest of the interval is integrated from there. An
+// interval without a change of sign between its ends costs nothing more.
 //
-// Inaccuracies: what changes its sign twice within one interval (125 us in the dock, 1 ms in CraneAlone) is not seen. A
+// Inaccuracies: a double change of sign within one interval (125 us in the dock, 1 ms in CraneAlone) is not seen. A
 // joint that rests in its end stop is put back on it at each grid point, not held there by a constraint.
 #include <cstdint>
 #include <vector>
@@ -23,15 +23,15 @@ struct CraneEvent {
 struct CraneModes {
   std::uint32_t at_limit = 0;  // joints in their end stops
   std::uint32_t stuck = 0;     // joints held by dry friction; their bits of CraneInputs::locked are set
-  bool watch_rope = false;     // look for a rope that goes slack
+  bool watch_rope = false;     // watch for a slack rope
 };
 
-// Moves on by `seconds`. `work`, if given, gets what was done meanwhile added.
+// Advances by `seconds`. The work done in this time is added to `work`, if given.
 void advance_with_events(CraneMotion&, CraneState&, CraneInputs&, CraneModes&, double seconds, std::vector<CraneEvent>&,
                          Work* work = nullptr);
 
-// At a grid point: what rests in or beyond an end stop is put back on it and moves no further out. Returns the joints
-// (bits) that have come to one since.
+// At a grid point: puts joints in or beyond an end stop back on it and stops their outward motion. Returns the joints
+// (bits) that have reached one since the last call.
 std::uint32_t rest_in_stops(const CraneMotion&, CraneState&, const CraneInputs&, CraneModes&);
 
 }  // namespace plant

@@ -16,10 +16,10 @@ std::array<double, CraneMotion::size> tolerances(double relative) {
   return absolute;
 }
 
-// Unlike ==, tells 0 from -0, whose sines are not the same.
+// Unlike ==, distinguishes 0 from -0, whose sines differ.
 template <class Values>
 bool same_bits(const Values& a, const Values& b) {
-  return std::memcmp(&a, &b, sizeof a) == 0;
+  return std::memcmp(&a, &b, sizeof a) == 0;  // NOLINT(bugprone-suspicious-memory-comparison): bits are compared
 }
 
 }  // namespace
@@ -47,7 +47,7 @@ CraneVector CraneMotion::applied_force(const CraneVector& q, const CraneVector& 
     if ((in.locked >> k & 1U) != 0) continue;
     const auto& drive = p.drives[j];
     force[k] += drives[j];
-    // A slipping brake: full force above a thousandth of rated speed, where it will be taken to hold.
+    // A slipping brake: full force above a thousandth of rated speed; below, it counts as holding.
     if (in.braked[j]) force[k] -= drive.brake * drive.rated_force() * tanh(qd[k] / (1e-3 * drive.rated_joint_speed()));
   }
   if (in.payload.mass > 0.0 && p.sway_damping > 0.0) {
@@ -178,7 +178,7 @@ void CraneMotion::booked_derivative(void* data, double t, const double* y, doubl
     rate[0] += power;
     rate[1] += power - self.crane_.gear_force(j, state.torque[j], state.qd[k]) * state.qd[k];
   }
-  // What the joints' losses take is what is missing between the forces with and without them.
+  // The power lost in the joints: the difference between the forces with and without losses.
   const CraneVector force =
       self.applied_force(state.q, state.qd, state.torque, in, self.dynamics(state.q, state.qd, in));
   for (std::size_t k = 0; k < crane_size; ++k) {
@@ -278,7 +278,7 @@ CraneMotion::Slope CraneMotion::linearize(const CraneState& state, const CraneIn
 
 std::array<CraneMotion::Packed, 2> CraneMotion::sensitivity(const CraneState& state, const CraneInputs& inputs,
                                                             double seconds) const {
-  // CVODES varies the payload's mass in place while it differences the right-hand side.
+  // CVODES varies the payload's mass in place while it computes differences of the right-hand side.
   struct Varied {
     CraneMotion motion;
     CraneInputs inputs;

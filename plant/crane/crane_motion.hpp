@@ -1,6 +1,6 @@
 #pragma once
-// The crane moving: equations of motion, drives, friction and brakes, integrated over an interval in which the commands
-// are held.
+// The moving crane: equations of motion, drives, friction and brakes, integrated over an interval with constant
+// commands.
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -16,41 +16,41 @@ namespace plant {
 struct CraneState {
   CraneVector q{}, qd{};
   Joints torque{};     // motor side, N m, behind the current loop's lag
-  double step = 1e-4;  // s, with which the integrator begins
+  double step = 1e-4;  // s, the integrator's first step
 };
 
 // The sway angles, as bits of CraneInputs::locked.
 inline constexpr unsigned sway_coordinates = 1U << Q_ALPHA | 1U << Q_BETA;
 
-// What is held while the crane moves.
+// What is constant while the crane moves.
 struct CraneInputs {
   Joints command{};                        // motor torque, N m
   std::array<bool, joint_count> braked{};  // brake closed and slipping
   unsigned locked = 0;                     // coordinates held at rest: brakes that hold, sway angles at L0 and L2
   Payload payload{};
-  CraneVector external{};  // generalised forces besides the drives
+  CraneVector external{};  // generalised forces other than the drives'
   std::array<std::int8_t, joint_count>
       sliding{};  // stiction: the direction in which dry friction is exact; 0: friction is smoothed
 };
 
-// What changes its sign at an event.
+// A quantity that changes its sign at an event.
 struct CraneRoot {
   enum class Kind : std::uint8_t { position, speed, sticking, tension } kind;
-  std::size_t index = 0;  // coordinate; of sticking_force's magnitude, joint
-  double level = 0.0;     // subtracted from it
+  std::size_t index = 0;  // coordinate; for sticking_force's magnitude, joint
+  double level = 0.0;     // subtracted from the quantity
 };
 
 // Where energy went over an interval, J.
 struct Work {
-  double motors = 0.0;  // delivered at the motors' shafts
-  double gears = 0.0;   // lost between shaft and joint; negative where the load drives the motor (plant-and-bus.md 1.3)
+  double motors = 0.0;    // delivered at the motors' shafts
+  double gears = 0.0;     // lost between shaft and joint; negative if the load drives the motor (plant-and-bus.md 1.3)
   double friction = 0.0;  // lost in the joints, slipping brakes included
   double damping = 0.0;   // lost by the sway
   double external = 0.0;  // done by CraneInputs::external
   double impacts = 0.0;   // lost in end stops and by closing brakes
   double stored() const {
     return motors - gears - friction - damping + external - impacts;
-  }  // by how much the crane's energy grew
+  }  // the growth of the crane's energy
   Work& operator+=(const Work& b) {
     motors += b.motors, gears += b.gears, friction += b.friction, damping += b.damping, external += b.external,
         impacts += b.impacts;
@@ -65,18 +65,18 @@ class CraneMotion {
 
   void advance(CraneState&, const CraneInputs&, double seconds);
   CraneVector acceleration(const CraneState&, const CraneInputs&) const;
-  // Forces that the locked coordinates' brakes must hold, 0 for the free ones.
+  // Forces that the brakes of locked coordinates must hold, 0 for free ones.
   CraneVector holding_force(const CraneState&, const CraneInputs&) const;
 
-  // What dry friction must supply to keep a locked joint at rest against its own motor and all else.
+  // The dry friction that keeps a locked joint at rest against its own motor and all other forces.
   double sticking_force(const CraneState&, const CraneInputs&, std::size_t joint) const;
 
   double value(const CraneRoot&, const CraneState&, const CraneInputs&) const;
-  // Stops at the first root; returns the seconds gone, and in `which` the root or -1.
+  // Stops at the first root; returns the elapsed seconds, and in `which` the root or -1.
   double advance_to(CraneState&, const CraneInputs&, double seconds, std::span<const CraneRoot>, int& which);
   // The same as advance, with the work integrated as further states.
   Work advance_booked(CraneState&, const CraneInputs&, double seconds);
-  // Steps of a fixed size (tests of the order).
+  // Steps of a fixed size (for tests of the order).
   void advance_fixed(CraneState&, const CraneInputs&, double seconds, double step);
   // Brings one coordinate to rest by an impulse there; the others feel it through the crane's inertia.
   void stop(CraneState&, const CraneInputs&, std::size_t coordinate) const;
@@ -90,8 +90,7 @@ class CraneMotion {
   using Slope = std::array<std::array<double, 2 * crane_size + joint_count>, 2 * crane_size>;
   Slope linearize(const CraneState&, const CraneInputs&) const;
 
-  static constexpr std::size_t size =
-      2 * crane_size;  // what is integrated: q and qd; the torques' lag is solved exactly
+  static constexpr std::size_t size = 2 * crane_size;  // integrated are q and qd; the torques' lag is solved exactly
   static constexpr std::size_t most_roots = 2 * joint_count + 4 + joint_count + 1;
 
  private:
@@ -108,8 +107,8 @@ class CraneMotion {
   static Packed pack(const CraneState&);
   static void unpack(std::span<const double>, CraneState&);
   void begin(const CraneState&, const CraneInputs&);
-  Joints torque_at(double t) const;  // N m, so long after the call's beginning
-  // Remembers the last: an interval begins where the one before ended, and only its commands are new.
+  Joints torque_at(double t) const;  // N m, t after the call's beginning
+  // Remembers the last result: an interval begins where the one before ended, only its commands are new.
   const Crane::Dynamics& dynamics(const CraneVector& q, const CraneVector& qd, const CraneInputs&) const;
   CraneVector applied_force(const CraneVector& q, const CraneVector& qd, const Joints& torque, const CraneInputs&,
                             const Crane::Dynamics&) const;

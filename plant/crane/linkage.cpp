@@ -45,7 +45,7 @@ struct Linkage::Model {
     scale = gravity * (p.jib_mass + p.fly_mass + p.tie_mass + p.load);
   }
 
-  // The bars of the loop as vectors, columns; and d loop / d angle.
+  // The bars of the loop as vectors, in columns; and d loop / d angle.
   void bars(const Three& t, LoopBy& along, LoopBy& by) const {
     const Three length(p.jib, -p.back, -p.tie);
     for (int k = 0; k < 3; ++k) {
@@ -67,7 +67,7 @@ struct Linkage::Model {
     for (std::size_t b = 0; b < bodies; ++b) m += mass[b] * (arm[b] * arm[b].transpose()).cwiseProduct(turned);
     return m;
   }
-  // h + g less the torque.
+  // h + g minus the torque.
   Three rest(const Three& t, const Three& w) const {
     Matrix3 turned;
     for (int j = 0; j < 3; ++j)
@@ -121,7 +121,7 @@ struct Linkage::Model {
     return 0;
   }
 
-  // d r / d y + c d r / d y' by differences, as IDA would make it, but without its temporary vectors.
+  // d r / d y + c d r / d y' by differences, as IDA computes it, but without temporary vectors.
   static int jacobian(realtype, realtype c, N_Vector y, N_Vector yd, N_Vector r, SUNMatrix j, void* data, N_Vector at,
                       N_Vector atd, N_Vector there) {
     N_VScale(1.0, y, at);
@@ -144,7 +144,7 @@ struct Linkage::Model {
   }
 };
 
-// IDA with what it needs, made once: stepping allocates nothing.
+// IDA and its objects, made once: stepping allocates nothing.
 struct Linkage::Solver {
   SundialsContext context;
   SundialsVector y{size, context}, yd{size, context};
@@ -174,7 +174,7 @@ struct Linkage::Solver {
     require(IDASetJacFn(ida.memory, &Model::jacobian), call, "IDASetJacFn");
   }
 
-  // From y, yd as they stand.
+  // From the present y, yd.
   void run(double seconds) {
     require(IDAReInit(ida.memory, 0.0, y.vector, yd.vector), call, "IDAReInit");
     require(IDASetInitStep(ida.memory, std::min(1e-4, 0.1 * seconds)), call, "IDASetInitStep");
@@ -199,7 +199,7 @@ Linkage::~Linkage() = default;
 void Linkage::place(double jib_angle, double jib_rate) {
   const LinkageParameters& p = model_->p;
   const auto [s, c] = sin_cos(jib_angle);
-  // From the tie bar's pivot to the jib's end; tie bar and the fly jib's back span it as two sides of a triangle.
+  // From the tie bar's pivot to the jib's end; tie bar and the fly jib's back are the other two sides of this triangle.
   const double x = p.jib * c - p.base_x, z = p.jib * s - p.base_z;
   const double span = std::sqrt(x * x + z * z);
   const double cosine = (span * span + p.back * p.back - p.tie * p.tie) / (2.0 * span * p.back);
@@ -209,7 +209,7 @@ void Linkage::place(double jib_angle, double jib_rate) {
                     jib_angle, span, p.back, p.tie));
   const double toward = atan2(z, x);
   const double inside = atan2(std::sqrt(1.0 - cosine * cosine), cosine);
-  const double fly = toward - inside;  // the back end lies above the jib, the nose hangs forward
+  const double fly = toward - inside;  // the back end is above the jib, the nose hangs forward
   const auto [sf, cf] = sin_cos(fly);
   const Three angles(jib_angle, fly, atan2(z - p.back * sf, x - p.back * cf));
   const Three rates = model_->ratio(angles) * jib_rate;

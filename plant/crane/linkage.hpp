@@ -1,14 +1,14 @@
 #pragma once
-// The double-link jib of a level-luffing crane, in its plane: jib, fly jib and tie bar close a loop of four bars, so
-// that the nose, over which the rope runs, keeps its height while the jib luffs. A differential-algebraic system,
-// solved by IDA (plant-and-bus.md 1.1 and 1.6). The crane of the dock has a straight jib instead; this model stands by
-// itself.
+// The double-link jib of a level-luffing crane, in its plane: jib, fly jib and tie bar form a closed loop of four bars,
+// so that the nose, over which the rope runs, keeps its height while the jib luffs. A differential-algebraic system,
+// solved by IDA (plant-and-bus.md 1.1 and 1.6). The dock's crane has a straight jib instead; this model is independent
+// of the dock.
 //
 //   loop    jib e(t1) - back e(t2) - B - tie e(t3) = 0,   e(t) = (cos t, sin t), jib's pivot at the origin
 //   motion  M(t) t'' + h(t, t') + g(t) = torque on the jib + (d loop / d t)^T lambda
 //
-// The loop enters by its second derivative with Baumgarte's terms of 10/s, which pull what drifts back.
-// Inaccuracies: bars are rigid, joints without friction; the load hangs plumb below the nose and moves with it.
+// The loop is a constraint on its second derivative, with Baumgarte's terms of 10/s against drift. Inaccuracies: bars
+// are rigid, joints without friction; the load hangs vertically below the nose and moves with it.
 #include <array>
 #include <memory>
 
@@ -25,24 +25,24 @@ struct LinkageParameters {
 
 class Linkage {
  public:
-  // Throws std::invalid_argument for bars that cannot be or do not close.
+  // Throws std::invalid_argument for impossible bars, or bars that do not form a loop.
   Linkage(const LinkageParameters&, double tolerance);
   ~Linkage();
   Linkage(const Linkage&) = delete;
   Linkage& operator=(const Linkage&) = delete;
 
   using Angles = std::array<double, 3>;  // jib, fly jib, tie bar: rad from the horizontal
-  // Puts the jib there, the rest where the loop closes, all turning as it must at that rate. Throws if the loop does
-  // not close there.
+  // Puts the jib there and the rest where the loop closes, with the rates that follow. Throws if the loop cannot close
+  // there.
   void place(double jib_angle, double jib_rate);
-  // A torque on the jib (N m), held for `seconds`. Throws std::runtime_error naming IDA's reason, near a position where
+  // A torque on the jib (N m), held for `seconds`. Throws std::runtime_error with IDA's reason near a position in which
   // the bars jam.
   void advance(double torque, double seconds);
 
   const Angles& angles() const { return angle_; }
   const Angles& rates() const { return rate_; }
   std::array<double, 2> nose() const;  // m
-  double open() const;                 // m, by how much the loop does not close
+  double open() const;                 // m, the gap in the loop
   double energy() const;               // J
   double holding_torque() const;       // N m on the jib that keeps it at rest here
   std::array<double, 2> joint_force()

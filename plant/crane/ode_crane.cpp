@@ -11,7 +11,7 @@ namespace plant {
 namespace {
 
 constexpr double speck = 1e-2;  // m, radius of the sphere that is the load
-constexpr double thin = 1.0;    // kg m2, where the model has no inertia and ODE wants one
+constexpr double thin = 1.0;    // kg m2, where the model has no inertia and ODE needs one
 
 class World {
  public:

@@ -1,5 +1,5 @@
 #pragma once
-// The crane once more, as rigid bodies and joints in ODE: slider, hinge, hinge and ball. Shares no equation with
+// The crane as rigid bodies and joints in ODE: slider, hinge, hinge and ball. It shares no equation with
 // plant/crane/crane.hpp; each engine checks the other (plant-and-bus.md 1.7, test 6). Slow and of first to second
 // order: not for use in the dock.
 #include <array>

@@ -28,8 +28,8 @@ void advance_sensitivity(double relative, std::span<const double> absolute, Righ
   require(CVodeSetNonlinearSolver(solver.memory, solvers.nonlinear), call, "CVodeSetNonlinearSolver");
   std::array<N_Vector, 2> vectors{first.vector, second.vector};
   require(CVodeSensInit1(solver.memory, 2, CV_STAGGERED, nullptr, vectors.data()), call, "CVodeSensInit1");
-  // Two parameters must lie side by side: f reads the first through `link`, and the second enters by the initial values
-  // alone.
+  // The two parameters must be adjacent in memory: f reads the first through `link`, and the second acts through the
+  // initial values alone.
   std::array<double, 2> values{parameter, start_size};
   std::array<double, 2> sizes = values;
   std::array<int, 2> list{0, 1};

@@ -1,10 +1,10 @@
 #pragma once
-// The dock in time: crane, AGVs, containers, their drives and sensors. Knows no controller.
+// The dock in time: crane, AGVs, containers, their drives and sensors. It knows no controller.
 //
-// The dock is advanced lazily. Its grid is the drives' 8-kHz latch; what it does depends on that grid and on what was
-// written, never on who reads what when. Calls come in nondecreasing t. A write takes effect at the first latch
-// strictly after its t; a read at t gives what the sensor shows at t (encoders: interpolated to the instant and
-// floored; sway: its own 100-Hz sample, 10 ms late).
+// The dock advances lazily. Its grid is the drives' 8-kHz latch; its state depends on that grid and on what was
+// written, never on the time of a read. Calls come in nondecreasing t. A write takes effect at the first latch strictly
+// after its t; a read at t gives the sensor's value at t (encoders: interpolated to the instant and floored; sway: its
+// own 100-Hz sample, 10 ms late).
 //
 // Inaccuracies: docs/plant.md, last section.
 #include <array>
@@ -39,24 +39,23 @@ enum class EventKind : std::uint8_t {
   lifted,         // all four open again
   locked,         // twist locks locked; index = container, -1: none under the spreader
   opened,         // twist locks open; index = container that was let go, -1: none
-  refused,        // the twist locks turned back: landing lost, or command changed, before they were done
+  refused,        // the twist locks turned back: the landing was lost, or the command changed, before they were locked
   set_on_agv,     // container index stands on AGV values[0]
-  agv_dry,        // AGV index: its set-points ran dry while driving
+  agv_dry,        // AGV index: it had no set-points left while driving
   agv_overflow,   // AGV index: a set-point was pushed into a full FIFO and dropped
   agv_arrived,    // AGV index stands loaded in the warehouse spot
   delivered,      // container index, taken from AGV values[0] by the warehouse
   joint_limit,    // joint index ran into its end stop
-  drive_stopped,  // drive index: no torque code came for drive_timeout; its brake closes until one comes
+  drive_stopped,  // drive index: no torque code came for drive_timeout; its brake closes until a code comes
   drive_resumed,  // drive index takes codes again
   drive_tripped,  // drive index: values = why (0 too fast, 1 too long at its largest code, 2 too hot), heat of its
                   // thermal model
-  drive_warm,     // drive index: values = heat, above what the rated torque comes to (1)
+  drive_warm,     // drive index: values = heat, above the heat at rated torque (1)
   fault,          // the sway passed 40 degrees: values = alpha, beta rad; the drives are off from here on
   joint_stuck,    // joint index came to rest and sticks (stiction)
   joint_slipped,  // joint index broke away
   collision,      // AGV index ran into something: values = closing speed m/s, the other AGV or -1
-  missed,  // a touch came to nothing and is to be tried again: index = attempts so far, values = lateral error m, yaw
-           // error rad
+  missed,  // a touch failed and has to be repeated: index = attempts so far, values = lateral error m, yaw error rad
 };
 const char* name(EventKind);
 
@@ -73,14 +72,14 @@ struct ContainerStatus {
   ContainerState state;
   int agv;                   // carrier, or -1
   double x, y, z, yaw;       // m, rad: centre of the top
-  std::array<double, 3> up;  // unit vector out of the top: what stands on a rolling ship tilts with it
+  std::array<double, 3> up;  // unit vector out of the top: a container on a rolling ship tilts with it
   double mass;               // kg
 };
 
-// Where a container's change of hands stands.
+// The phase of a container's hand-over.
 enum class HandoverPhase : std::uint8_t {
   free,     // hangs on the ideal rope
-  align,    // near something to land on
+  align,    // near something on which it can land
   landed,   // all four corners closed
   lock,     // twist locks turning
   tension,  // they have turned; the rope takes the weight
@@ -91,10 +90,10 @@ const char* name(HandoverPhase);
 struct Handover {
   HandoverPhase phase;
   bool releasing;  // a container is under the spreader (in tension and lift: was set down)
-  int attempts;    // touches since the payload last hung free; more than 1 are retries
+  int attempts;    // touches since the payload last hung free; all after the first are retries
 };
 
-// What a change of the payload's model or mass did to energy and momentum.
+// How a change of the payload's model or mass changed energy and momentum.
 struct Momentum {
   std::array<double, 3> payload;  // kg m/s
   double spin;                    // kg m2/s of the payload about its own vertical
@@ -104,7 +103,7 @@ struct PayloadChange {
   Time time;
   EventKind kind;                      // near_contact, free_again, locked (attached), opened (detached)
   int container;                       // or -1
-  double energy_before, energy_after;  // J, crane and payload; of what was detached or attached too, if it moved
+  double energy_before, energy_after;  // J, crane and payload; and what was detached or attached, if it moved
   Momentum before, after;
 };
 
@@ -124,17 +123,17 @@ struct Signal {
   bool contact;
 };
 
-// Where crane and load are: what of a Signal costs little.
+// The places of crane and load: the part of a Signal that is cheap to compute.
 struct Place {
   std::array<double, joint_count> q;
   double alpha, beta;             // rad
   std::array<double, 3> payload;  // m
 };
 
-// How the load and the ship lie.
+// The attitude of the load and the ship.
 struct Attitude {
-  std::array<double, 3> load_up;     // unit vector out of the load's top: what is near contact is a body and tilts
-  std::array<double, 3> ship_shift;  // m from where the ship lies in calm water
+  std::array<double, 3> load_up;     // unit vector out of the load's top: near contact the load is a body and tilts
+  std::array<double, 3> ship_shift;  // m from the ship's place in calm water
   std::array<double, 3> ship_up;     // unit vector out of its deck; the ship does not turn about it
 };
 
@@ -148,7 +147,7 @@ class Dock {
   Dock& operator=(const Dock&) = delete;
 
   void advance_to(Time);
-  Time time() const;        // as far as the dock was advanced
+  Time time() const;        // the time to which the dock has advanced
   Time next_event() const;  // its next latch
   const DockConfig& config() const;
 
@@ -157,23 +156,23 @@ class Dock {
                        Time);  // of torque_bits (clamped); largest_torque_code = the drive's maximum_torque()
   void enable_drives(std::uint32_t mask, Time);  // bit j; a disabled drive has no torque and its brake holds
   std::uint32_t encoder(int joint, Time);        // encoder_bits of encoder_total
-  // A failed drive has no torque and its brake holds, whatever is written.
+  // A failed drive has no torque and its brake holds, whatever codes are written.
   void fail_drive(int joint, bool failed, Time);
-  // A failed sensor goes on showing what it shows at this time.
+  // A failed sensor keeps its value of this time.
   void fail_encoder(int joint, bool failed, Time);
   void fail_sway(int axis, bool failed, Time);
-  std::int64_t encoder_total(int joint, Time);  // the same count since joint zero, not wrapped (for start-up)
+  std::int64_t encoder_total(int joint, Time);  // the same count since joint zero, without wrapping (for start-up)
   std::int32_t sway(int axis, Time);  // 0 alpha (radial), 1 beta (tangential); sway_codes = the sensor's range
   // Ready; fault (failed, tripped, or the dock's own fault); no torque code for drive_timeout; brake closed:
   // drive_ready ... drive_brake.
   std::uint32_t drive_status(int joint, Time);
   std::int32_t drive_speed(int joint, Time);  // the drive's own estimate of its motor's speed: rated_units = rated
-  // Why it tripped last, until it is switched on again: trip_overspeed, trip_saturation, trip_heat; trip_warning:
-  // warmer than the rated torque makes it.
+  // The reason of its last trip, until the drive is switched on again: trip_overspeed, trip_saturation, trip_heat;
+  // trip_warning: warmer than at rated torque.
   std::uint32_t drive_trip(int joint, Time);
-  std::int32_t drive_heat(int joint, Time);  // its thermal model: rated_units is what the rated torque comes to
+  std::int32_t drive_heat(int joint, Time);  // its thermal model: rated_units is the heat at rated torque
   std::int32_t load_cell(Time);              // kg on the rope, in steps of 10; sampled with the sway
-  std::int32_t second_sway(int axis, Time);  // as sway(), with a noise of its own
+  std::int32_t second_sway(int axis, Time);  // as sway(), with its own noise
   std::int32_t wind_mean(Time);              // mm/s along the wind's direction, mean of the last 3 s
   void fail_drive_status(int joint, bool failed, Time);
   void fail_drive_speed(int joint, bool failed, Time);
@@ -201,46 +200,48 @@ class Dock {
   std::int32_t agv_heading(int agv, Time);  // microradians, -pi..pi
   std::int32_t agv_speed(int agv, Time);    // mm/s
   std::uint32_t agv_status(int agv, Time);  // agv_waiting ... agv_bumper
-  // Range sensor in front of the vehicle, looking ahead in a horizontal plane: ray 0 .. range_rays - 1, from the right
-  // to the left.
-  std::int32_t agv_range(int agv, int ray, Time);  // mm in steps of 8; range_most: nothing within it; 0: no valid echo
-  std::uint32_t range_scan(int agv, Time);         // number of the scan that agv_range shows
-  // mm from the vehicle's front to the nearest echo of that scan in its way, as the protective field reckons it;
+  // Range sensor in front of the vehicle, looking ahead in a horizontal plane: ray 0 .. range_rays - 1, from right to
+  // left.
+  std::int32_t agv_range(int agv, int ray,
+                         Time);             // mm in steps of 8; range_most: nothing within range; 0: no valid echo
+  std::uint32_t range_scan(int agv, Time);  // number of the scan that agv_range shows
+  // mm from the vehicle's front to the nearest echo of that scan in its way, as the protective field computes it;
   // range_most: none.
   std::int32_t range_way(int agv, Time);
   std::int32_t range_mount() const;  // mm ahead of the vehicle's centre
   void agv_period(int agv, std::uint32_t microseconds, Time);
   // Speed mm/s, steering microradians; the machine keeps the first two registers and calls this at the write of the
-  // third. A vehicle with differential drive takes them for the turning that they would give a steered one.
+  // third. A vehicle with differential drive makes the turn that these values would give a steered vehicle.
   void agv_push(int agv, std::int32_t speed, std::int32_t front, std::int32_t rear, Time);
   void agv_push_wheels(int agv, std::int32_t left, std::int32_t right, Time);  // mm/s, differential drive only
-  // After a collision: the bumper is back, set-points are taken again.
+  // After a collision: resets the bumper; set-points are taken again.
   void agv_reset_bumper(int agv, Time);
 
-  // ---- what an observer may see (true values, no sensors)
+  // ---- for observers (true values, no sensors)
   const std::vector<Event>& events() const;  // in order of time, since the start
   std::vector<ContainerStatus> containers() const;
-  AgvSignal agv(int index) const;              // at the last latch
-  Signal signal() const;                       // at the last latch
-  Place place() const;                         // at the last latch
-  Attitude attitude() const;                   // at the last latch
-  const std::vector<Signal>& signals() const;  // recorded each config.signal_decimation latches, long runs' less often
+  AgvSignal agv(int index) const;  // at the last latch
+  Signal signal() const;           // at the last latch
+  Place place() const;             // at the last latch
+  Attitude attitude() const;       // at the last latch
+  const std::vector<Signal>& signals()
+      const;  // recorded each config.signal_decimation latches, in long runs less often
   const std::vector<std::vector<AgvSignal>>& agv_signals() const;  // same rows, per AGV
   int delivered() const;                                           // containers
   Handover handover() const;
   const std::vector<PayloadChange>& switches()
-      const;  // bookkeeping of every hand-over between levels and of every attach and detach
+      const;  // records of every hand-over between levels and of every attach and detach
   bool faulted() const;
-  bool braked() const;          // no drive is on: brakes hold every joint, or are bringing it to rest
+  bool braked() const;          // no drive is on: brakes hold every joint, or stop it
   double payload_mass() const;  // kg on the rope, spreader included
   double energy() const;        // J, crane and payload, kinetic and potential
-  void on_latch(std::function<void(Time, std::span<const int>)>);  // after each latch: the codes taken
+  void on_latch(std::function<void(Time, std::span<const int>)>);  // called after each latch, with the codes taken
   void on_event(std::function<void(const Event&)>);
 
-  // ---- state: complete; restoring and going on equals never having stopped, bit for bit. Taken at the last latch.
+  // ---- the complete state, at the last latch: restoring and continuing equals an uninterrupted run, bit for bit
   std::shared_ptr<const DockState> snapshot() const;
   void restore(const DockState&);  // of a dock with the same config
-  // The same with what has been recorded so far: events, switches, signals. Loads into a dock with the same config.
+  // The same with the records so far: events, switches, signals. Loads into a dock with the same config.
   void list_state(state::Visitor& list);
   std::array<std::uint64_t, 2> state_hash() const;
 

@@ -50,7 +50,7 @@ const Geometry::Scan& DockCore::scan(std::size_t agv) {
   return fresh.codes;
 }
 
-// A range sensor with a rate of its own samples; some rays bring nothing back.
+// Takes a sample of a range sensor with its own rate; some rays have no echo.
 void DockCore::look(std::size_t agv) {
   if (state.scans.empty()) return;
   collect_solids(config, state, state.agvs[agv].container, solids_);

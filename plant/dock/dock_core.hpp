@@ -1,6 +1,6 @@
 #pragma once
-// What happens at each latch: dock_core.cpp in what order, dock_drives.cpp, dock_payload.cpp and dock_agvs.cpp each its
-// part. Private to the dock.
+// The actions at each latch: dock_core.cpp has their order; dock_drives.cpp, dock_payload.cpp and dock_agvs.cpp have
+// one part each. Private to the dock.
 #include <array>
 #include <functional>
 #include <optional>
@@ -22,18 +22,18 @@ class DockCore {
   explicit DockCore(const DockConfig&);
 
   void step();                // to the next latch
-  const CraneState& ahead();  // the crane at the next latch, integrated when first asked for
-  void meet_happenings();     // those of the interval that ends
+  const CraneState& ahead();  // the crane at the next latch, integrated at the first call
+  void meet_happenings();     // the events of the interval that ends
   void report(Time, EventKind, int index = -1, double first = 0.0, double second = 0.0);
   void forget_ahead() { ahead_.reset(); }
-  // What the range sensor of an AGV shows now.
+  // The present scan of an AGV's range sensor.
   const Geometry::Scan& scan(std::size_t agv);
   void forget_scans() { fresh_.clear(); }
   std::uint32_t scan_number(std::size_t agv) const;
   SampleClock unit_clock(std::size_t agv) const {
     return agv < config.unit_clocks.size() ? config.unit_clocks[agv] : SampleClock{};
   }
-  void list_records(state::Visitor& list);  // what has been recorded: nothing that the dock does depends on it
+  void list_records(state::Visitor& list);  // the records: they do not affect the dock
   Time now() const { return state.latch * latch_period; }
   Place make_place() const;
   Signal make_signal() const;
@@ -42,7 +42,7 @@ class DockCore {
   Momentum momentum() const;
   bool accepted() const { return !config.landing.strict || state.handover.accepted; }  // the landing's corners count
   double drum(const CraneState&, std::size_t joint) const;  // joint position as its encoder sees it
-  // Instruments (dock_instruments.cpp), as they show at the last latch.
+  // The instruments (dock_instruments.cpp) at the last latch.
   std::uint32_t drive_status(std::size_t joint) const;
   std::int32_t drive_speed(std::size_t joint) const;
   std::uint32_t drive_trip(std::size_t joint) const;  // dock_trips.cpp
@@ -54,7 +54,7 @@ class DockCore {
   AgvMotion agv_motion;
   Traffic traffic;
   Landing landing;
-  mutable Wind wind;  // what it remembers changes no value
+  mutable Wind wind;  // its cache changes no value
   DockState state;
   std::vector<Event> events;
   std::vector<PayloadChange> switches;
@@ -81,7 +81,7 @@ class DockCore {
   void turn_locks();
   void watch_handover(bool turned);
   template <class Change>
-  auto booked(EventKind, int container, Change);  // a change of the payload, with what it does to energy and momentum
+  auto booked(EventKind, int container, Change);  // a change of the payload, with its effect on energy and momentum
   void move_agvs();
   void look(std::size_t agv);
   SampleClock range_clock(std::size_t agv) const {
@@ -96,7 +96,7 @@ class DockCore {
     report(now(), kind, index, first, second);
   }
 
-  // The crane at the next latch, and what happens to it until then.
+  // The crane at the next latch, and its events until then.
   struct Ahead {
     CraneState crane;
     CraneInputs inputs;
@@ -104,14 +104,14 @@ class DockCore {
   };
   std::optional<Ahead> ahead_;
   std::vector<CraneEvent> happenings_;
-  // The scans of this latch that have been asked for, so that 180 reads cost one.
+  // The scans of this latch that were computed, so that 180 reads cost one scan.
   struct Fresh {
     std::int64_t latch = -1;
     Geometry::Scan codes{};
   };
   std::vector<Fresh> fresh_;
   std::vector<Solid> solids_;
-  std::int64_t signals_thinned_ = 1;  // so many times config.signal_decimation lie between two rows
+  std::int64_t signals_thinned_ = 1;  // the interval between two rows, in units of config.signal_decimation
 };
 
 }  // namespace plant

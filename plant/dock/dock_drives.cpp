@@ -23,7 +23,7 @@ void DockCore::take_codes() {
   watch_updates();
   std::uint32_t enable =
       state.faulted ? 0U : state.shadow_enable & ~state.stopped & ~state.failed_drives & ~state.protection.tripped;
-  if (config.crane.machine == CraneKind::gantry) enable &= ~slew_bit;  // it does not slew
+  if (config.crane.machine == CraneKind::gantry) enable &= ~slew_bit;  // a gantry does not slew
   for (std::size_t j = 0; j < joint_count; ++j) {
     const bool on = bit(enable, j);
     if (on && !bit(state.enabled, j)) {
@@ -33,7 +33,7 @@ void DockCore::take_codes() {
     } else if (!on && bit(state.enabled, j)) {
       state.inputs.braked[j] = true;
       state.inputs.sliding[j] = 0;
-      state.modes.stuck &= ~(1U << j);  // what dry friction held, the brake holds from now on
+      state.modes.stuck &= ~(1U << j);  // from now on the brake holds the joint instead of dry friction
     }
     const double share = 1.0 * state.code[j] / largest_torque_code;
     state.inputs.command[j] = on ? share * config.crane.drives[j].maximum_torque() : 0.0;
@@ -41,7 +41,7 @@ void DockCore::take_codes() {
   state.enabled = enable;
 }
 
-// A drive that gets no torque code any more must not go on pushing with the last one.
+// A drive without new torque codes must not continue with the last one.
 void DockCore::watch_updates() {
   if (config.drive_timeout <= 0.0) return;
   const auto timeout = static_cast<std::int64_t>(std::llround(config.drive_timeout / latch_seconds));
@@ -52,15 +52,15 @@ void DockCore::watch_updates() {
     if (silent)
       report(EventKind::drive_stopped, static_cast<int>(j));
     else if (bit(state.shadow_enable, j))
-      report(EventKind::drive_resumed, static_cast<int>(j));  // else it was switched off
+      report(EventKind::drive_resumed, static_cast<int>(j));  // else the drive was switched off
   }
 }
 
-// A closed brake slips until the joint is almost still, then holds; too great a load makes it slip again.
+// A closed brake slips until the joint is almost at rest, then it holds; too great a load makes it slip again.
 void DockCore::apply_brakes() {
   CraneVector holding{};
   bool asked = false;
-  // A gantry's psi is held by its build, not by a brake that could slip.
+  // A gantry's psi is held by its construction, not by a brake that could slip.
   const std::uint32_t unbraked = config.crane.machine == CraneKind::gantry ? state.enabled | slew_bit : state.enabled;
   for (std::size_t j = 0; j < joint_count; ++j) {
     if (bit(unbraked, j)) continue;

@@ -1,5 +1,5 @@
-// Drive status and speed, load cell, second sway sensor, anemometer: what they show, and what they go on showing when
-// they have failed.
+// Drive status and speed, load cell, second sway sensor, anemometer: their values, and the values that they keep after
+// a failure.
 #include <algorithm>
 #include <cmath>
 
@@ -36,7 +36,7 @@ std::int32_t DockCore::wind_mean(double seconds) const {
   return static_cast<std::int32_t>(std::floor(1e3 * wind.mean(seconds - wind_window, seconds) + 0.5));
 }
 
-// With the sway sensor's clock: what is sampled now can be read a sample later.
+// Uses the sway sensor's clock: a value sampled now can be read one sample later.
 void DockCore::sample_instruments(std::int64_t sample) {
   InstrumentState& seen = state.instruments;
   const auto angles = sway();

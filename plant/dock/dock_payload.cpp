@@ -1,4 +1,4 @@
-// The latch's part of the payload: its changes between the levels, the landing's steps, twist locks, and the books of
+// The latch's part of the payload: its changes between the levels, the landing's steps, twist locks, and the record of
 // every change.
 #include <cmath>
 
@@ -7,7 +7,7 @@
 namespace plant {
 namespace {
 
-constexpr std::int64_t clearance_latches = 8;  // how often the payload looks for what is below it
+constexpr std::int64_t clearance_latches = 8;  // how often the clearance below the payload is computed
 
 }  // namespace
 
@@ -20,7 +20,7 @@ Vector3 DockCore::wind_force() const {
   return wind.force(state.seconds(), velocity, yaw + state.grip.yaw, state.carried >= 0);
 }
 
-// Near contact the wind is on the body that the landing moves.
+// Near contact the wind acts on the body that the landing moves.
 void DockCore::blow() {
   if (!config.wind.blows() || state.landing.active) return;
   state.inputs.external = crane.crane().at_payload(state.crane.q, wind_force());
@@ -36,7 +36,7 @@ auto DockCore::booked(EventKind kind, int container, Change change) {
   return result;
 }
 
-// The ideal rope holds only while it is taut and nothing is near.
+// The ideal rope is valid only while it is taut and nothing is near.
 void DockCore::watch_free_payload() {
   const double clearance = landing.clearance(state, crane.crane());
   if (clearance > config.landing.near) {
@@ -88,10 +88,10 @@ void DockCore::watch_handover(bool turned) {
   view.seated = near.corners == 0xF && accepted();
   view.turning = state.lock == Lock::locking || state.lock == Lock::opening;
   view.turned = turned;
-  // The clearance is asked for only where it decides: once a touch has let go.
+  // The clearance is needed only once a touch has ended.
   if (state.handover.touching && near.contacts == 0) view.clearance = landing.clearance(state, crane.crane());
   if (!watch(state.handover, view)) return;
-  state.landing.touched = false;  // the next touch is one of its own
+  state.landing.touched = false;  // the next touch counts as a new one
   const auto [distance, yaw] = landing.landing_error(state);
   report(EventKind::missed, state.handover.attempts, distance, yaw);
 }

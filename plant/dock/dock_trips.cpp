@@ -1,4 +1,4 @@
-// The drives' own protection: what makes a drive trip, and what ends that.
+// The drives' own protection: why a drive trips, and when the trip ends.
 #include <algorithm>
 #include <cmath>
 
@@ -15,9 +15,9 @@ std::int64_t latches(double seconds) { return std::llround(seconds / latch_secon
 
 }  // namespace
 
-// Over the interval that has ended: its codes were held, and its heat is that of the torque at its end. A trip stands
-// until the drive is switched off; that of the thermal model also until the motor has cooled to what it withstands for
-// ever.
+// For the interval that has ended: its codes were held, and its heat is that of the torque at its end. A trip lasts
+// until the drive is switched off; a trip by the thermal model also until the motor has cooled to the heat that it
+// withstands permanently.
 void DockCore::protect_drives() {
   ProtectionState& p = state.protection;
   const std::uint32_t switched_on = state.shadow_enable & ~p.asked;
@@ -43,7 +43,7 @@ void DockCore::protect_drives() {
   }
 }
 
-// An unstable loop throws the code from one end of its range to the other, mostly in less than saturation_time.
+// An unstable loop swings the code from one end of its range to the other, mostly in less than saturation_time.
 bool DockCore::count_swings(std::size_t joint, bool on) {
   ProtectionState& p = state.protection;
   const DriveParameters& drive = config.crane.drives[joint];

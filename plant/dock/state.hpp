@@ -1,5 +1,5 @@
 #pragma once
-// The dock's whole state, in one place: what is not here does not influence the future. Plain values only.
+// The dock's whole state: a value that is not here does not affect the future. Plain values only.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -14,8 +14,8 @@ namespace plant {
 
 enum class Lock : std::uint8_t { open, locking, locked, opening };
 
-// How the container sits under the spreader: its centre and heading in the spreader's frame, its top's height above the
-// underside.
+// The container under the spreader: its centre and heading in the spreader's frame, and its top's height above the
+// spreader's underside.
 struct Grip {
   double x = 0.0, y = 0.0, yaw = 0.0, top = 0.0;
 };
@@ -24,9 +24,9 @@ struct Grip {
 struct LandingState {
   bool active = false;
   BodyState body{};
-  double slack = 0.0;     // m: unstretched falls are this much shorter than q_l
+  double slack = 0.0;     // m, by which the unstretched falls are shorter than q_l
   std::int64_t next = 0;  // latch at which the body's step ends
-  bool touched = false;   // since it last stood clear
+  bool touched = false;   // since it was last clear
   int contacts = 0;
   bool clear = false;    // the last step was free of contact with all falls taut
   double tension = 0.0;  // N, sum of the falls
@@ -34,10 +34,10 @@ struct LandingState {
   bool landed = false;   // all four closed, until all four open
 };
 
-// Instruments beside encoders and the first sway sensor (plant/dock/dock_instruments.cpp). `stuck_...`: a failed one
-// goes on showing `held_...`.
+// Instruments other than encoders and the first sway sensor (plant/dock/dock_instruments.cpp). `stuck_...`: a failed
+// one keeps `held_...`.
 struct InstrumentState {
-  std::array<std::int32_t, 2> sway_shown{}, sway_sampled{};  // the second sway sensor, as the first
+  std::array<std::int32_t, 2> sway_shown{}, sway_sampled{};  // the second sway sensor, like the first
   std::int32_t load_shown = 0, load_sampled = 0;             // load cell, kg
   std::uint32_t stuck_status = 0, stuck_speeds = 0;          // by joint
   std::uint32_t stuck_sways = 0;                             // by axis, of the second sensor
@@ -54,11 +54,11 @@ inline constexpr std::size_t trip_count = 3;
 // The drives' own protection (plant/dock/dock_trips.cpp).
 struct ProtectionState {
   std::array<std::int64_t, joint_count> fast{},
-      saturated{};                     // latches for which the drive has been too fast, at its largest code
-  std::array<int, joint_count> end{};  // of the code's range, at which it was last: 1, -1, or 0
-  std::array<std::int64_t, joint_count> since_swing{};  // latches since it last came from the other end
-  std::array<int, joint_count> swings{};           // how often it has, each within saturation_time of the one before
-  std::array<double, joint_count> heat{};          // of the thermal model: 1 is what the rated torque comes to
+      saturated{};                     // latches for which the drive has been too fast, or at its largest code
+  std::array<int, joint_count> end{};  // end of the code's range at which the code was last: 1, -1, or 0
+  std::array<std::int64_t, joint_count> since_swing{};  // latches since its last swing from one end to the other
+  std::array<int, joint_count> swings{};   // number of such swings, each within saturation_time of the one before
+  std::array<double, joint_count> heat{};  // of the thermal model: 1 is the heat at rated torque
   std::array<std::uint32_t, trip_count> causes{};  // by joint, of the last trip; until the drive is switched on again
   std::uint32_t tripped = 0;                       // until it is switched off, and has cooled to 1
   std::uint32_t warm = 0;                          // heat above 1
@@ -68,17 +68,17 @@ struct ProtectionState {
 struct DockState {
   std::int64_t latch = 0;  // number of the last latch; its time is latch * 125 us
   CraneState crane;
-  CraneInputs inputs;                                  // held since that latch
-  double stretch = 0.0;                                // m: rope below the tip less what the drum has paid out
-  std::array<int, joint_count> shadow{}, code{};       // torque codes: written, and taken at the latch
-  std::vector<std::array<int, joint_count>> underway;  // codes on their way to the drives, by latch modulo drive_delay
+  CraneInputs inputs;                             // held since that latch
+  double stretch = 0.0;                           // m: rope below the tip minus the rope that the drum has paid out
+  std::array<int, joint_count> shadow{}, code{};  // torque codes: written, and taken at the latch
+  std::vector<std::array<int, joint_count>> underway;  // codes under way to the drives, by latch modulo drive_delay
   std::uint32_t shadow_enable = 0, enabled = 0;
   std::array<std::int64_t, joint_count> updated{};  // number of the last latch before the code was written
-  std::uint32_t stopped = 0;                        // drives that have got no code for drive_timeout
+  std::uint32_t stopped = 0;                        // drives that have had no code for drive_timeout
   std::uint32_t failed_drives = 0;
   ProtectionState protection;
   std::uint32_t stuck_encoders = 0, stuck_sways = 0;
-  std::array<std::int64_t, joint_count> stuck_count{};  // what a stuck encoder shows
+  std::array<std::int64_t, joint_count> stuck_count{};  // the value of a stuck encoder
   std::uint32_t spreader_command = 0;
   Lock lock = Lock::open;
   std::int64_t lock_done = 0;  // latch at which the twist locks finish turning
@@ -90,7 +90,7 @@ struct DockState {
   InstrumentState instruments;
   std::vector<ContainerData> containers;
   std::vector<AgvState> agvs;
-  std::vector<std::array<std::int32_t, range_rays>> scans;  // per AGV, where the range sensors have a rate of their own
+  std::vector<std::array<std::int32_t, range_rays>> scans;  // per AGV, if the range sensors have their own rate
   int row = 0;                                              // of the bay scanner
   CraneModes modes;                                         // of the crane's joints
   bool faulted = false;

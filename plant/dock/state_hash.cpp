@@ -76,7 +76,7 @@ std::array<std::uint64_t, 2> hash(const DockState& s) {
     s.failed_drives, s.stuck_encoders, s.stuck_sways, s.stuck_count, s.protection, s.spreader_command, s.lock,
     s.lock_done, s.carried, s.grip, s.landing, s.sway_shown, s.sway_sampled, s.instruments, s.containers, s.agvs, s.row,
     s.modes.at_limit, s.faulted, s.delivered);
-  // What only some docks have counts only where it is, so that a dock without it keeps its hash.
+  // Values that only some docks have are hashed only there, so that a dock without them keeps its hash.
   if (s.modes.stuck != 0 || s.inputs.sliding != decltype(s.inputs.sliding){}) h(s.modes.stuck, s.inputs.sliding);
   if (!s.underway.empty()) h(s.underway);
   if (!s.scans.empty()) h(s.scans);

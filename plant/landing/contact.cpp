@@ -19,7 +19,7 @@ struct ContactEngine::Implementation {
   LandingParameters p;
   dWorldID world;
   dBodyID body;
-  std::vector<dBodyID> carriers;  // what the solids of a step that move ride on
+  std::vector<dBodyID> carriers;  // the bodies on which moving solids ride
   dJointGroupID joints;
   std::array<dGeomID, 4> feet{};
   std::array<dGeomID, 2> hulls{};
@@ -28,7 +28,7 @@ struct ContactEngine::Implementation {
     dJointFeedback force;
     bool by_crane;
   };
-  std::vector<Felt> felt;  // of each contact
+  std::vector<Felt> felt;  // the force of each contact
 
   explicit Implementation(const LandingParameters& parameters) : p(parameters) {
     start_ode();
@@ -94,7 +94,7 @@ struct ContactEngine::Implementation {
     dGeomSetQuaternion(solid, yaw);
   }
 
-  // What moves as the solid does, for the contacts on it.
+  // A body that moves like the solid, for contacts on it.
   dBodyID carrier_of(const Solid& moving, std::size_t& used) {
     if (moving.vx == 0.0 && moving.vy == 0.0 && moving.vz == 0.0 && moving.spin == Vector3{}) return nullptr;
     if (used == carriers.size()) {

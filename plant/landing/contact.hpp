@@ -31,7 +31,7 @@ struct BodyShape {
 struct ContactResult {
   int contacts = 0;
   double normal_force = 0.0;         // N, sum of the upward parts
-  std::array<double, 3> by_crane{};  // N, what the crane's own legs push with
+  std::array<double, 3> by_crane{};  // N, the push by the crane's own legs
 };
 
 class ContactEngine {

@@ -3,7 +3,7 @@
 namespace plant {
 namespace {
 
-constexpr double attempt_over = 0.1;  // m, clearance at which a touch that came to nothing is over
+constexpr double attempt_over = 0.1;  // m, clearance at which a failed touch has ended
 
 HandoverPhase next(HandoverPhase phase, const HandoverView& now) {
   if (!now.body) return HandoverPhase::free;

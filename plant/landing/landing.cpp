@@ -1,4 +1,4 @@
-// The payload as a body: its shape, what is near it, and its hand-overs to and from the crane's own equations.
+// The payload as a body: its shape, the solids near it, and the hand-overs to and from the crane's own equations.
 #include "plant/landing/landing.hpp"
 
 #include <algorithm>
@@ -66,7 +66,7 @@ std::array<double, 3> Landing::payload_position(const DockState& s) const {
 
 double Landing::payload_yaw(const DockState& s) const { return yaw_of(Frame(s.landing.body.turn)); }
 
-// ---- what is near
+// ---- solids nearby
 
 Solid Landing::footprint(const DockState& s, double x, double y, double z, double yaw) const {
   const double bottom = s.carried < 0 ? z : z + s.grip.top - container_height;
@@ -113,7 +113,7 @@ void Landing::find_near(const DockState& s) {
     if (foot.bottom - 0.5 < solid.top_at(foot.x, foot.y) && overlaps(foot, solid, 0.5)) near_.push_back(solid);
 }
 
-// What would carry a foot at (x, y, z): the highest top that is not clearly above it.
+// The surface that would carry a foot at (x, y, z): the highest top that is not clearly above the foot.
 const Solid* Landing::support(double x, double y, double z) const {
   const Solid* best = nullptr;
   for (const Solid& solid : near_) {
@@ -154,7 +154,7 @@ double Landing::begin(DockState& s, const CraneMotion& motion) {
   landing = {};
   landing.active = true;
   landing.next = s.latch;
-  landing.slack = each * l / (p_.fall_stiffness + each);  // the falls pull as the ideal rope did
+  landing.slack = each * l / (p_.fall_stiffness + each);  // the falls pull with the force of the ideal rope
   landing.tension = 4.0 * each;
   const auto [sy, cy] = sin_cos(0.5 * (c.q[Q_PSI] + c.q[Q_KAPPA]));
   const Vector3 under = underside(s, config_.crane.spreader_mass);

@@ -1,7 +1,7 @@
 #pragma once
 // The payload near contact (plant-and-bus.md 1.3 level L2, 1.5, 1.6): below a small clearance it becomes a rigid body
-// in ODE that hangs from the tip on four elastic one-sided falls, and becomes the ideal pendulum again when it is well
-// clear.
+// in ODE that hangs from the tip on four elastic one-sided falls; well clear of everything it becomes the ideal
+// pendulum again.
 #include <vector>
 
 #include "plant/dock/state.hpp"
@@ -12,7 +12,7 @@ class Landing {
  public:
   explicit Landing(const DockConfig&);
 
-  // What the payload weighs now: spreader, and the container that it carries.
+  // The present payload: the spreader, and the container that it carries.
   Payload payload(const DockState&) const;
   // Smallest height of the payload over anything that it could touch, m; large when far above everything.
   double clearance(const DockState&, const Crane&);

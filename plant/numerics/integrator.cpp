@@ -92,7 +92,7 @@ struct Integrator::Implementation {
     if (root_count > 0) require(CVodeRootInit(cvodes->memory, root_count, evaluate_roots), call, "CVodeRootInit");
   }
 
-  // Returns the seconds gone.
+  // Returns the elapsed seconds.
   double run(void* model, std::span<double> state, double interval, long most_steps) {
     call.model = model;
     std::copy(state.begin(), state.end(), y.data());

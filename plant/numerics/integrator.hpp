@@ -1,5 +1,5 @@
 #pragma once
-// One adaptive integrator, restarted at every call: its whole memory is the caller's state and step.
+// One adaptive integrator, restarted at every call: its only memory is the caller's state and step.
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -12,12 +12,13 @@ enum class Method : std::uint8_t { erk, adams, bdf };
 
 // yd = f(t, y); t is the time since the call's beginning, so that no time is accumulated in floating point.
 using RightHandSide = void (*)(void* model, double t, const double* y, double* yd);
-// values = what changes its sign at an event.
+// values: the quantities that change their sign at an event.
 using RootFunction = void (*)(void* model, double t, const double* y, double* values);
 
-// Orders of ERKStep. SUNDIALS 6.4 has tables of order 2, 6 and 8 too, but takes every table whose last stage is at the
-// step's end for one that has the next step's first derivative ("first same as last"). Of these it is not true: further
-// steps of one call begin with a wrong derivative, or with none. So Integrator's constructor refuses them.
+// Orders of ERKStep. SUNDIALS 6.4 has tables of order 2, 6 and 8 too, but treats every table whose last stage is at the
+// step's end as one whose last derivative is the next step's first ("first same as last"). This is not true for these
+// tables: further steps of one call would begin with a wrong derivative, or with none. So Integrator's constructor
+// refuses them.
 inline constexpr int lowest_order = 3, highest_order = 5;
 
 class Integrator {
@@ -35,14 +36,14 @@ class Integrator {
   Integrator(const Integrator&) = delete;
   Integrator& operator=(const Integrator&) = delete;
 
-  // Advances y by `interval` seconds. `step` is the step to begin with, and on return the one to begin with next time
-  // (ERKStep; the multistep methods choose it from y alone). Allocates nothing after the first call. Throws
-  // std::runtime_error naming SUNDIALS' reason.
+  // Advances y by `interval` seconds. `step` is the first step, and on return the first step for the next call
+  // (ERKStep; the multistep methods derive it from y alone). Allocates nothing after the first call. Throws
+  // std::runtime_error with SUNDIALS' reason.
   void advance(void* model, std::span<double> y, double interval, double& step);
-  // The same, but stops at the first root; returns the seconds gone, `interval` if there was none. found: -1, 0 or 1
-  // per root, the direction in which it passed zero.
+  // The same, but stops at the first root; returns the elapsed seconds, `interval` if there was no root. found: -1, 0
+  // or 1 per root, the direction of its change of sign.
   double advance_to_root(void* model, std::span<double> y, double interval, double& step, std::span<int> found);
-  // The same as advance with steps of a fixed size (ERKStep only; tests of the order).
+  // The same as advance with steps of a fixed size (ERKStep only; for tests of the order).
   void advance_fixed(void* model, std::span<double> y, double interval, double step);
 
  private:
@@ -50,9 +51,9 @@ class Integrator {
   std::unique_ptr<Implementation> self_;
 };
 
-// CVODES (Adams) with two forward sensitivities: `by_parameter` by `parameter`, which f reads and CVODES varies, and
-// `by_start` by a quantity of the given size that enters through the initial values alone. Both hold the derivatives at
-// the start, then at the end.
+// CVODES (Adams) with two forward sensitivities: `by_parameter` for `parameter`, which f reads and CVODES varies, and
+// `by_start` for a quantity of the given size that acts through the initial values alone. Both contain the derivatives
+// at the start, then at the end.
 void advance_sensitivity(double relative, std::span<const double> absolute, RightHandSide f, void* model,
                          std::span<double> y, std::span<double> by_parameter, std::span<double> by_start,
                          double& parameter, double start_size, double interval);

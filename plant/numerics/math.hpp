@@ -1,7 +1,7 @@
 #pragma once
-// Elementary functions that give the same bits on every x86-64: SLEEF's deterministic ones, one or two at a time. The C
-// library picks variants by CPU. sqrt, floor and fabs are exact everywhere and come from <cmath>. To be included by
-// sources only: the header below is heavy.
+// Elementary functions with the same bits on every x86-64: SLEEF's deterministic ones, one or two at a time. The C
+// library selects variants by CPU. sqrt, floor and fabs are exact everywhere and come from <cmath>. Only sources
+// include this file: the header below is large.
 #include <emmintrin.h>
 #include <sleef.h>
 
@@ -24,7 +24,7 @@ inline SinCos sin_cos(double x) {
   const auto r = Sleef_cinz_sincosd1_u10purec(x);
   return {r.x, r.y};
 }
-// Of two, with the bits of each alone.
+// Both at once, with the bits of each alone.
 inline std::array<SinCos, 2> sin_cos(double x, double y) {
   const auto r = Sleef_cinz_sincosd2_u10sse2(_mm_setr_pd(x, y));
   return {SinCos{_mm_cvtsd_f64(r.x), _mm_cvtsd_f64(r.y)},
@@ -33,13 +33,13 @@ inline std::array<SinCos, 2> sin_cos(double x, double y) {
 inline double sin(double x) { return Sleef_cinz_sind1_u10purec(x); }
 inline double cos(double x) { return Sleef_cinz_cosd1_u10purec(x); }
 inline double atan2(double y, double x) { return Sleef_cinz_atan2d1_u10purec(y, x); }
-// Beyond 20 the nearest double is 1 in any case.
+// Beyond 20 the nearest double is always 1.
 inline double tanh(double x) { return x > 20.0 ? 1.0 : x < -20.0 ? -1.0 : Sleef_cinz_tanhd1_u10purec(x); }
 inline double exp(double x) { return Sleef_cinz_expd1_u10purec(x); }
-// 0 for less than exp(-700).
+// 0 if less than exp(-700).
 inline double small_exp(double x) { return x < -700.0 ? 0.0 : exp(x); }
 
-// Of each, with the bits of the scalar function; two at a time cost little more than one.
+// tanh of each element, with the bits of the scalar function; two at a time cost little more than one.
 inline void tanh_each(std::span<double> x) {
   const auto within = [](double at, double value) { return at > 20.0 ? 1.0 : at < -20.0 ? -1.0 : value; };
   std::size_t i = 0;

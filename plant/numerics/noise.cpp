@@ -15,7 +15,7 @@ std::uint64_t mix(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-// `part` 1 is the second number that a normal deviate needs. Different (stream, part, sample) have different keys, and
+// `part` 1 is the second number for a normal deviate. Different (stream, part, sample) have different keys, and
 // different results.
 double draw(std::uint64_t seed, Stream stream, std::uint64_t part, std::int64_t sample) {
   const std::uint64_t key =

@@ -1,7 +1,7 @@
 #pragma once
-// Random numbers that are functions of a seed, a stream and a number: who draws what, and when, changes nothing. Every
-// purpose and every axis has a stream of its own. The stream's number and the sample's stand in separate bits of one
-// key, so that no two of them share one.
+// Random numbers as functions of a seed, a stream and a number, so the order of draws does not matter. Every purpose
+// and every axis has its own stream. The stream's number and the sample's number use separate bits of one key, so no
+// two of them share a key.
 #include <cstdint>
 
 namespace plant {

@@ -11,7 +11,7 @@
 namespace plant {
 namespace {
 
-// ODE prints and exits by itself; here its complaints become exceptions and its chatter nothing.
+// ODE prints messages and exits by itself; here its errors become exceptions, and its other messages are dropped.
 void complain(int number, const char* message, va_list arguments) {
   char text[256];
   std::vsnprintf(text, sizeof text, message, arguments);

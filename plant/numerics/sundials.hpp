@@ -1,5 +1,5 @@
 #pragma once
-// SUNDIALS' handles with owners. Private to this room: the headers below are heavy.
+// SUNDIALS' handles with owners. Private to this room: the headers below are large.
 #include <cvodes/cvodes.h>
 #include <fmt/format.h>
 #include <nvector/nvector_serial.h>
@@ -16,13 +16,13 @@
 
 namespace plant {
 
-// What SUNDIALS calls back with.
+// The data of SUNDIALS' callbacks.
 struct SundialsCall {
   RightHandSide f = nullptr;
   RootFunction roots = nullptr;
   void* model = nullptr;
   std::string message;
-  const double* linked = nullptr;  // a parameter that CVODES varies, and where f reads it
+  const double* linked = nullptr;  // a parameter that CVODES varies, and the address from which f reads it
   double* link = nullptr;
   const double* sizes = nullptr;  // of the states, for the increments of `jacobian`
 };
@@ -34,7 +34,7 @@ inline int evaluate(realtype t, N_Vector y, N_Vector yd, void* data) {
   return 0;
 }
 
-// By forward differences, as CVODES' own but in place: that one makes and frees a vector each time.
+// By forward differences, like CVODES' own but in place: CVODES' allocates and frees a vector each time.
 inline int jacobian(realtype t, N_Vector y, N_Vector yd, SUNMatrix matrix, void* data, N_Vector, N_Vector, N_Vector) {
   const auto& call = *static_cast<SundialsCall*>(data);
   double* const state = NV_DATA_S(y);
@@ -89,7 +89,7 @@ struct SundialsVector {
   double* data() { return NV_DATA_S(vector); }
 };
 
-// The solvers that hang on an integrator's memory; destroyed after it.
+// The solvers of an integrator; destroyed after it.
 struct SundialsSolvers {
   SUNMatrix matrix = nullptr;
   SUNLinearSolver linear = nullptr;

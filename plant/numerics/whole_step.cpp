@@ -10,8 +10,8 @@
 namespace plant {
 namespace {
 
-// ERKStep takes 0.99 (1.2 error)^(-0.8 / p) times the step for the next one, p = 2 or 3 here. Up to this error that is
-// more than the step itself.
+// ERKStep makes the next step 0.99 (1.2 error)^(-0.8 / p) times this step, p = 2 or 3 here. Up to this error, the next
+// step is longer than this one.
 constexpr double largest_error = 0.5;
 
 }  // namespace
@@ -51,7 +51,7 @@ bool WholeStep::take(RightHandSide f, void* model, std::span<double> y, double i
   return true;
 }
 
-// ERKStep adds the terms of coefficients that are 0, too: they decide the sign of a zero.
+// ERKStep also adds terms with coefficient 0: they decide the sign of a zero.
 void WholeStep::sum(Vector& to, const Coefficients& by, std::size_t terms, bool with_start) const {
   for (std::size_t i = 0; i < to.size(); i += 2) {
     __m128d two = _mm_mul_pd(_mm_set1_pd(by[0]), _mm_loadu_pd(&rates_[0][i]));
@@ -62,7 +62,7 @@ void WholeStep::sum(Vector& to, const Coefficients& by, std::size_t terms, bool 
   }
 }
 
-// The root of the mean square of each state's error by its tolerance at the step's beginning.
+// The root of the mean square of each state's error divided by its tolerance at the step's beginning.
 double WholeStep::error() const {
   double squares = 0.0;
   for (std::size_t i = 0; i < absolute_.size(); ++i) {

@@ -24,8 +24,8 @@ class WholeStep {
   // absolute: one tolerance per state.
   WholeStep(int order, double relative, std::span<const double> absolute);
 
-  // True: y is advanced by `interval`. ERKStep would take this one step, too, and would begin the next call with a step
-  // of that length at least. False: only ERKStep can tell, and y is as it was.
+  // True: y has advanced by `interval`. ERKStep would take this one step too, and would begin the next call with a step
+  // of at least that length. False: ERKStep has to do it, and y is unchanged.
   bool take(RightHandSide f, void* model, std::span<double> y, double interval);
 
  private:
@@ -36,7 +36,7 @@ class WholeStep {
   using Vector = std::vector<double>;
   using Coefficients = std::array<double, most_stages>;
 
-  // to = start + the sum of coefficient times rate over the first `terms` stages; without start: the sum alone.
+  // to = start + the sum of coefficient times rate over the first `terms` stages; without start: only the sum.
   void sum(Vector& to, const Coefficients&, std::size_t terms, bool with_start) const;
   double error() const;  // in units of the tolerance
 
@@ -44,7 +44,7 @@ class WholeStep {
   std::size_t stages_;
   double relative_;
   Vector absolute_;
-  // One more place where the number of states is odd, for sums go by twos.
+  // One more place if the number of states is odd, because sums work on pairs.
   std::array<Vector, most_stages> rates_;
   Vector start_, point_, difference_;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// What no crane or dock can be. Each throws std::invalid_argument that names the value and says what would be right.
+// Checks of impossible cranes and docks. Each throws std::invalid_argument with the value and what would be right.
 #include <string>
 
 #include "plant/parameters/config.hpp"
@@ -13,7 +13,7 @@ void check(const WindParameters&);
 void check(const SensorParameters&);
 void check(const Mover&, const std::string& name);
 void check(const DockConfig&);
-void check_scene(const DockConfig&);  // of things that are right each for itself; part of check(const DockConfig&)
+void check_scene(const DockConfig&);  // combinations of values that are valid alone; part of check(const DockConfig&)
 
 // Throws "plant: `what` (got `value`)" if bad.
 void refuse(bool bad, const char* what, double value);

@@ -1,4 +1,4 @@
-// What stands on the dock at the start, taken together: in reach, apart, on something, clear of the lanes.
+// Checks of everything on the dock at the start: in reach, not overlapping, standing on something, clear of the lanes.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -26,7 +26,7 @@ std::vector<Solid> legs_of(const DockConfig& c) {
   return legs;
 }
 
-// Everything that stands on the dock at the start and must stand apart.
+// All objects on the dock at the start that must not overlap.
 std::vector<Thing> things(const DockConfig& c) {
   std::vector<Thing> all;
   for (std::size_t i = 0; i < c.layout.no_go.size(); ++i)
@@ -51,7 +51,7 @@ std::vector<Thing> things(const DockConfig& c) {
   return all;
 }
 
-// A vehicle that keeps to its lane must not run into the crane where that stands at the start.
+// A vehicle on its lane must not run into the crane at the crane's place at the start.
 void check_lanes(const DockConfig& c) {
   constexpr double sampled = 0.5;  // m
   const std::vector<Solid> legs = legs_of(c);
@@ -72,7 +72,7 @@ void check_lanes(const DockConfig& c) {
 }
 
 void check_apart(const DockConfig& c) {
-  constexpr double play = 1e-3;  // m, by which neighbours may overlap in a layout's rounded numbers
+  constexpr double play = 1e-3;  // m, by which neighbours may overlap because a layout has rounded numbers
   const std::vector<Thing> all = things(c);
   for (std::size_t i = 0; i < all.size(); ++i)
     for (std::size_t j = i + 1; j < all.size(); ++j) {
@@ -101,7 +101,7 @@ void check_reach(const DockConfig& c) {
   if (c.agv_count > 0) reach("the loading spot", c.layout.spot.x, c.layout.spot.y, c.agv.deck_height);
 }
 
-// Each container stands on something, and the spreader hangs at home with nothing inside it.
+// Each container stands on something, and nothing is inside the spreader at home.
 void check_standing(const DockConfig& c) {
   constexpr double play = 0.02;  // m
   std::vector<Thing> all = things(c);
@@ -115,8 +115,8 @@ void check_standing(const DockConfig& c) {
         under = std::max(under, thing.solid.top);
     if (!(std::fabs(p.z - under) <= play))
       throw std::invalid_argument(
-          fmt::format("plant: container {} must stand on something: its underside is at {:.3f} m, what is below it "
-                      "ends at {:.3f} m",
+          fmt::format("plant: container {} must stand on something: its underside is at {:.3f} m, but the object below "
+                      "it ends at {:.3f} m",
                       i, p.z, under));
   }
   const Solid spreader = make_solid(Solid::Kind::fixed, -1, c.home.x, c.home.y, c.home.yaw, 0.5 * container_length,

@@ -1,5 +1,5 @@
 #pragma once
-// What the dock's devices say and take, as words: sizes, bits and units.
+// The words of the dock's devices: sizes, bits and units.
 #include <cstdint>
 
 namespace plant {
@@ -9,10 +9,10 @@ inline constexpr int encoder_bits = 24;
 inline constexpr double counts_per_revolution = 16384.0;
 inline constexpr int torque_bits = 12;                                    // signed
 inline constexpr int largest_torque_code = (1 << (torque_bits - 1)) - 1;  // the drive's maximum_torque()
-inline constexpr double rated_units = 10'000.0;  // rated speed, and the heat that the rated torque comes to
+inline constexpr double rated_units = 10'000.0;                           // rated speed, and the heat at rated torque
 // Bits of a drive's status.
 inline constexpr std::uint32_t drive_ready = 1, drive_fault = 2, drive_late = 4, drive_brake = 8;
-// Bits of what a drive says of its own protection: why it has tripped, in the order of Trip, and a warning.
+// Bits of a drive's report on its own protection: why it has tripped, in the order of Trip, and a warning.
 inline constexpr std::uint32_t trip_overspeed = 1, trip_saturation = 2, trip_heat = 4, trip_warning = 8;
 
 // ---- sway, load, spreader

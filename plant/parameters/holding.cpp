@@ -45,7 +45,7 @@ double luff_holding_torque(const CraneParameters& p, double load) {
 }
 
 std::string cannot_hold(const CraneParameters& p, double load) {
-  const std::string hoist = too_weak("hoist", "", drive(p, Joint::hoist), hoist_force(p, load), load, p.spreader_mass);
+  std::string hoist = too_weak("hoist", "", drive(p, Joint::hoist), hoist_force(p, load), load, p.spreader_mass);
   if (!hoist.empty() || p.machine == CraneKind::gantry) return hoist;
   return too_weak("luff drive", " with the jib at its flattest", drive(p, Joint::luff), luff_force(p, load), load,
                   p.spreader_mass);

@@ -7,11 +7,11 @@
 namespace plant {
 
 // Motor torque that holds a load (kg below the spreader) at rest, N m: m g / (n eta) at the hoist; at the luff drive
-// with the jib at its flattest, where that takes most (0 on a gantry).
+// with the jib at its flattest, where it is greatest (0 on a gantry).
 double hoist_holding_torque(const CraneParameters&, double load);
 double luff_holding_torque(const CraneParameters&, double load);
 
-// Why the crane cannot carry that load for ever, with the torque that it would take: a drive's rated torque or its
+// Why the crane cannot carry that load permanently, with the torque that would be needed: a drive's rated torque or its
 // brake is too small. Empty: it can.
 std::string cannot_hold(const CraneParameters&, double load);
 

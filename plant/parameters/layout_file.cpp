@@ -20,7 +20,7 @@ namespace {
   throw LayoutError(fmt::format("{}:{}:{}: {}", name, at.begin.line, at.begin.column, what));
 }
 
-// The fields of one table: each is taken once, and what nobody takes is an error.
+// The fields of one table; a field that is never taken is an error.
 class Fields {
  public:
   using Take = std::function<void(const toml::node&, const std::string& key)>;
@@ -72,7 +72,7 @@ class Fields {
       refuse(node.source(), file_, fmt::format("{} of {} needs one of \"{}\"", k, what_, fmt::join(names, "\", \"")));
     });
   }
-  // Takes every field; those in `needed` must be there.
+  // Ends the table; the fields in `needed` must be there.
   void done(const std::vector<std::string>& needed = {}) {
     for (const auto& [key, node] : table_) {
       const auto take = takes_.find(std::string(key.str()));
@@ -143,7 +143,7 @@ class Reader {
     table(fields, "lanes", [&lane_table](const toml::table& t) { lane_table = &t; });
     fields.done();
     if (root.contains("deck_m") && !root.contains("ship")) layout_.ship.z_max = layout_.deck;
-    // Now that deck, spot and warehouse are known.
+    // Here deck, spot and warehouse are known.
     if (containers != nullptr)
       take_list(
           *containers, "containers", layout_.containers, [this](const toml::table& t) { return container(t); }, true);
@@ -277,7 +277,7 @@ class Reader {
         .done();
   }
 
-  // to_warehouse and to_spot: pieces [length m, curvature 1/m, speed m/s], each beginning where the last one ends.
+  // to_warehouse and to_spot: pieces [length m, curvature 1/m, speed m/s], each beginning at the end of the last one.
   void lanes_of(const toml::table& t, std::vector<LaneSegment> (&lanes)[2]) {
     Fields fields(t, file_, "lanes");
     static constexpr const char* names[] = {"to_warehouse", "to_spot"};

@@ -8,13 +8,13 @@
 
 namespace plant {
 
-// Its text says file, line and column, what is wrong, and what would be right.
+// The text gives file, line and column, what is wrong, and what would be right.
 struct LayoutError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Changes what the text names; the rest of the dock stays. Lanes follow `[[lanes]]`, or the default loop round the new
-// spot and warehouse. Throws LayoutError.
+// Changes the values that the text names; the rest of the dock stays. Lanes come from `[[lanes]]`, or are the default
+// loop around the new spot and warehouse. Throws LayoutError.
 void apply_layout(DockConfig&, std::string_view text, const std::string& name);
 void load_layout(DockConfig&, const std::string& path);
 

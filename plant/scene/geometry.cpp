@@ -115,7 +115,7 @@ std::optional<Touch> Geometry::touch(const Solid& a, const Solid& b) {
   const double near = reach(a) + reach(b);
   if (dx * dx + dy * dy > near * near) return std::nullopt;
   start_ode();
-  // Both as tall pillars of one height: the way out is then always sideways.
+  // Both as tall pillars of equal height, so that the shortest way out is always sideways.
   constexpr double pillar = 50.0;  // m
   std::array<dContactGeom, 8> contacts;
   const int n =

@@ -58,7 +58,7 @@ Frame Solid::frame() const {
 
 namespace {
 
-// What stands on a moving ship: given as in calm water.
+// An object on a moving ship; given at its place in calm water.
 void ride(Solid& solid, const ShipPose& ship) {
   const Vector3 top = ship.at({solid.x, solid.y, solid.top});
   const Vector3 velocity = ship.velocity_at(top);
@@ -70,7 +70,7 @@ void ride(Solid& solid, const ShipPose& ship) {
   solid.spin = ship.spin;
 }
 
-// What is, or stands on, a vehicle.
+// A vehicle, or an object on one.
 void ride(Solid& solid, const AgvState& agv) {
   const auto& y = agv.y;
   const auto [s, c] = sin_cos(y[A_HEADING]);
@@ -79,7 +79,7 @@ void ride(Solid& solid, const AgvState& agv) {
   solid.spin = {0.0, 0.0, y[A_YAW_RATE]};
 }
 
-// A container's pose in the world, on the ship that in calm water.
+// A container's pose in the world; on the ship, in calm water.
 ContainerData standing(const ContainerData& c, const std::vector<AgvState>& agvs) {
   if (c.state != ContainerState::on_agv) return c;
   const auto& y = agvs[static_cast<std::size_t>(c.agv)].y;
@@ -146,8 +146,8 @@ void collect_solids(const DockConfig& config, const DockState& state, int withou
   }
 }
 
-// Cubics between the waypoints that overshoot none of them (Fritsch and Butland's slopes, each axis for itself): where
-// two successive waypoints are at one place the mover stands in between. At rest before the first and after the last.
+// Cubics between the waypoints without overshoot (Fritsch and Butland's slopes, each axis separately). Between two
+// successive waypoints at one place the mover stands. At rest before the first and after the last one.
 MoverPlace place_of(const Mover& mover, double seconds) {
   const std::vector<Waypoint>& path = mover.path;
   const double first = path.front().time, last = path.back().time;
@@ -208,7 +208,7 @@ struct Stretch {
   Solid solid;
 };
 
-// Where a line along x at `y` runs over the solid; from >= to when nowhere.
+// The part of a line along x at `y` that lies over the solid; from >= to if there is none.
 Stretch stretch_over(const Solid& solid, double y) {
   const double dy = y - solid.y;
   double from = -1e9, to = 1e9;

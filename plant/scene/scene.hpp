@@ -1,5 +1,5 @@
 #pragma once
-// What stands on the dock and what lies below a point: containers wherever they are, AGV decks, the ship, the ground.
+// The objects on the dock, and the surface below a point: containers in any place, AGV decks, the ship, the ground.
 #include <array>
 #include <vector>
 
@@ -20,11 +20,11 @@ struct ContainerData {
 struct Solid {
   double x, y, yaw;       // middle of the top, m, rad
   double half_x, half_y;  // m
-  double bottom, top;     // z; tilted: of the top's middle, and as much below it as the solid is high
+  double bottom, top;     // z; if tilted, of the top's middle, and below it by the solid's height
   double sin_yaw, cos_yaw;
   enum class Kind : std::uint8_t { ground, ship, container, agv, fixed, mover, crane } kind;
   int index;           // container, AGV or mover, else -1
-  bool round = false;  // an upright cylinder of radius half_x; what has no use for that takes the box around it
+  bool round = false;  // an upright cylinder of radius half_x; a user that does not need this takes the box around it
   double vx = 0.0, vy = 0.0, vz = 0.0;  // of the top's middle, m/s
   bool tilted = false;
   Frame tilt{};
@@ -42,23 +42,23 @@ Solid make_solid(Solid::Kind, int index, double x, double y, double yaw, double 
 Solid solid_of(Solid::Kind, const Box&);
 Solid solid_of(const AgvParameters&, int index, double x, double y, double heading);
 
-// A container as a solid, wherever it is. What nobody sees (carried, delivered) is where it was last.
+// A container as a solid, in any place. A container that is not visible (carried, delivered) is at its last place.
 Solid solid_of(const ContainerData&, int index, const std::vector<AgvState>&, const ShipPose&);
 
-// Where a mover is, and how fast, at `seconds`.
+// The place and speed of a mover at `seconds`.
 struct MoverPlace {
   double x, y, vx, vy;
 };
 MoverPlace place_of(const Mover&, double seconds);
 
-// The legs of a crane that stands at `travel` (m) and travels at `speed` (m/s).
+// The legs of a crane with travel position `travel` (m) and speed `speed` (m/s).
 void add_legs(const Portal&, double travel, double speed, std::vector<Solid>& solids);
 
-// Everything solid but the container `without`. Clears and fills `solids`.
+// All solids except the container `without`. Clears and fills `solids`.
 void collect_solids(const DockConfig&, const DockState&, int without, std::vector<Solid>& solids);
 
 bool covers(const Solid&, double x, double y);
-// Whether two turned rectangles overlap when the first is widened by `margin` on every side.
+// Whether two rotated rectangles overlap if the first is widened by `margin` on every side.
 bool overlaps(const Solid& a, const Solid& b, double margin);
 
 // Mean height of the topmost surface (container or deck) of the bay between two x along the line y, m.

@@ -11,9 +11,9 @@ namespace {
 
 constexpr double nodes_per_second = 20.0;
 constexpr double length_scale = 170.0;  // m, L at 30 m of height
-constexpr double lowest = 2e-4;         // Hz: the first band is all below
+constexpr double lowest = 2e-4;         // Hz: the first band includes everything below
 constexpr double highest =
-    5.0;  // Hz: faster gusts are smaller than a container; their 2 % of the variance is given to the others
+    5.0;  // Hz: faster gusts are smaller than a container; their 2 % of the variance is added to the others
 
 // The share of the variance below f: the integral of Kaimal's spectrum.
 double share_below(double f) { return 1.0 - exp(-2.0 / 3.0 * log(1.0 + 6.0 * f)); }

@@ -9,7 +9,7 @@ namespace plant {
 namespace {
 
 constexpr double drive_tick_seconds = 0.01;
-constexpr double settle_time = 0.05;  // s, with which slip dies out in the kinematic model at walking speed
+constexpr double settle_time = 0.05;  // s, time constant of slip in the kinematic model at walking speed
 
 std::array<double, agv_size> tolerances(double relative) {
   std::array<double, agv_size> absolute{};
@@ -20,7 +20,7 @@ std::array<double, agv_size> tolerances(double relative) {
 
 double saturate(double force, double limit) { return std::clamp(force, -limit, limit); }
 
-// 0 up to half of the blending speed, 1 from it on, smooth between.
+// 0 up to half of the blending speed, 1 from the blending speed on, smooth in between.
 double blend(double speed, double edge) {
   const double u = std::clamp((std::fabs(speed) - 0.5 * edge) / (0.5 * edge), 0.0, 1.0);
   return u * u * (3.0 - 2.0 * u);
@@ -81,7 +81,7 @@ void AgvMotion::derivative(void* data, double, const double* y, double* yd) {
   double turn_rate = (v * (tf - tr) / base - r) / settle_time;
   const double weight = blend(v, p.blend_speed);
   if (weight > 0.0) {
-    // Backwards, a wheel turned to the left rolls to the right.
+    // In reverse, a wheel turned to the left rolls to the right.
     const double way = v < 0.0 ? -1.0 : 1.0;
     const double slip_front = atan2(side + p.front * r, std::fabs(v)) - way * y[A_FRONT];
     const double slip_rear = atan2(side - p.rear * r, std::fabs(v)) - way * y[A_REAR];
@@ -117,7 +117,7 @@ void AgvMotion::differential(const double* y, double* yd) const {
   const double grip = 0.5 * p_.adhesion * m * gravity;
   const double left = saturate(p_.wheel_slip * (y[A_LEFT] - (v - r * half_track)), grip);
   const double right = saturate(p_.wheel_slip * (y[A_RIGHT] - (v + r * half_track)), grip);
-  // Both tyres' cornering, their slip angle reckoned at blend_speed or faster so that it has a meaning at rest.
+  // Both tyres' cornering force. Their slip angle is computed at blend_speed or faster, so that it is defined at rest.
   const double across = -saturate(2.0 * p_.cornering * side / std::max(std::fabs(v), p_.blend_speed), 2.0 * grip);
   const double resistance = p_.rolling * m * gravity * tanh(v / 0.02) + p_.drag * v * std::fabs(v);
   yd[A_SPEED] = (left + right - resistance) / m + side * r;
@@ -141,7 +141,7 @@ void AgvMotion::drive_tick(AgvState& s, double allowed) const {
     s.y[A_SPEED] = s.y[A_SIDE] = s.y[A_YAW_RATE] = s.y[A_FORCE] = 0.0;
     if (p_.drive == AgvDrive::differential) s.y[A_LEFT] = s.y[A_RIGHT] = 0.0;
   };
-  if (s.bumped) {  // the bumper cuts the drive, and the brakes give all they can
+  if (s.bumped) {  // the bumper switches the drive off, and the brakes act fully
     s.reference = s.integral = 0.0;
     s.command = -p_.emergency * mass(s) * tanh(speed / 0.05);
     if (std::fabs(speed) < 0.02 && std::fabs(s.y[A_YAW_RATE]) < 0.02) stop();

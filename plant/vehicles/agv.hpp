@@ -31,38 +31,39 @@ struct AgvSetPoint {
 
 struct AgvState {
   std::array<double, agv_size> y{};  // m, rad, m/s, rad/s, N
-  double step = 1e-3;                // s, with which the integrator begins
+  double step = 1e-3;                // s, the integrator's first step
   int container = -1;                // on the deck
   double load_mass = 0.0, load_inertia = 0.0;
 
   std::array<AgvSetPoint, agv_queue> fifo{};
   int waiting = 0;
   AgvSetPoint current{};        // held now
-  Time period{20'000'000'000};  // each set-point is held for this
-  Time due{0};                  // when the next one is taken; meaningful while running
+  Time period{20'000'000'000};  // how long each set-point is held
+  Time due{0};                  // when the next one is taken; valid while running
   bool running = false;         // set-points are being taken
-  bool dry = false;             // ran dry while driving; cleared when a set-point is taken
+  bool dry = false;             // no set-points were left while driving; cleared when a set-point is taken
   bool standing = true;         // brakes hold
-  bool bumped = false;          // ran into something: brakes until its bumper is reset
+  bool bumped = false;          // after a collision: brakes until its bumper is reset
   double reference = 0.0;       // m/s, ramped
   double integral = 0.0;        // N
   double command = 0.0;         // N, to the drive
   Time served_since{-1};        // standing loaded in the warehouse since, or -1
 };
 
-// What it carries becomes another mass (kg) and inertia (kg m2 about the vertical). A load that comes moves by `motion`
-// (m/s along and across the vehicle, rad/s) and shares its momentum with it, unless brakes hold the vehicle; one that
-// goes takes its share of the momentum along.
+// The load changes to another mass (kg) and inertia (kg m2 about the vertical). A new load moves with `motion` (m/s
+// along and across the vehicle, rad/s) and shares its momentum with the vehicle, unless brakes hold the vehicle. A
+// removed load takes its share of the momentum with it.
 void change_load(AgvState&, const AgvParameters&, double mass, double inertia, const std::array<double, 3>& motion);
 
 class AgvMotion {
  public:
   AgvMotion(const AgvParameters&, double tolerance);
-  // Over an interval with the commands held. A standing vehicle only turns its wheels.
+  // Over an interval with constant commands. A standing vehicle only turns its wheels.
   void advance(AgvState&, double seconds);
-  // The drive unit's 100-Hz tick: speed loop, standing brake. allowed: what the protective field admits forward, m/s.
+  // The drive unit's 100-Hz tick: speed loop, standing brake. allowed: greatest forward speed by the protective field,
+  // m/s.
   void drive_tick(AgvState&, double allowed) const;
-  // Takes the next set-point if it is due at `now`. True if the FIFO ran dry while driving just now.
+  // Takes the next set-point if it is due at `now`. True if there was none while driving.
   static bool take_set_point(AgvState&, Time now);
   static bool push(AgvState&, const AgvSetPoint&);  // false: full, dropped
 

@@ -1,24 +1,24 @@
 #pragma once
-// An AGV without a dock: set-points are given and held, no FIFO, nothing to run into.
+// An AGV without a dock: set-points are given and held; there is no FIFO and no obstacle.
 #include "plant/vehicles/agv.hpp"
 
 namespace plant {
 
 class AgvAlone {
  public:
-  // Throws std::invalid_argument for a vehicle that cannot be, a pose that is no number, a tolerance not within 1e-13
+  // Throws std::invalid_argument for an impossible vehicle, a pose that is not a number, a tolerance not within 1e-13
   // .. 1e-3.
   AgvAlone(const AgvParameters&, const Pose& start, double tolerance);
 
-  // Goes on for so many seconds (0 to 60; the drive's loop looks every 10 ms) with this set-point held. Throws
+  // Advances by `seconds` (0 to 60; the drive's loop acts every 10 ms) with this set-point. Throws
   // std::invalid_argument.
   void step(const AgvSetPoint&, double seconds);
-  // What it carries, kg and kg m2 about the vertical. What is added was at rest, and the momentum is kept; what is
-  // taken off has the vehicle's speed, which is kept. Throws std::invalid_argument.
+  // Its load, kg and kg m2 about the vertical. An added load was at rest, and momentum is conserved; a removed load has
+  // the vehicle's speed, which does not change. Throws std::invalid_argument.
   void set_load(double mass, double inertia);
   void reset(const Pose&);
 
-  // Everything that its future depends on.
+  // The complete state.
   struct State {
     AgvState vehicle;
     Time time{0};

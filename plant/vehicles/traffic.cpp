@@ -9,10 +9,10 @@
 namespace plant {
 namespace {
 
-constexpr double felt = 0.01;  // m/s, closing speed below which two bodies lean on each other
+constexpr double felt = 0.01;  // m/s, closing speed below which two bodies only lean on each other
 
-// A vehicle at the point of contact: its velocity along the normal, and what an impulse of 1 N s along it changes
-// there.
+// A vehicle at the point of contact: its velocity along the normal, and the change of this velocity by an impulse of 1
+// N s.
 struct Side {
   double speed, give;
 };
@@ -39,7 +39,7 @@ Side side_of(const Body& b, const Touch& t) {
   return {b.vx * t.nx + b.vy * t.ny + b.spin * arm, 1.0 / b.mass + arm * arm / b.inertia};
 }
 
-// An impulse along the contact's normal; the bumper opens.
+// Applies an impulse along the contact's normal; the bumper opens.
 void push(const AgvParameters& p, AgvState& s, const Touch& t, double impulse) {
   const Body b = body_of(p, s);
   const auto [sh, ch] = sin_cos(s.y[A_HEADING]);
@@ -72,7 +72,7 @@ bool Traffic::impact(AgvState& agv, AgvState* other, const Solid& obstacle, cons
     push(config_.agv, agv, t, impulse);
     if (other != nullptr) push(config_.agv, *other, t, -impulse);
   }
-  // Out of each other, each by its share.
+  // Moves both out of each other, each by its share.
   const double share = other == nullptr ? 1.0 : 0.5;
   agv.y[A_X] += share * t.depth * t.nx;
   agv.y[A_Y] += share * t.depth * t.ny;
@@ -108,10 +108,10 @@ Geometry::Scan Traffic::scan(const AgvState& agv, std::size_t number, const std:
 
 double Traffic::free_way(const AgvState& agv, const Geometry::Scan& scan) const {
   const AgvParameters& p = config_.agv;
-  constexpr double beside = 0.3;  // m, that must stay free on either side
+  constexpr double beside = 0.3;  // m, free space required on either side
   const double front = 0.5 * p.length;
   const double half = 0.5 * p.width + beside;
-  // Where the vehicle's middle goes: a circle of this curvature, crabbing along the mean of its steering angles.
+  // The path of the vehicle's middle: a circle of this curvature, crabbing along the mean of its steering angles.
   const auto [sf, cf] = sin_cos(agv.y[A_FRONT]);
   const auto [sr, cr] = sin_cos(agv.y[A_REAR]);
   const bool steered = p.drive == AgvDrive::steered;
@@ -126,7 +126,7 @@ double Traffic::free_way(const AgvState& agv, const Geometry::Scan& scan) const 
     const double px = front + d * c, py = d * s;
     const double along = cc * px + sc * py;
     const double across = -sc * px + cc * py;
-    // The lane bends by curvature along^2 / 2; the crab widens what the vehicle sweeps.
+    // The lane bends by curvature along^2 / 2; crabbing widens the swept area.
     const double aside = std::fabs(across - 0.5 * curvature * along * std::fabs(along));
     if (aside > half + std::fabs(sc) * front) continue;
     free = std::min(free, std::max(0.0, along - front));
@@ -138,7 +138,7 @@ double Traffic::allowed_speed(const AgvState& agv, const Geometry::Scan& scan) c
   const AgvParameters& p = config_.agv;
   const double free = free_way(agv, scan);
   if (free == std::numeric_limits<double>::infinity()) return free;
-  // v T + v^2 / 2b = free - margin, T what passes until the brakes bite.
+  // v T + v^2 / 2b = free - margin; T is the time until the brakes act.
   const double lag = p.drive_lag + 0.1;
   const double room = std::max(0.0, free - p.protective_margin);
   const double b = p.braking;

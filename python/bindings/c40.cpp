@@ -342,7 +342,7 @@ void bind_processor(py::module_& m) {
             state::load_or_leave(p, state::opened(sealed, "processor", p.configuration(program)).text);
           },
           py::arg("sealed"), py::arg("program"),
-          "Refuses by name what is no snapshot of such a processor, before anything is changed.")
+          "Raises an error for data that is not a snapshot of such a processor; nothing is changed then.")
       .def("run", &Processor::run, py::arg("max_cycles"), py::arg("until") = py::none(),
            "Runs whole instructions for max_cycles, or until the PC is at `until`; says why it stopped.")
       .def("trace", &Processor::trace, py::arg("max_cycles"), "Runs and returns one dict per instruction.")

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <optional>
 #include <type_traits>
+#include <utility>
 
 #include "io/stop.hpp"
 #include "python/bindings/bindings.hpp"
@@ -23,9 +24,7 @@ class CtrlC {
   /// With the GIL. \throws what the handler has raised
   void raise() {
     if (!raised_) return;
-    py::error_already_set error = std::move(*raised_);
-    raised_.reset();
-    throw error;
+    throw py::error_already_set(*std::exchange(raised_, std::nullopt));
   }
 
  private:

@@ -154,7 +154,7 @@ void bind_network(py::module_& core) {
           [](machine::Network& network, const std::string& sealed) {
             state::load_or_leave(network, state::opened(sealed, "network", network.configuration()).text);
           },
-          "Refuses by name what is no snapshot of such a network, before anything is changed.")
+          "Raises an error for data that is not a snapshot of such a network; nothing is changed then.")
       .def("debug",
            [](const std::shared_ptr<machine::Network>& network) {
              for (std::size_t n = 0; n < network->chip_count(); ++n)

@@ -113,10 +113,10 @@ void bind_crane_devices(py::class_<Dock>& dock) {
           py::arg("joint"), py::arg("failed"), at, "a failed drive has no torque and its brake holds")
       .def(
           "fail_encoder", [](Dock& d, int joint, bool failed, std::int64_t t) { d.fail_encoder(joint, failed, ps(t)); },
-          py::arg("joint"), py::arg("failed"), at, "a failed sensor goes on showing what it shows now")
+          py::arg("joint"), py::arg("failed"), at, "a failed sensor keeps its present value")
       .def(
           "fail_sway", [](Dock& d, int axis, bool failed, std::int64_t t) { d.fail_sway(axis, failed, ps(t)); },
-          py::arg("axis"), py::arg("failed"), at, "a failed sensor goes on showing what it shows now");
+          py::arg("axis"), py::arg("failed"), at, "a failed sensor keeps its present value");
 }
 
 void bind_instruments(py::class_<Dock>& dock) {
@@ -145,21 +145,21 @@ void bind_instruments(py::class_<Dock>& dock) {
       .def(
           "fail_drive_status",
           [](Dock& d, int joint, bool failed, std::int64_t t) { d.fail_drive_status(joint, failed, ps(t)); },
-          py::arg("joint"), py::arg("failed"), at, "a failed one goes on showing what it shows now")
+          py::arg("joint"), py::arg("failed"), at, "a failed device keeps its present value")
       .def(
           "fail_drive_speed",
           [](Dock& d, int joint, bool failed, std::int64_t t) { d.fail_drive_speed(joint, failed, ps(t)); },
-          py::arg("joint"), py::arg("failed"), at, "a failed one goes on showing what it shows now")
+          py::arg("joint"), py::arg("failed"), at, "a failed device keeps its present value")
       .def(
           "fail_load_cell", [](Dock& d, bool failed, std::int64_t t) { d.fail_load_cell(failed, ps(t)); },
-          py::arg("failed"), at, "a failed one goes on showing what it shows now")
+          py::arg("failed"), at, "a failed device keeps its present value")
       .def(
           "fail_second_sway",
           [](Dock& d, int axis, bool failed, std::int64_t t) { d.fail_second_sway(axis, failed, ps(t)); },
-          py::arg("axis"), py::arg("failed"), at, "a failed one goes on showing what it shows now")
+          py::arg("axis"), py::arg("failed"), at, "a failed device keeps its present value")
       .def(
           "fail_anemometer", [](Dock& d, bool failed, std::int64_t t) { d.fail_anemometer(failed, ps(t)); },
-          py::arg("failed"), at, "a failed one goes on showing what it shows now");
+          py::arg("failed"), at, "a failed device keeps its present value");
 }
 
 void bind_scanner(py::class_<Dock>& dock) {

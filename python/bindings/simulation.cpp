@@ -283,7 +283,7 @@ void bind_simulation(py::module_& m) {
            py::arg("reference"))
       .def(
           "reference", [](Run& r) { return r.waiting("reference", [](const Simulation& s) { return s.reference(); }); },
-          "The ideal run that this run was measured against; None while the run is not over, and where there is none.")
+          "The ideal run that this run was measured against; None before the end of the run and without a reference.")
       .def("run", &Run::run, py::arg("on_progress") = py::none(), py::arg("slice_s") = 0.02,
            "Runs to the end; on_progress(simulated_s, duration_s) may return False to stop. Ctrl-C stops cleanly and "
            "raises KeyboardInterrupt.")

@@ -1,10 +1,10 @@
 """Emulator of TMS320C40 multiprocessors that reproduces the CMRC robot controller.
 
-``cmrc.run(dsps=4, duration_s=10)`` simulates the dock and returns a ``Result``; ``cmrc.c40`` holds one chip, its
-assembler and its number formats; ``cmrc.network`` several chips joined by their communication ports; ``cmrc.plant`` the
-dock without DSPs. ``cmrc.limits`` and ``cmrc.compare`` run a configuration several times: how far it is from its first
-missed deadline, and what time costs it; ``cmrc.sweep`` runs a whole grid of them, and ``cmrc.search`` looks for the
-best.
+``cmrc.run(dsps=4, duration_s=10)`` simulates the dock and returns a ``Result``. ``cmrc.c40`` has one chip, its
+assembler and its number formats; ``cmrc.network`` several chips connected by their communication ports; ``cmrc.plant``
+the dock without DSPs. ``cmrc.limits`` and ``cmrc.compare`` run a configuration several times: how far it is from its
+first missed deadline, and what delays cost. ``cmrc.sweep`` runs a grid of configurations, and ``cmrc.search`` looks for
+the best one.
 """
 
 import sys as _sys
@@ -64,7 +64,7 @@ __all__ = [
 ]
 
 _LATER = {"studies": ("Comparison", "Limits", "compare", "limits"), "sweeps": ("search", "sweep")}
-"""Who makes one run does not wait for what makes many: modules that are imported when they are asked for."""
+"""Modules for studies of many runs are imported on first use, so that a single run does not wait for them."""
 
 
 def __getattr__(name: str) -> _Any:

@@ -1,6 +1,6 @@
-"""Arguments of a wrong kind: one message that names the argument, what came, and what would be right.
+"""Checks of arguments: one message with the argument's name, its value, and what would be right.
 
-Each function returns the argument as the kind that it is about. Raises TypeError for a wrong kind, ValueError for a wrong value.
+Each function returns the argument in the right type. Raises TypeError for a wrong type, ValueError for a wrong value.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def mapping(name: str, value: object, right: str) -> dict[str, Any]:
 
 
 def items(name: str, value: object, right: str) -> list[Any]:
-    """A list, tuple, array or generator; no text, no dictionary."""
+    """A list, tuple, array or generator; not a text, not a dictionary."""
     if isinstance(value, (str, bytes, Mapping)) or not isinstance(value, Iterable):
         refuse(name, value, right)
     return list(value)
@@ -77,7 +77,7 @@ def flag(name: str, value: object) -> bool:
 
 
 def function(name: str, value: object, right: str) -> None:
-    """None or something that can be called."""
+    """None or a callable."""
     if value is not None and not callable(value):
         refuse(name, value, right)
 

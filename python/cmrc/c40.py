@@ -1,4 +1,4 @@
-"""One TMS320C40: assemble, disassemble, run, and look inside.
+"""One TMS320C40: assemble, disassemble, run, and inspect.
 
 program = cmrc.c40.assemble(text)
 processor = cmrc.c40.Processor(program)
@@ -21,9 +21,9 @@ from cmrc.floats import extended_to_float, float_to_extended, float_to_single, s
 from cmrc.snapshots import ChipSnapshot, SnapshotError
 
 AssemblyError = _core.toolchain.AssemblyError
-"""Raised with all errors of a source at once; ``diagnostics`` is a list of dicts (file, line, column, message, text)."""
+"""Raised with all errors of a source; ``diagnostics`` is a list of dicts (file, line, column, message, text)."""
 CoffError = _core.toolchain.CoffError
-"""Raised for a file that is no COFF executable of this family, or a damaged one."""
+"""Raised for a file that is not a COFF executable of this family, or is damaged."""
 Program = _core.toolchain.Image
 """An assembled program: ``sections``, ``symbols`` (name to 32-bit word), ``entry``, ``listing()``."""
 
@@ -47,7 +47,7 @@ INTERRUPT_FLAGS = {"TINT0": 24, **{f"DMAINT{channel}": 25 + channel for channel 
 def _options(
     include_dirs: object, symbols: object, sections: object, entry: object, dialect: object, cpu: object
 ) -> tuple[list[Path], dict[str, int], dict[str, int], str, str | None, str]:
-    """What ``assemble`` takes besides the source."""
+    """The options of ``assemble`` besides the source."""
     folders: list[Path] = [arguments.path(f"include_dirs[{n}]", folder, "a folder") for n, folder in enumerate(arguments.items("include_dirs", include_dirs, "a list of folders"))]
 
     def words(name: str, given: object, right: str) -> dict[str, int]:
@@ -72,9 +72,10 @@ def assemble(
 ) -> Program:
     """Assembles a text in TI's syntax (docs/assembler.md).
 
-    ``symbols`` are predefined constants, ``sections`` places sections at addresses (``.text`` stands at 300000h unless said), ``entry`` names the symbol to
-    start at, ``dialect`` (``ti``, ``gnu``) how files are read that do not say it, ``cpu`` (``c40``, ``c3x``) the processor; a C3x's program can be written and
-    disassembled, but no ``Processor`` runs it. Raises AssemblyError; ValueError for another dialect or processor.
+    ``symbols`` are predefined constants. ``sections`` gives sections addresses (default of ``.text``: 300000h).
+    ``entry`` names the symbol at which the program starts. ``dialect`` (``ti``, ``gnu``) is for files that do not name
+    it themselves. ``cpu`` (``c40``, ``c3x``) is the processor; a C3x program can be assembled and disassembled, but no
+    ``Processor`` runs it. Raises AssemblyError; ValueError for another dialect or processor.
     """
     source = arguments.text("text", text, "the source as a text (assemble_file takes a path)")
     return _core.toolchain.assemble(source, arguments.text("name", name), *_options(include_dirs, symbols, sections, entry, dialect, cpu))
@@ -90,7 +91,8 @@ def assemble_file(
     dialect: str | None = None,
     cpu: str = "c40",
 ) -> Program:
-    """Assembles a file; see ``assemble``. Included files are looked for beside it first. Raises AssemblyError."""
+    """Assembles a file; see ``assemble``. Included files are looked for first in the file's folder. Raises
+    AssemblyError."""
     return _core.toolchain.assemble_file(arguments.path("path", path), *_options(include_dirs, symbols, sections, entry, dialect, cpu))
 
 
@@ -109,7 +111,8 @@ def disassemble(words: int, pc: int = 0, *, cpu: str = "c40") -> str: ...
 @overload
 def disassemble(words: Sequence[int], pc: int = 0, *, cpu: str = "c40") -> list[str]: ...
 def disassemble(words: int | Sequence[int], pc: int = 0, *, cpu: str = "c40") -> str | list[str]:
-    """The instruction of a word, or of each word from address ``pc`` on, as the processor ``cpu`` (``c40``, ``c3x``) reads it. Reserved words give ``.word``."""
+    """The instruction of a word, or of each word from address ``pc`` on, for the processor ``cpu`` (``c40``, ``c3x``).
+    Reserved words give ``.word``."""
     processor = arguments.text("cpu", cpu, A_CPU)
     at = arguments.whole("pc", pc, "an address (0 to FFFFFFFFh)")
     if isinstance(words, numbers.Integral):
@@ -120,7 +123,7 @@ def disassemble(words: int | Sequence[int], pc: int = 0, *, cpu: str = "c40") ->
 
 
 def register_page() -> str:
-    """The peripheral registers as docs/peripherals.md has them: tables of names, addresses and fields, in Markdown."""
+    """The peripheral registers as in docs/peripherals.md: tables of names, addresses and fields, in Markdown."""
     return _core.c40.register_page()
 
 
@@ -128,8 +131,9 @@ def register_page() -> str:
 class Stop:
     """Why a run ended.
 
-    ``reason`` is ``until``, ``limit`` (of cycles), ``breakpoint``, ``external_access`` (a bus window: answer with ``complete_read`` or ``complete_write`` and run on),
-    ``software_interrupt`` (before SWI; to go on behind it, set ``pc``) or ``fault``.
+    ``reason`` is ``until``, ``limit`` (of cycles), ``breakpoint``, ``external_access`` (a bus window: answer with
+    ``complete_read`` or ``complete_write`` and run again), ``software_interrupt`` (before SWI; to continue after it,
+    set ``pc``) or ``fault``.
     """
 
     reason: str
@@ -137,12 +141,13 @@ class Stop:
     cycle: int
     message: str = ""
     details: Mapping[str, Any] | None = None
-    """Of an external access: address, write, interlocked, value, access_cycle. Of a fault: kind, word, address."""
+    """For an external access: address, write, interlocked, value, access_cycle. For a fault: kind, word, address."""
 
 
 @dataclass(frozen=True)
 class Diagnostic:
-    """A rule of the manual that a program broke: ``rule`` is its name, ``section`` where it stands in the instruction set's description, ``cycle`` when it was first broken."""
+    """A rule of the manual that a program broke: ``rule`` is its name, ``section`` its section in the description of
+    the instruction set, ``cycle`` the time when it was first broken."""
 
     rule: str
     section: str
@@ -184,7 +189,7 @@ class _Floats(MutableMapping[str, float]):
 
     def _check(self, name: str) -> str:
         if _register(name).upper() not in REGISTERS[:12]:
-            raise KeyError(f"{name} holds no float; R0 to R11 do")
+            raise KeyError(f"{name} cannot hold a float; only R0 to R11 can")
         return name
 
     def __getitem__(self, name: str) -> float:
@@ -204,9 +209,10 @@ class _Floats(MutableMapping[str, float]):
 
 
 class _Memory:
-    """Memory by word address, as a debugger sees it: ``memory[a]``, ``memory[a:b]``, and assignment of words or lists of words.
+    """Memory by word address, as a debugger sees it: ``memory[a]``, ``memory[a:b]``, and assignment of words or lists
+    of words.
 
-    Raises IndexError for reserved addresses and bus windows, ValueError for what is no 32-bit word.
+    Raises IndexError for reserved addresses and bus windows, ValueError for a value that is not a 32-bit word.
     """
 
     def __init__(self, core: Any) -> None:
@@ -237,12 +243,12 @@ class _Memory:
             self._core.poke(_place(start + offset), word)
 
     def read_floats(self, address: int, count: int) -> list[float]:
-        """Words in the 32-bit single format, as floats. Exact."""
+        """Words in the 32-bit single format, converted to floats. Exact."""
         start, number = _place(address), arguments.whole("count", count, "a number of words")
         return [single_to_float(word) for word in self[start : start + number]]
 
     def write_floats(self, address: int, values: Sequence[float]) -> None:
-        """Floats as words of the 32-bit single format, each rounded to the nearest."""
+        """Writes floats as words of the 32-bit single format, each rounded to the nearest."""
         words = [float_to_single(arguments.number(f"values[{n}]", value)) for n, value in enumerate(arguments.items("values", values, "a list of numbers"))]
         start = _place(address)
         self[start : start + len(words)] = words
@@ -253,7 +259,7 @@ def _register(name: object) -> str:
 
 
 def _place(where: object) -> int:
-    """An address. Raises IndexError for one that is none."""
+    """An address. Raises IndexError for any other value."""
     try:
         return arguments.whole("memory", where, "an address (0 to FFFFFFFFh; address(\"label\") gives a label's) or a slice of addresses")
     except ValueError as error:
@@ -276,18 +282,19 @@ def _word(value: object) -> int:
 
 
 class ChipState:
-    """What can be seen of a chip, alone or in a network: registers, memory, ports, counters."""
+    """The visible state of a chip, alone or in a network: registers, memory, ports, counters."""
 
     def __init__(self, core: Any, program: Program | None) -> None:
         self._core = core
         self.program = program
-        """What was loaded last."""
+        """The program loaded last."""
         self.registers = _Registers(core)
         self.floats = _Floats(core)
         self.memory = _Memory(core)
 
     def address(self, where: int | str) -> int:
-        """An address, or that of a symbol of the program. Raises KeyError for an unknown symbol."""
+        """The address of a symbol of the program; an address is returned unchanged. Raises KeyError for an unknown
+        symbol."""
         if not isinstance(where, str):
             return arguments.whole("address", where, "an address (0 to FFFFFFFFh) or a label")
         if self.program is None or where not in self.program.symbols:
@@ -299,11 +306,12 @@ class ChipState:
         return dict(self._core.port(arguments.whole("number", number, "a port, 0 to 5,", 0, 5)))
 
     def peripheral(self, name: str) -> int:
-        """A peripheral register by the name that the manual gives it (docs/peripherals.md). Raises IndexError for an unknown one, naming the nearest."""
+        """A peripheral register by its name in the manual (docs/peripherals.md). Raises IndexError for an unknown name,
+        with the nearest one."""
         return int(self._core.peripheral(arguments.text("name", name, "the name of a peripheral register")))
 
     def fields(self, name: str) -> dict[str, int]:
-        """The fields of a peripheral register, as the manual calls them. Raises IndexError for an unknown register."""
+        """The fields of a peripheral register, with the manual's names. Raises IndexError for an unknown register."""
         return dict(self._core.fields(arguments.text("name", name, "the name of a peripheral register")))
 
     @property
@@ -318,7 +326,7 @@ class ChipState:
 
     @property
     def cycles(self) -> int:
-        """Instruction cycles so far, of its own clock: the sum of ``causes``."""
+        """Instruction cycles so far, of the chip's own clock: the sum of ``causes``."""
         return int(self._core.cycle)
 
     @property
@@ -333,27 +341,29 @@ class ChipState:
 
 
 class AccessesToNothing:
-    """What a chip on a board with ``reserved = "ignore"`` has accessed where no memory is."""
+    """Accesses to addresses without memory, of a chip on a board with ``reserved = "ignore"``."""
 
     _core: Any
 
     @property
     def reserved_accesses(self) -> list[dict[str, Any]]:
-        """Accesses to addresses without memory, of a board whose file says ``reserved = "ignore"``: one dict for each
+        """Accesses to addresses without memory, if the board's file says ``reserved = "ignore"``: one dict for each
         address (of the first thousand), in the order of the first access.
 
-        ``address``, ``reads``, ``writes`` (how many), and of the first: ``first`` (``read``, ``write``), ``value``,
-        ``pc``, ``cycle``, ``dma_channel`` (None: the processor).
+        ``address``, ``reads``, ``writes`` (numbers), and of the first access ``first`` (``read``, ``write``),
+        ``value``, ``pc``, ``cycle``, ``dma_channel`` (None: the processor).
         """
         return [dict(note) for note in self._core.reserved_accesses]
 
 
 class Processor(ChipState, AccessesToNothing, Front, OneRun):
-    """One TMS320C40 with memory around it: board ``default`` (the CMRC board's map), ``flat`` (zero-wait RAM everywhere, and the chip's own registers), or a TOML file's path.
+    """One TMS320C40 with its board: ``default`` (the CMRC board's map), ``flat`` (zero-wait RAM everywhere, and the
+    chip's own registers), or the path of a TOML file.
 
-    ``boots_from`` is the address of the memory that the pins choose for the boot ROM: ``load_rom``, then ``boot``.
-    ``devices`` stand behind windows of the board, each from its word address on (``Device``); those of the board file are there as well.
-    With ``checks`` it watches for rules of the manual that a program breaks; ``diagnostics`` has them. It is slower then, and nothing else changes.
+    ``boots_from`` is the address of the memory that the pins select for the boot ROM: call ``load_rom``, then ``boot``.
+    ``devices`` are behind windows of the board, each from its word address on (``Device``), in addition to those of the
+    board file. With ``checks`` the processor checks rules of the manual; ``diagnostics`` has those that the program
+    broke. It is slower then, and nothing else changes.
     """
 
     def __init__(
@@ -373,21 +383,23 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun):
             self.load(program)
 
     def load(self, program: Program | Path) -> None:
-        """Loads a program, or a COFF file, and sets PC to its entry. Raises CoffError; IndexError where no RAM is."""
+        """Loads a program, or a COFF file, and sets PC to its entry. Raises CoffError; IndexError if there is no
+        RAM."""
         given = read_coff(program) if isinstance(program, (str, os.PathLike)) else program
         self.program = arguments.instance("program", given, Program, "a program, as assemble gives it, or the path of a COFF file")
         self._core.load_image(self.program)
 
     def load_rom(self, path: Path, address: int, *, width: int | None = None) -> None:
-        """Puts what an EPROM holds (Intel hex, S-records or bytes) into memory from a word address on.
+        """Puts the contents of an EPROM (Intel hex, S-records or bytes) into memory from a word address on.
 
-        ``width`` is that of the memory, 8, 16 or 32 bits, where the image's first word does not say it. Raises ValueError for a broken image; IndexError where no RAM is.
+        ``width`` is the memory's width, 8, 16 or 32 bits, if the image's first word does not give it. Raises ValueError
+        for a broken image; IndexError if there is no RAM.
         """
         words = _core.toolchain.rom_words(arguments.path("path", path), width)
         self._core.load_words(arguments.whole("address", address, "a word address", 0, 2**32 - 1), words)
 
     def boot(self) -> None:
-        """Starts as the RESET pin does: with ``boots_from`` in the boot ROM, else where the board's reset vector says."""
+        """Starts as the RESET pin does: with ``boots_from`` in the boot ROM, else at the board's reset vector."""
         self._core.boot()
 
     def run(self, max_cycles: int = 100_000_000, *, until: int | str | None = None) -> Stop:
@@ -400,7 +412,7 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun):
         return stop
 
     def step(self) -> Stop:
-        """Executes one instruction; reason ``limit`` when it went well."""
+        """Executes one instruction; reason ``limit`` if there was no fault."""
         return _stop(self._core.step())
 
     def trace(self, max_cycles: int, *, slot: int = 0) -> list[str]:
@@ -413,13 +425,15 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun):
         self._core.complete_read(_word(value), _cycles(arbitration, "arbitration"), _cycles(transfer, "transfer"))
 
     def complete_write(self, *, arbitration: int = 0, transfer: int = 0) -> None:
-        """Lets the write that stopped a run go through."""
+        """Completes the write that stopped a run."""
         self._core.complete_write(_cycles(arbitration, "arbitration"), _cycles(transfer, "transfer"))
 
     def raise_interrupt(self, source: str) -> None:
-        """Requests an interrupt as its source would: an edge on ``IIOF0`` to ``IIOF3`` or ``NMI``, the flag of ``TINT0``, ``TINT1`` or ``DMAINT0`` to ``DMAINT5`` in IIF.
+        """Requests an interrupt as its source would: an edge on ``IIOF0`` to ``IIOF3`` or ``NMI``, the flag of
+        ``TINT0``, ``TINT1`` or ``DMAINT0`` to ``DMAINT5`` in IIF.
 
-        It is taken when ST, IIE and IIF allow it. An IIOF pin that IIF does not make an interrupt pin ignores the edge. Raises ValueError for another source.
+        The interrupt is taken when ST, IIE and IIF allow it. An IIOF pin that IIF does not make an interrupt pin
+        ignores the edge. Raises ValueError for another source.
         """
         name = arguments.text("source", source, "the name of an interrupt").upper()
         if name == "NMI":
@@ -429,38 +443,43 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun):
         elif name in INTERRUPT_FLAGS:
             self.registers["IIF"] |= 1 << INTERRUPT_FLAGS[name]
         else:
-            raise ValueError(f"{source} is no interrupt that can be raised; {', '.join(('NMI', *INTERRUPT_PINS, *INTERRUPT_FLAGS))} are")
+            raise ValueError(f"{source} is not an interrupt that can be raised; {', '.join(('NMI', *INTERRUPT_PINS, *INTERRUPT_FLAGS))} are")
 
     def snapshot(self) -> ChipSnapshot:
-        """Its whole state: registers, memory, pipeline, cache, peripherals, and the access that it waits for. Raises SnapshotError with ``checks`` on, or with a device of Python's that has no ``save`` and ``load``, by name."""
+        """The whole state: registers, memory, pipeline, cache, peripherals, and the unanswered access. Raises
+        SnapshotError with ``checks`` on, or for a Python device without ``save`` and ``load``, by its name."""
         self._refuse_inside("snapshot")
         return ChipSnapshot(self._core.save(self.program))
 
     def restore(self, snapshot: ChipSnapshot) -> None:
-        """Back to a snapshot of a processor with the same board and program: from there it goes on bit for bit as that one did.
+        """Goes back to a snapshot of a processor with the same board and program; from there it continues bit for bit
+        as that processor did.
 
-        Raises SnapshotError for any other, before anything is changed.
+        Raises SnapshotError for any other snapshot, before anything is changed.
         """
         self._refuse_inside("restore")
         self._core.load(snapshots.sealed(snapshot), self.program)
 
     def fork(self) -> Processor:
-        """A second processor with the same past: what one does from here on, the other does not see. Devices of Python's are copied (copy.deepcopy), and loaded."""
+        """A second processor with the same past. Later changes of one do not affect the other. Python devices are
+        copied (copy.deepcopy), and their state is loaded."""
         other = Processor(self.program, board=self._board, boots_from=self._boots_from, devices=copied(self._devices))
         other.restore(self.snapshot())
         return other
 
     def debug(self) -> Debugger:
-        """A debugger, forwards and backwards from here on (docs/debugger.md). Time is that of a chip at 40 MHz, 50 ns a cycle.
+        """A debugger, forwards and backwards from here on (docs/debugger.md). Its time is that of a chip at 40 MHz, 50
+        ns per cycle.
 
-        Where the processor needs an answer (a window, a port) the debugger says ``over``; after ``complete_read`` or ``complete_write`` it goes on.
+        If the processor needs an answer (a window, a port) the debugger stops with ``over``; after ``complete_read`` or
+        ``complete_write`` it can continue.
         """
         if self.program is None:
             raise ValueError("no program: load one first")
         return Debugger(self._core.debug(self.program))
 
     def reset(self) -> None:
-        """Registers to 0, a fault forgotten; memory and counters are kept."""
+        """Registers to 0; ends a fault. Memory and counters are kept."""
         self._core.reset()
 
     @property
@@ -474,7 +493,7 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun):
 
     @property
     def diagnostics(self) -> list[Diagnostic]:
-        """What the checks have found (docs/fidelity.md, Self-checks), each rule and place once."""
+        """The broken rules found by the checks (docs/fidelity.md, Self-checks), each rule and place once."""
         return [Diagnostic(**found) for found in self._core.diagnostics()]
 
     @property

@@ -30,7 +30,8 @@ CHIPS_MOST = 64
 
 @dataclass(frozen=True)
 class Hit:
-    """A stop condition that was met: its ``number``, the chip (None: none), a sentence; of an access the words ``before`` and after (``value``), and the instruction's address."""
+    """A stop condition that was met: its ``number``, the chip (None: none), a sentence; for an access the word
+    ``before`` and after (``value``), and the instruction's address."""
 
     number: int
     chip: int | None
@@ -42,7 +43,8 @@ class Hit:
 
 @dataclass(frozen=True)
 class Stop:
-    """Where the machine stands. ``reason``: ``start``, ``breakpoint``, ``watchpoint``, ``happening``, ``step``, ``moved``, ``paused``, ``over`` or ``fault``. ``chip`` is the one that stopped it."""
+    """Where the machine is. ``reason``: ``start``, ``breakpoint``, ``watchpoint``, ``happening``, ``step``, ``moved``,
+    ``paused``, ``over`` or ``fault``. ``chip`` is the one that stopped the machine."""
 
     reason: str
     time_ps: int
@@ -58,7 +60,8 @@ class Stop:
 
 @dataclass(frozen=True)
 class Writer:
-    """Who wrote a word last: when it was done, the chip (None: ``text`` says who), the instruction's address, what the word held before and after."""
+    """The last write to a word: its time, the chip (None: ``text`` names the writer), the instruction's address, the
+    word before and after."""
 
     time_ps: int
     chip: int | None
@@ -70,7 +73,7 @@ class Writer:
 
 @dataclass(frozen=True)
 class Frame:
-    """A call: where the routine stands, as an address and as ``label+0x4``, and its source line (0: none is known)."""
+    """A call: the routine's present place, as an address and as ``label+0x4``, and its source line (0: unknown)."""
 
     pc: int
     name: str
@@ -80,7 +83,7 @@ class Frame:
 
 @dataclass(frozen=True)
 class Register:
-    """A register: its bits in hexadecimal, its value as text (of R0 to R11 the float), and its parts by name."""
+    """A register: its bits in hexadecimal, its value as text (for R0 to R11 the float), and its parts by name."""
 
     name: str
     hex: str
@@ -93,10 +96,11 @@ def _stop(given: dict[str, Any]) -> Stop:
 
 
 class Debugger:
-    """What ``Simulation.debug()``, ``Network.debug()`` and ``Processor.debug()`` give. A stop is one instant of the whole machine. Looking changes nothing.
+    """The result of ``Simulation.debug()``, ``Network.debug()`` and ``Processor.debug()``. A stop is one instant of the
+    whole machine. Looking changes nothing.
 
-    A breakpoint stops before its instruction, a watchpoint after the access. Going back is as good as going on: any instant since the debugger was made can be
-    reached. While it lives, let nothing else run or change the machine.
+    A breakpoint stops before its instruction, a watchpoint after the access. Going back reaches any instant since the
+    debugger was made. During the debugger's lifetime, nothing else may run or change the machine.
     """
 
     def __init__(self, core: Any) -> None:
@@ -110,7 +114,7 @@ class Debugger:
         self.close()
 
     def close(self) -> None:
-        """Takes away all that listens. The machine stays where it is, and may go on without the debugger."""
+        """Removes all listeners. The machine stays at its instant, and may run on without the debugger."""
         self._core = None
 
     @property
@@ -119,7 +123,7 @@ class Debugger:
             raise RuntimeError("this debugger is closed; debug() gives another one")
         return self._core
 
-    # ---- what to stop at ----
+    # ---- stop conditions ----
 
     def places(self, place: int | str, chip: int = 0) -> list[int]:
         """The addresses of a place: a number, a label, ``label+4``, or ``file.asm:LINE``. Raises DebugError."""
@@ -128,9 +132,10 @@ class Debugger:
         return [int(address) for address in self._d.places(chip, arguments.text("place", place, 'a label, a number or "FILE:LINE"'))]
 
     def break_at(self, place: int | str, *, chip: int | None = None, condition: str = "", ignore: int = 0, log: str = "") -> int:
-        """Stops before the instruction there, of one chip or (None) of every one; returns the condition's number.
+        """Stops before the instruction at a place, on one chip or (None) on every chip; returns the condition's number.
 
-        ``condition``: an expression that must hold. ``ignore``: so many hits are passed over. ``log``: this text is told instead, with ``{expressions}``.
+        ``condition``: an expression that must hold. ``ignore``: number of hits to ignore. ``log``: prints this text,
+        with ``{expressions}``, instead of stopping.
         """
         number = -1
         for address in self.places(place, chip or 0):
@@ -138,9 +143,11 @@ class Debugger:
         return number
 
     def watch(self, place: int | str, words: int = 1, *, on: str = "write", chip: int | None = 0, condition: str = "", ignore: int = 0, log: str = "") -> int:
-        """Stops after an access to ``words`` words from there on: ``write``, ``read``, ``access`` (both) or ``change`` (a write of another value).
+        """Stops after an access to ``words`` words from a place on: ``write``, ``read``, ``access`` (both) or
+        ``change`` (a write of another value).
 
-        Memory, peripheral registers and windows as one chip (None: every one) accesses them, by the processor or its DMA; words that chips share, by anybody.
+        Memory, peripheral registers and windows as one chip (None: every chip) accesses them, by the processor or its
+        DMA; words that chips share, by any chip or the host.
         """
         if on not in ("write", "read", "access", "change"):
             raise ValueError(f'on: "{on}" is none; write, read, access or change is expected')
@@ -148,15 +155,17 @@ class Debugger:
         return self._add("word", chip=chip, address=self.places(place, chip or 0)[0], words=count, on=on, condition=condition, ignore=ignore, log=log, text=str(place))
 
     def watch_register(self, name: str, *, chip: int = 0, condition: str = "", ignore: int = 0, log: str = "") -> int:
-        """Stops after an instruction that changes a register. The chip then runs by single instructions, many times slower."""
+        """Stops after an instruction that changes a register. The chip then runs instruction by instruction, many times
+        slower."""
         return self._add("register", chip=chip, name=arguments.text("name", name, "the name of a register"), condition=condition, ignore=ignore, log=log)
 
     def on(self, kind: str, *, chip: int | None = None, condition: str = "", ignore: int = 0, log: str = "", **fields: str | int) -> int:
-        """Stops at what happens: ``claim``, ``miss``, ... (``happenings()``), with these fields: ``on("claim", chip=2, task="pid")``."""
+        """Stops at an event: ``claim``, ``miss``, ... (``happenings()``), with these fields: ``on("claim", chip=2,
+        task="pid")``."""
         return self._add("happening", chip=chip, name=kind, fields={k: str(v) for k, v in fields.items()}, condition=condition, ignore=ignore, log=log)
 
     def when(self, expression: str, *, chip: int = 0) -> int:
-        """Stops when an expression becomes true, looked at every 125 us: ``when("plant.payload_z_m < 1")``."""
+        """Stops when an expression becomes true, checked every 125 us: ``when("plant.payload_z_m < 1")``."""
         return self._add("value", chip=chip, name=arguments.text("expression", expression, "an expression"))
 
     def _add(self, kind: str, *, chip: int | None, **fields: Any) -> int:
@@ -165,12 +174,13 @@ class Debugger:
         return int(self._d.add({"kind": kind, "chip": chip, **fields}))
 
     def remove(self, number: int) -> None:
-        """Forgets a stop condition."""
+        """Removes a stop condition."""
         self._d.remove(number)
         self._calls.pop(number, None)
 
     def call(self, number: int, function: Callable[[Stop], bool | None]) -> None:
-        """Calls a function at every stop by this condition on the way forward, with the machine there. True: the machine goes on."""
+        """Calls a function at every forward stop by this condition, with the machine at the stop. If it returns True,
+        the machine runs on."""
         if number not in self._d.hits():
             raise DebugError(f"there is no stop condition {number}")
         self._calls[number] = function
@@ -180,7 +190,7 @@ class Debugger:
         self._d.enable(number, on)
 
     def hits(self) -> dict[int, int]:
-        """How often each stop condition was met on the way forward."""
+        """How often each stop condition was met, going forward."""
         return dict(self._d.hits())
 
     # ---- forward and backward ----
@@ -196,7 +206,8 @@ class Debugger:
         return self.stop.time_s
 
     def go(self, until_s: float | None = None) -> Stop:
-        """On to the next stop, or to ``until_s``. Functions of ``call`` that all say True at a stop let the machine go on."""
+        """Runs to the next stop, or to ``until_s``. If all functions of ``call`` return True at a stop, the machine
+        runs on."""
         until = None if until_s is None else self._ps(until_s)
         while True:
             stop = _stop(self._d.go(until))
@@ -214,12 +225,13 @@ class Debugger:
             yield stop
 
     def step(self, how: str = "instruction", *, chip: int | None = None) -> Stop:
-        """One step of a chip, by default that of the last stop: ``instruction``, ``over`` a call, ``line``, ``next_line``, ``out`` of the routine,
-        to its next ``claim`` of a task block, the next ``refresh`` of the list, or the next ``happening`` of any kind."""
+        """One step of a chip, by default of the last stop's chip: ``instruction``, ``over`` a call, ``line``,
+        ``next_line``, ``out`` of the routine, to its next ``claim`` of a task block, the next ``refresh`` of the list,
+        or the next ``happening`` (event) of any kind."""
         return _stop(self._d.step(self._chip(chip), how))
 
     def back(self) -> Stop:
-        """Back to the last stop condition that was met before now; where there is none, to the beginning."""
+        """Goes back to the last stop condition met before now; if there is none, to the beginning."""
         return _stop(self._d.go_back())
 
     def step_back(self, how: str = "instruction", *, chip: int | None = None) -> Stop:
@@ -227,15 +239,16 @@ class Debugger:
         return _stop(self._d.step_back(self._chip(chip), how))
 
     def go_to(self, time_s: float) -> Stop:
-        """To an instant since the debugger was made, before or after now. Stop conditions are not looked at."""
+        """Goes to an instant since the debugger was made, before or after now. Stop conditions are not checked."""
         return _stop(self._d.go_to(self._ps(time_s)))
 
     def go_to_ps(self, time_ps: int) -> Stop:
-        """The same, in whole picoseconds as ``Stop.time_ps`` has them."""
+        """The same, in whole picoseconds like ``Stop.time_ps``."""
         return _stop(self._d.go_to(arguments.whole("time_ps", time_ps, "picoseconds", 0, MOST_PICOSECONDS)))
 
     def last_write(self, place: int | str, *, chip: int | None = None) -> Writer | None:
-        """Who wrote a word last before now; None: nobody since the debugger was made. The machine stays where it is."""
+        """The last write to a word before now; None: no write since the debugger was made. The machine stays at its
+        instant."""
         number = self._chip(chip)
         found = self._d.last_write(number, self.places(place, number)[0])
         return None if found is None else Writer(**found)
@@ -249,39 +262,40 @@ class Debugger:
             return self.stop.chip or 0
         return arguments.whole("chip", chip, "the number of a chip", 0, CHIPS_MOST)
 
-    # ---- what there is to see ----
+    # ---- views ----
 
     def value(self, expression: str, *, chip: int | None = None) -> int | float:
-        """``r0``, ``f(r1)``, ``[label + 2]``, ``chip1.pc``, ``TIMER0.counter``, ``plant.payload_z_m``, and what operators as in C make of them."""
+        """The value of an expression: ``r0``, ``f(r1)``, ``[label + 2]``, ``chip1.pc``, ``TIMER0.counter``,
+        ``plant.payload_z_m``, with operators as in C."""
         result: int | float = self._d.evaluate(self._chip(chip), arguments.text("expression", expression, "an expression"))
         return result
 
     def word(self, place: int | str, *, chip: int | None = None) -> int | None:
-        """The word that the chip's program would read there, without time or effects; None: nothing can be read there so."""
+        """The word that the chip's program would read, without time or effects; None: it cannot be read like this."""
         number = self._chip(chip)
         found = self._d.peek(number, self.places(place, number)[0])
         return None if found is None else int(found)
 
     def registers(self, *, chip: int | None = None) -> dict[str, Register]:
-        """PC, R0 to R11, AR0 to AR7, and the others."""
+        """PC, R0 to R11, AR0 to AR7, and the other registers."""
         return {name: Register(name, bits, value, dict(parts)) for name, bits, value, parts in self._d.registers(self._chip(chip))}
 
     def peripherals(self, *, chip: int | None = None) -> dict[str, Register]:
-        """Peripheral registers with their fields, and what the ports' FIFOs hold."""
+        """Peripheral registers with their fields, and the contents of the ports' FIFOs."""
         return {name: Register(name, bits, value, dict(parts)) for name, bits, value, parts in self._d.peripherals(self._chip(chip))}
 
     def stack(self, *, chip: int | None = None) -> list[Frame]:
-        """The routines that are under way, the innermost first."""
+        """The calls of the present routine, the innermost first."""
         return [Frame(*frame) for frame in self._d.stack(self._chip(chip))]
 
     def disassemble(self, place: int | str, count: int = 8, *, chip: int | None = None) -> list[tuple[int, str]]:
-        """Address and text of so many words."""
+        """Address and text of ``count`` words."""
         number = self._chip(chip)
         first = self.places(place, number)[0]
         return [(a, self._d.instruction(number, a) or "no memory") for a in range(first, first + arguments.whole("count", count, "a number of words", 1, 100_000))]
 
     def describe(self, *, chip: int | None = None) -> str:
-        """How a chip stands."""
+        """The state of a chip in one sentence."""
         return str(self._d.describe(self._chip(chip)))
 
     def chips(self) -> list[str]:
@@ -289,7 +303,7 @@ class Debugger:
         return list(self._d.chip_names())
 
     def happenings(self) -> dict[str, str]:
-        """What ``on`` takes, and what it is."""
+        """The kinds of events for ``on``, with their descriptions."""
         return dict(self._d.happenings())
 
     def value_names(self) -> list[str]:
@@ -297,17 +311,18 @@ class Debugger:
         return list(self._d.value_names())
 
     def page(self, name: str) -> str:
-        """A page of text: of the dock ``list``, ``dsps``, ``plant``; of a network ``chips``, ``events``."""
+        """A page of text: for the dock ``list``, ``dsps``, ``plant``; for a network ``chips``, ``events``."""
         return str(self._d.page(arguments.text("name", name, "the name of a page")))
 
     def history(self) -> dict[str, int]:
-        """How many snapshots there are, their bytes, and the instants of the first and the last in ps."""
+        """The number of snapshots, their bytes, and the instants of the first and the last one in ps."""
         return dict(self._d.history())
 
     # ---- changes by hand ----
 
     def set_word(self, place: int | str, value: int, *, chip: int | None = None) -> None:
-        """Changes a word. What had come later is gone: a new branch begins. It is kept: whoever passes this instant again finds the word changed."""
+        """Changes a word. Everything later is discarded: a new branch begins. The change is kept: every pass through
+        this instant finds the word changed."""
         number = self._chip(chip)
         self._d.set_word(number, self.places(place, number)[0], arguments.whole("value", value, "a word", 0, 2**32 - 1))
 
@@ -316,12 +331,13 @@ class Debugger:
         self._d.set_register(self._chip(chip), arguments.text("name", name, "the name of a register"), str(value))
 
     def listen(self, port: int = 0, *, told: Callable[[int], None] | None = None) -> bool:
-        """Lets one editor attach at a port of this machine (docs/dap.md), and serves it until it goes. False: it wants the run to end.
+        """Lets one editor attach to a port of this machine (docs/dap.md), and serves it until it disconnects. False:
+        the editor wants the run to end.
 
-        Port 0 is any that is free; ``told`` hears which. Raises OSError for a port that is taken.
+        Port 0 is any free port; ``told`` is called with its number. Raises OSError for a port in use.
         """
         return bool(self._d.listen(arguments.whole("port", port, "a port", 0, 65535), told))
 
     def on_output(self, heard: Callable[[str], None] | None) -> None:
-        """Who hears the texts of log points, and of changes by hand."""
+        """Sets the function that is called with the texts of log points, and of changes by hand."""
         self._d.on_output(heard)

@@ -1,4 +1,5 @@
-"""``python -m cmrc demo``: what the emulator tells, in five scenes of a few simulated seconds each, and a page of them; one scene to look at."""
+"""``python -m cmrc demo``: five scenes of a few simulated seconds each, with a page of their results, and one scene to
+look at."""
 
 from __future__ import annotations
 
@@ -16,7 +17,7 @@ from cmrc.simulation import Setting, Simulation
 
 Settings = Mapping[str, Setting]
 QUIET: dict[str, Setting] = {"report.misses_max": 0, "report.signal_decimation": 80000}
-"""Nothing is told that the scenes do not show."""
+"""The texts say only what the scenes show."""
 
 TOGETHER: dict[str, Setting] = {
     "dock.agvs": 4,
@@ -66,7 +67,7 @@ def _one(job: tuple[dict[str, Setting], float]) -> dict[str, Any]:
 
 
 def _side_by_side(settings: Settings, changes: Sequence[Settings], duration_s: float, *, shared: bool) -> list[dict[str, Any]]:
-    """The reports of runs that differ by ``changes``, two at a time; ``shared``: one ideal run serves all."""
+    """The reports of runs that differ by ``changes``, two at a time; ``shared``: one ideal run serves all of them."""
     global _reference
     jobs = [({**settings, **change}, duration_s) for change in changes]
     reports = []
@@ -109,7 +110,7 @@ def _cost(report: Mapping[str, Any]) -> list[str]:
 
 
 def _dsp_at_work(simulation: Simulation, time_s: float) -> int:
-    """The DSP that runs a block at that instant; the lowest slot of several."""
+    """The DSP that runs a block at that instant; if there are several, the lowest slot."""
     simulation.run_until(time_s)
     states = [str(dsp["state"]) for dsp in simulation.result().report["dsps"]]
     return states.index("running")
@@ -136,7 +137,7 @@ def one_long_block() -> Scene:
 
 
 def vehicles_together() -> Scene:
-    """1 to 6 DSPs under four vehicles that look for obstacles at the same instants."""
+    """1 to 6 DSPs with four vehicles that look for obstacles at the same instants."""
     counts = range(1, 7)
     reports = _side_by_side(TOGETHER, [{"machine.dsps": n} for n in counts], 2.0, shared=True)
     scene = Scene(
@@ -152,7 +153,7 @@ def vehicles_together() -> Scene:
 
 
 def vehicles_apart() -> Scene:
-    """The same load with what the scheduler can do about it."""
+    """The same load with the scheduler's remedies."""
     remedies: dict[str, Settings] = {
         "together": {},
         "staggered": {"scheduling.agv_phase": "staggered"},
@@ -193,7 +194,7 @@ def killed() -> Scene:
 
 
 def plugged_in(recorded: Path) -> Scene:
-    """A second DSP is plugged in beside one that cannot keep up. ``recorded`` gets the page of it."""
+    """A second DSP is plugged in when one is not enough. ``recorded`` is called with the page of this run."""
     scene = Scene(
         "5. A DSP is plugged in",
         "One DSP whose cycles take 10 times as long misses much of the servo. After 2 s a second one of the kind is put into the empty slot, and boots by itself.",
@@ -210,7 +211,7 @@ def plugged_in(recorded: Path) -> Scene:
         dsps = report["dsps"]
         scene.rows.append([name, str(dsps[1]["claims"]) if len(dsps) > 1 else "-", *_cost(report)])
     taken = scene.rows[-1][1]
-    scene.conclusion = f"The new DSP takes {taken} blocks without a word from the operator."
+    scene.conclusion = f"The new DSP takes {taken} blocks without any command of the operator."
     return scene
 
 
@@ -226,7 +227,8 @@ have released in time. <i>load error</i>: RMS distance of the crane's load from 
 
 
 def main(folder: Path, tell: Callable[[str], None] = print) -> Path:
-    """Runs the scenes, tells each, and writes the page. Returns its path. Raises OSError where the folder cannot be written."""
+    """Runs the scenes, prints each, and writes the page. Returns its path. Raises OSError if the folder cannot be
+    written."""
     folder.mkdir(parents=True, exist_ok=True)
     recorded = folder / "scene5.html"
     scenes = []

@@ -1,4 +1,5 @@
-"""Devices behind windows of a board: classes of your own, and what the other side of a board file's devices sends and gets (docs/boards.md)."""
+"""Devices behind windows of a board: classes of your own, and the inputs and outputs of a board file's devices
+(docs/boards.md)."""
 
 from __future__ import annotations
 
@@ -16,29 +17,32 @@ PINS = ("IIOF0", "IIOF1", "IIOF2", "IIOF3", "NMI")
 
 
 class Device(Protocol):
-    """What stands behind a window of a board: a class of your own.
+    """A device behind a window of a board: a class of your own.
 
-    It may have more: ``waits``, cycles that each access waits. ``pin``, one of ``PINS``, with ``interrupts() -> bool``, asked after each access: whether it pulls the pin low;
-    ``next_event() -> int | None``, the next cycle in which that could change by itself, and ``advance_to(cycle)``, which lets it. ``save() -> bytes`` and ``load(bytes)``:
-    its state, for snapshots, forks and debuggers. ``acts_on_others = True``: it stands at several chips, or calls its network (``reset``, ``drive`` and the like); its
-    accesses then come in the order of the whole network. ``join(network)`` gives it the network, and in a fork its copy the fork. What it does must follow from what it was given: then a run is the same every time.
+    Optional members: ``waits``, the wait cycles of each access. ``pin``, one of ``PINS``, with ``interrupts() ->
+    bool``, called after each access: whether the device pulls the pin low. ``next_event() -> int | None``, the next
+    cycle in which the pin could change by itself, and ``advance_to(cycle)``, which executes this change. ``save() ->
+    bytes`` and ``load(bytes)``: the device's state, for snapshots, forks and debuggers. ``acts_on_others = True``: the
+    device is at several chips, or calls its network (``reset``, ``drive`` and the like); its accesses then take place
+    in the order of the whole network. ``join(network)`` gives it the network, and in a fork its copy the fork. A
+    device's behaviour must depend only on its calls: then every run is the same.
     """
 
     words: int
-    """How many words it has."""
+    """Number of its words."""
 
     def read(self, offset: int, cycle: int) -> int:
-        """The word that a read gets. What it raises ends the run; the access then still waits."""
+        """The word for a read. An exception ends the run; the access then still waits."""
 
     def write(self, offset: int, value: int, cycle: int) -> None:
         """Takes a word."""
 
 
-_calls = threading.local()  # .device: whose method is being called
+_calls = threading.local()  # .device: the device whose method is running
 
 
 class Attached:
-    """A device at its place, as the core calls it: what it gives is checked, what it raises names it."""
+    """A device at its place, as the core calls it: its results are checked, and its exceptions name it."""
 
     def __init__(self, base: int, device: Device) -> None:
         arguments.whole("devices", base, "a word address", 0, 2**32 - 1)
@@ -59,7 +63,7 @@ class Attached:
         if pin not in PINS:
             raise ValueError(f"devices: pin of the one at {self.base:X}h: {', '.join(PINS)} is expected, not {pin!r}")
         if not callable(getattr(self.device, "interrupts", None)):
-            raise TypeError(f"devices: the one at {self.base:X}h has a pin, and no interrupts(), which says whether it pulls the pin low")
+            raise TypeError(f"devices: the one at {self.base:X}h has a pin, and no interrupts() to say whether it pulls the pin low")
         return str(pin)
 
     @contextmanager
@@ -115,7 +119,8 @@ class Attached:
 
 
 def attached(devices: Mapping[int, Device] | None) -> list[Attached]:
-    """Each at its place. Raises TypeError and ValueError for what is no device, and for two at one address."""
+    """Devices at their places. Raises TypeError and ValueError for an object that is not a device, and for two at one
+    address."""
     if not isinstance(devices, Mapping | None):
         arguments.refuse("devices", devices, "a dictionary of addresses and devices")
     places = sorted((Attached(base, device) for base, device in (devices or {}).items()), key=lambda place: place.base)
@@ -126,20 +131,21 @@ def attached(devices: Mapping[int, Device] | None) -> list[Attached]:
 
 
 def copied(places: Sequence[Attached], made: dict[int, Any] | None = None) -> dict[int, Device]:
-    """Devices of their own for a fork. ``made``: what copies of other chips' devices have met, so that what they share is copied once."""
+    """Copies of devices for a fork. ``made``: the memo of copies for other chips' devices, so that shared objects are
+    copied once."""
     made = {} if made is None else made
     return {place.base: copy.deepcopy(place.device, made) for place in places}
 
 
 def refuse_call_that_acts(call: str) -> None:
-    """RuntimeError for a call from inside a device that does not say that it acts on others."""
+    """Raises RuntimeError for a call from inside a device that does not declare that it acts on others."""
     device = getattr(_calls, "device", None)
     if device is not None and not device.acts_on_others:
         raise RuntimeError(f"{call}() from inside {device.where}: that is possible for a device with acts_on_others = True (docs/boards.md)")
 
 
 class OneRun:
-    """What runs devices: while it runs, a device may not run, save or load it."""
+    """An object that runs devices: while it runs, a device may not run, save or load it."""
 
     _runs = False
 
@@ -158,17 +164,17 @@ class OneRun:
 
 
 class Front:
-    """The other side of a chip's devices: what is typed and sent to them, and what comes from them."""
+    """The inputs and outputs of a chip's devices."""
 
     _core: Any
 
     def type(self, text: str | bytes) -> None:
-        """Characters that the console of the board file reads, behind those that wait."""
+        """Characters for the console of the board file, after those that wait."""
         self._core.type(text.encode("latin-1") if isinstance(text, str) else bytes(arguments.instance("text", text, bytes, "text or bytes")))
 
     @property
     def console(self) -> bytes:
-        """What the consoles of the board file have sent."""
+        """The output of the board file's consoles."""
         return bytes(self._core.console)
 
     @property
@@ -182,16 +188,19 @@ class Front:
         return list(self._core.not_modelled)
 
     def send(self, name: str, words: Sequence[int]) -> None:
-        """Words that a FIFO or mailbox of the board file brings to the program, behind those that wait. Raises ValueError for an unknown name, with those that there are."""
+        """Words from a FIFO or mailbox of the board file to the program, after those that wait. Raises ValueError for
+        an unknown name, with the known ones."""
         given = [arguments.whole(f"words[{n}]", word, "a 32-bit word") for n, word in enumerate(arguments.items("words", words, "a list of words"))]
         self._core.send(arguments.text("name", name, "the name of a device"), given)
 
     def send_script(self, name: str, script: str) -> None:
-        """The same by a host script (docs/boards.md, Host scripts). Raises ValueError, with the line, for what is none."""
+        """The same by a host script (docs/boards.md, Host scripts). Raises ValueError, with the line, for a text that
+        is not a script."""
         self._core.send_script(arguments.text("name", name, "the name of a device"), arguments.text("script", script, "a host script"))
 
     def sent(self, name: str) -> list[int]:
-        """Words that a FIFO, mailbox or console has sent. Raises ValueError for an unknown name, with those that there are."""
+        """Words that a FIFO, mailbox or console has sent. Raises ValueError for an unknown name, with the known
+        ones."""
         return list(self._core.sent(arguments.text("name", name, "the name of a device")))
 
 

@@ -1,4 +1,4 @@
-"""What is different between two results."""
+"""The differences between two results."""
 
 from __future__ import annotations
 
@@ -13,42 +13,42 @@ from cmrc.result import Result
 from cmrc.table import Table
 
 NO_METRIC = ("configuration", "elapsed_s", "reference_elapsed_s", "schema_version", "emulator_version")
-"""Keys of the report that are told apart, or differ between two runs of the same configuration."""
+"""Keys of the report that are compared separately, or differ between two runs of the same configuration."""
 MISSING = "–"
 
 
 class Difference:
-    """Of two results, named left and right."""
+    """The differences between two results, named left and right."""
 
     def __init__(
         self, left: Mapping[str, Any], right: Mapping[str, Any], event: Mapping[str, Any] | None, events_compared: bool
     ) -> None:
         self.configuration: dict[str, tuple[Any, Any]] = dict(_unlike(left["configuration"], right["configuration"]))
-        """By setting its value left and right."""
+        """By setting: its value left and right."""
         versions = left.get("emulator_version"), right.get("emulator_version")
         self.versions: tuple[Any, Any] | None = versions if versions[0] != versions[1] else None
-        """Versions of the emulator, where they differ."""
+        """Versions of the emulator, if they differ."""
         self.event: dict[str, Any] | None = None if event is None else dict(event)
-        """The first event in which they differ: ``when`` (s), ``component``, ``field``, ``left``, ``right``, and both
-        lines of the traces; None where no event differs, or one of the results has no events."""
+        """The first event that differs: ``when`` (s), ``component``, ``field``, ``left``, ``right``, and both lines of
+        the traces; None if no event differs, or one of the results has no events."""
         self.events_compared = events_compared
         """Both results have their events (``keep_events=True``)."""
         self.metrics: list[tuple[str, Any, Any]] = sorted(
             ((name, one, other) for name, (one, other) in _unlike(dict(_leaves(left)), dict(_leaves(right)))),
             key=lambda row: row[0].startswith("misses["),
         )
-        """Every metric of the report that differs, in its order: name, left, right; missed jobs one by one come
-        last."""
+        """Every metric of the report that differs, in the report's order: name, left, right; missed jobs one by one
+        come last."""
         self.same_hash = left["hash"] == right["hash"]
         """Both made the same events."""
 
     def __bool__(self) -> bool:
-        """Something differs."""
+        """There is a difference."""
         return bool(self.configuration or self.versions or self.event or self.metrics)
 
     @property
     def first(self) -> str:
-        """Where the difference begins, in a sentence."""
+        """The first difference, in a sentence."""
         if self.event is not None:
             return (
                 f"They differ from {self.event['when']} s on: {self.event['component']}, {self.event['field']} "
@@ -66,14 +66,14 @@ class Difference:
 
     @property
     def table(self) -> Table:
-        """One row per metric: ``metric``, ``left``, ``right``, ``difference``; NaN where it is no number."""
+        """One row per metric: ``metric``, ``left``, ``right``, ``difference``; NaN if it is not a number."""
         return Table.from_rows(
             {"metric": name, "left": _number(one), "right": _number(other), "difference": _number(other) - _number(one)}
             for name, one, other in self.metrics
         )
 
     def text(self, most: int = 40) -> str:
-        """For a terminal, at most so many metrics."""
+        """For a terminal, with at most this number of metrics."""
         if not self:
             return "The two results are the same.\n"
         lines = [self.first]
@@ -125,7 +125,7 @@ Comparable = Result | Mapping[str, Any] | str | os.PathLike[str]
 
 
 def diff(left: Comparable, right: Comparable) -> Difference:
-    """What differs between two results: each a ``Result``, a report (a dictionary), or a file of either.
+    """The differences between two results: each a ``Result``, a report (a dictionary), or a file of either.
 
     Raises OSError; ValueError for a file that is neither a saved result nor a JSON report, and for a report of another
     schema version.
@@ -157,7 +157,7 @@ def _taken(name: str, of: Comparable) -> tuple[dict[str, Any], str | None]:
 
 
 def _leaves(node: Any, path: str = "") -> Iterator[tuple[str, Any]]:
-    """Everything that is no table or list of tables, by its dotted place; a list of numbers is one value."""
+    """All values that are not tables or lists of tables, by their dotted places; a list of numbers is one value."""
     if isinstance(node, Mapping):
         for key, below in node.items():
             if path or key not in NO_METRIC:

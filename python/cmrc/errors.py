@@ -1,4 +1,4 @@
-"""What every named error of the package is: ``cmrc.Error``."""
+"""``cmrc.Error``, the base of all named errors of the package."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ _WHERE = re.compile(r"(?P<where>(?:.*?:\d+(?::\d+)?: )?(?:(?!error: )[^\s:;]+: )
 
 
 class Error(Exception):
-    """Input that cannot be used: where it stands, what is wrong with it, and what would be right.
+    """Input that cannot be used: where it is, what is wrong with it, and what would be right.
 
-    Each named error of the package is one, and is the built-in class too that fits (``ValueError``, ``OSError``,
-    ``RuntimeError``). ``str(error)`` is the whole message, ``WHERE: PROBLEM; RIGHT``.
+    Every named error of the package is a ``cmrc.Error``, and also the fitting built-in class (``ValueError``,
+    ``OSError``, ``RuntimeError``). ``str(error)`` is the whole message, ``WHERE: PROBLEM; RIGHT``.
     """
 
     def _parts(self) -> tuple[str, str, str]:
@@ -24,15 +24,15 @@ class Error(Exception):
 
     @property
     def where(self) -> str:
-        """File with line and column, key, option or name of what is wrong; empty where there is only one place."""
+        """File with line and column, key, option or name of what is wrong; empty if there is only one place."""
         return self._parts()[0]
 
     @property
     def problem(self) -> str:
-        """What is wrong; of several errors in one message, the first."""
+        """What is wrong; if the message has several errors, the first one."""
         return self._parts()[1]
 
     @property
     def right(self) -> str:
-        """What would be right; empty where the problem says it all."""
+        """What would be right; empty if the problem says everything."""
         return self._parts()[2]

@@ -1,7 +1,8 @@
-"""The events of a run as a Parquet table, for DuckDB and its like.
+"""The events of a run as a Parquet table, for DuckDB and similar tools.
 
-A row is an event of docs/trace.md, in their order: ``time_ps`` (int64, picoseconds), ``component`` and ``event`` (text), ``task`` (text: the kind of
-the block that it is about, as the report calls it, else null), and a column of int64 for each name of an argument, null where the event has none.
+A row is an event of docs/trace.md, in their order: ``time_ps`` (int64, picoseconds), ``component`` and ``event``
+(text), ``task`` (text: the kind of the event's block, as in the report, else null), and a column of int64 for each name
+of an argument, null if the event has none.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 HEADER = "# cmrc event trace 1"
 BATCH = 1 << 17
 RECORD = np.dtype([("time", "<i8"), ("component", "<u2"), ("event", "<u2"), ("arguments", "<u4", 5)])
-"""An event as the run's hash has it (docs/trace.md)."""
+"""An event in the layout of the run's hash (docs/trace.md)."""
 SIGNED = {"latch", "push"}
 OF_TASKS = {"load", "claim", "start", "finish", "remove", "requeue", "miss"}
 
@@ -30,7 +31,7 @@ Columns = dict[str, Any]
 
 
 def needed() -> Any:
-    """pyarrow. Raises ImportError naming the extra where it is missing."""
+    """pyarrow. Raises ImportError with the name of the extra if it is missing."""
     try:
         import pyarrow
     except ImportError as error:
@@ -47,7 +48,8 @@ def argument_columns() -> list[str]:
 def of_configuration(
     config: str | os.PathLike[str], settings: Mapping[str, Setting] | None = None, on_progress: Callable[[float, float], object] | None = None
 ) -> Iterator[pa.RecordBatch]:
-    """Runs a configuration and gives its events in batches of 0.1 s. ``on_progress(simulated_s, duration_s)`` is called for each. Raises ConfigError, ImportError."""
+    """Runs a configuration and yields its events in batches of 0.1 s. ``on_progress(simulated_s, duration_s)`` is
+    called for each. Raises ConfigError, ImportError."""
     pa = needed()
     made = configured(config, None, {"report.reference": "none", **(settings or {})}, (), {})
     duration_s = float(made.to_dict()["run.duration_s"])
@@ -59,12 +61,13 @@ def of_configuration(
         if on_progress is not None:
             on_progress(core.time_s, duration_s)
         yield _batch(pa, np.frombuffer(core.take_events(), RECORD), tasks)
-    core.report_so_far_json()  # what is settled last
+    core.report_so_far_json()  # the events settled last
     yield _batch(pa, np.frombuffer(core.take_events(), RECORD), tasks)
 
 
 def of_trace(path: str | os.PathLike[str]) -> Iterator[pa.RecordBatch]:
-    """The events of a trace that ``--trace`` wrote, in batches. Raises ValueError naming the line, ImportError, OSError."""
+    """The events of a trace that ``--trace`` wrote, in batches. Raises ValueError with the line, ImportError,
+    OSError."""
     pa = needed()
     tasks = _core.cmrc.Simulation(configured(None, None, {"report.reference": "none"}, (), {})).task_names()
     numbers = {name: number for number, (name, _) in _core.report.event_names().items()}
@@ -131,7 +134,7 @@ def _batch(pa: Any, events: NDArray[Any], tasks: Mapping[int, str]) -> pa.Record
 
 
 def _named(pa: Any, numbers: NDArray[Any], names: Mapping[int, str]) -> Any:
-    """A column of texts by number; null for a number without a name."""
+    """A column of texts, by number; null for a number without a name."""
     known = list(names)
     place = {number: i for i, number in enumerate(known)}
     index = np.array([place.get(int(n), -1) for n in range(-1, 1 << 16)], np.int32)[numbers.astype(np.int64) + 1]
@@ -148,7 +151,7 @@ def _of_columns(pa: Any, columns: Columns) -> pa.RecordBatch:
 
 
 def write(batches: Iterable[pa.RecordBatch], path: str | os.PathLike[str]) -> int:
-    """Writes a Parquet file, whole or not at all; gives the number of rows. Raises OSError."""
+    """Writes a Parquet file, whole or not at all; returns the number of rows. Raises OSError."""
     needed()
     from pyarrow import parquet
 

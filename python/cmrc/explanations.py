@@ -7,8 +7,8 @@ from typing import Any
 
 PARTS = {
     "host_late": "the host's refresh began late",
-    "not_due": "it stood in the list and was not due yet",
-    "host_refresh": "the host's refresh was at work",
+    "not_due": "it was in the list and not due yet",
+    "host_refresh": "the host's refresh was running",
     "host_lock": "the host waited for the list",
     "doorbell": "a sleeping DSP had to be woken",
     "claim": "a DSP executed the instructions of the claim",
@@ -16,25 +16,25 @@ PARTS = {
     "claim_bus_b": "the claim waited for bus B",
     "lock": "another DSP or the host held the list",
     "blocked": "every DSP ran a block that was claimed before this one could be",
-    "behind_list": "every DSP ran a block, of which some stood before this one in the list",
-    "no_dsp": "no DSP was there",
-    "own_dsp_out": "the DSP that alone may run it was out",
-    "lost_run": "runs came to nothing, because their DSP failed",
-    "watchdog": "nobody had noticed yet that its DSP had failed",
-    "previous_out": "the block of an earlier tick was still out",
+    "behind_list": "every DSP ran a block, some with earlier places in the list",
+    "no_dsp": "no DSP was running",
+    "own_dsp_out": "the only DSP that may run it was out",
+    "lost_run": "runs were lost, because their DSP failed",
+    "watchdog": "the failure of its DSP was not noticed yet",
+    "previous_out": "the block of an earlier tick was not done",
     "execution.slow_clock": "its run was longer, because the DSP's clock was slow",
     "execution.execute": "its run was longer: more instructions",
     "slack": "there was less time than a usual run takes",
 }
-"""What a part of a chain says."""
+"""The meaning of a chain's part."""
 
 REMEDIES = {
     "blocked": "one more DSP (machine.dsps), or shorter blocks (scheduling.slice_cycles)",
     "behind_list": "one more DSP (machine.dsps), or shorter blocks (scheduling.slice_cycles)",
     "host_late": "a host that is free at its tick (fewer refreshes: rates.refresh_frequency_hz)",
     "host_refresh": "a faster refresh (host.*, or fewer blocks in the list)",
-    "host_lock": "fewer DSPs that look at the list (machine.idle_policy)",
-    "lock": "fewer DSPs that look at the list (machine.idle_policy)",
+    "host_lock": "fewer DSPs that poll the list (machine.idle_policy)",
+    "lock": "fewer DSPs that poll the list (machine.idle_policy)",
     "doorbell": "DSPs that do not sleep (machine.idle_policy)",
     "claim_bus_a": "less traffic on bus A",
     "claim_bus_b": "less traffic on bus B",
@@ -47,7 +47,7 @@ REMEDIES = {
     "execution.bus_b_arbitration": "less traffic on bus B",
     "slack": "a faster DSP (machine.dsp_clock), or a lower rate",
 }
-"""What makes such a part shorter."""
+"""How to make such a part shorter."""
 
 _OUTCOMES = {
     "late": "was late",
@@ -61,8 +61,8 @@ _OUTCOMES = {
 def explain(report: Mapping[str, Any], n: int | None = None) -> str:
     """A paragraph about the missed job of that index in ``report["misses"]``; None: the first by deadline.
 
-    It says who stood in the way, since when, and what would have avoided the miss. Raises IndexError where there is no
-    such miss; without any miss the text says so.
+    It names the blocks in the job's way, since when, and what would have avoided the miss. Raises IndexError if there
+    is no such miss; if there is no miss at all, the text says so.
     """
     misses = report["misses"]
     if n is None:
@@ -71,11 +71,11 @@ def explain(report: Mapping[str, Any], n: int | None = None) -> str:
             return (
                 "No job missed its deadline."
                 if left == 0
-                else (f"{left} jobs missed their deadlines, but the report tells none one by one (report.misses_max).")
+                else (f"{left} jobs missed their deadlines, but the report lists none one by one (report.misses_max).")
             )
         n = min(range(len(misses)), key=lambda i: _due_ps(misses[i]))
     if not -len(misses) <= n < len(misses):
-        raise IndexError(f"n: {n}; the report tells {len(misses)} missed jobs one by one, 0 to {len(misses) - 1}")
+        raise IndexError(f"n: {n}; the report lists {len(misses)} missed jobs one by one, 0 to {len(misses) - 1}")
     return " ".join(_sentences(misses, misses[n]))
 
 
@@ -100,7 +100,7 @@ def _dropped(misses: Sequence[Mapping[str, Any]], miss: Mapping[str, Any]) -> li
         cause = _largest(miss, 1)
         why = PARTS.get(cause[0][0], cause[0][0]) if cause else "the host skipped the refresh of its tick"
         return [f"The job {who} was dropped: {due}, and {why}."]
-    out = f"the block of {miss['kind']} number {miss['previous']} was still out, and a kind has one block at a time"
+    out = f"the block of {miss['kind']} number {miss['previous']} was not done, and a kind has one block at a time"
     told = [f"The job {who} was dropped: {due}, but {out}."]
     same = (miss["kind"], miss["robot"], miss["previous"])
     earlier = next((m for m in misses if (m["kind"], m["robot"], m["number"]) == same), None)
@@ -115,7 +115,7 @@ def _when(miss: Mapping[str, Any]) -> str:
         return f"{released}, has no deadline, and its account ends at {_instant(miss['end_ps'])}."
     ended = "ended" if miss["outcome"] == "late" else "had not ended"
     return (
-        f"{released}, was to be done by {_instant(miss['deadline_ps'])}, and {ended} at "
+        f"{released}, had its deadline at {_instant(miss['deadline_ps'])}, and {ended} at "
         f"{_instant(miss['end_ps'])}, {_duration(miss['lateness_ps'])} too late"
         + (f"; a usual run takes {_duration(miss['usual_ps'])}." if miss["usual_ps"] is not None else ".")
     )
@@ -148,11 +148,11 @@ def _block(block: Mapping[str, Any]) -> str:
 def _avoidance(miss: Mapping[str, Any]) -> list[str]:
     told = []
     if miss["unavoidable_ps"] is not None:
-        told.append(f"From {_instant(miss['unavoidable_ps'])} on nothing could have saved it.")
+        told.append(f"From {_instant(miss['unavoidable_ps'])} on it could not be in time any more.")
     late = miss["lateness_ps"]
     if late is None or late <= 0:
         return told
-    late -= min(0, miss["parts_ps"].get("not_run", 0))  # what never ran would still have had to run
+    late -= min(0, miss["parts_ps"].get("not_run", 0))  # a job that never ran still needed its run
     parts = [(part, ps) for part, ps in _largest(miss, len(miss["parts_ps"]))]
     alone = [(part, ps) for part, ps in parts if ps >= late]
     if alone:
@@ -179,7 +179,7 @@ def _avoidance(miss: Mapping[str, Any]) -> list[str]:
 
 def _remedy(parts: Sequence[str]) -> str:
     remedies = list(dict.fromkeys(REMEDIES[part] for part in parts if part in REMEDIES))
-    return f"; what helps against that: {'; or '.join(remedies)}" if remedies else ""
+    return f"; this helps: {'; or '.join(remedies)}" if remedies else ""
 
 
 def _largest(miss: Mapping[str, Any], most: int) -> list[tuple[str, int]]:

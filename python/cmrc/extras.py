@@ -8,7 +8,7 @@ from typing import Any
 
 
 def installed(module: str, extra: str, what: str) -> None:
-    """Looks for a module without importing it. Raises ImportError that says what to install."""
+    """Checks that a module is installed, without importing it. Raises ImportError that says what to install."""
     if importlib.util.find_spec(module) is None:
         raise ImportError(f"{what} needs {module}, which is not installed: pip install 'cmrc[{extra}]'", name=module)
 

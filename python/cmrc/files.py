@@ -1,4 +1,4 @@
-"""Output files: each appears whole or not at all, and none takes the place of an input."""
+"""Output files: each appears whole or not at all, and none replaces an input."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SameFile = _core.io.SameFile
 
 
 def printable(text: str) -> str:
-    """What a terminal shows and does not obey: control characters become ``\\xNN``."""
+    """Text that a terminal shows but does not obey: control characters become ``\\xNN``."""
     return _core.io.printable(text.encode("utf-8", "surrogateescape"))
 
 
@@ -25,7 +25,8 @@ def printable_lines(text: str) -> str:
 
 
 def read(path: str | os.PathLike[str], most: int) -> bytes:
-    """A whole file of at most so many bytes: one without an end (a device, a pipe) is an error. Raises OSError, ValueError."""
+    """A whole file with at most this number of bytes; a file without an end (a device, a pipe) is an error. Raises
+    OSError, ValueError."""
     with open(path, "rb") as file:
         content = file.read(most + 1)
     if len(content) > most:
@@ -34,14 +35,14 @@ def read(path: str | os.PathLike[str], most: int) -> bytes:
 
 
 def write(path: str | os.PathLike[str], content: str | bytes) -> None:
-    """Writes a file; text in UTF-8. Until it is whole the file that was there stays. A device, a pipe or a terminal is written
-    into. Raises OSError."""
+    """Writes a file; text in UTF-8. Until the new file is complete, the old one stays. A device, a pipe or a terminal
+    is written directly. Raises OSError."""
     _core.io.write(path, content.encode() if isinstance(content, str) else content)
 
 
 @contextmanager
 def writing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
-    """The same for what writes into an open file. An exception inside leaves the file that was there."""
+    """The same for writers of an open file. After an exception in the block, the old file stays."""
     content = io.BytesIO()
     yield content
     write(path, content.getvalue())

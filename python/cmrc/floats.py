@@ -1,4 +1,5 @@
-"""The C40's float formats and Python's floats. Exact wherever the target can hold the value."""
+"""Conversions between the C40's float formats and Python's floats. Exact whenever the target can represent the
+value."""
 
 from __future__ import annotations
 
@@ -11,10 +12,10 @@ _SINGLE_FRACTION = 23
 def extended_to_float(register: int) -> float:
     """The value of a 40-bit register R0 to R11: exponent in bits 39 to 32, mantissa in 31 to 0.
 
-    Every register value is a double, so this is exact. Raises ValueError outside 0 .. 2**40 - 1.
+    Every register value is a double, so the conversion is exact. Raises ValueError outside 0 .. 2**40 - 1.
     """
     if not 0 <= register < 1 << 40:
-        raise ValueError(f"{register:#x} is no 40-bit register value")
+        raise ValueError(f"{register:#x} is not a 40-bit register value")
     return _value(register >> 32, register & 0xFFFF_FFFF, _EXTENDED_FRACTION)
 
 
@@ -24,30 +25,30 @@ def single_to_float(word: int) -> float:
     Raises ValueError outside 0 .. 2**32 - 1.
     """
     if not 0 <= word < 1 << 32:
-        raise ValueError(f"{word:#x} is no 32-bit word")
+        raise ValueError(f"{word:#x} is not a 32-bit word")
     return _value(word >> 24, word & 0x00FF_FFFF, _SINGLE_FRACTION)
 
 
 def float_to_extended(value: float) -> int:
-    """The 40-bit register value nearest to a float, ties away from zero; 0 where it is too small.
+    """The 40-bit register value nearest to a float, ties away from zero; 0 for a value that is too small.
 
-    Raises OverflowError where it is too large, ValueError for NaN and infinities.
+    Raises OverflowError for a value that is too large, ValueError for NaN and infinities.
     """
     exponent, mantissa = _parts(value, _EXTENDED_FRACTION)
     return (exponent & 0xFF) << 32 | mantissa
 
 
 def float_to_single(value: float) -> int:
-    """The 32-bit single-format word nearest to a float, ties away from zero; 0 where it is too small.
+    """The 32-bit single-format word nearest to a float, ties away from zero; 0 for a value that is too small.
 
-    Raises OverflowError where it is too large, ValueError for NaN and infinities.
+    Raises OverflowError for a value that is too large, ValueError for NaN and infinities.
     """
     exponent, mantissa = _parts(value, _SINGLE_FRACTION)
     return (exponent & 0xFF) << 24 | mantissa
 
 
 def _value(exponent: int, mantissa: int, fraction: int) -> float:
-    if exponent == 0x80:  # zero, whatever the mantissa holds
+    if exponent == 0x80:  # zero for any mantissa
         return 0.0
     sign = mantissa >> fraction
     scaled = mantissa - (1 << (fraction + 1)) - (1 << fraction) if sign else mantissa + (1 << fraction)

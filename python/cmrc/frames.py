@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 COLUMNS = ("kind", "metric", "unit", "value")
 RUN = "run"
-"""The kind of what the whole run is measured by."""
+"""The kind of metrics for the whole run."""
 SUMMARY = ("count", "best", "mean", "p50", "p99", "p99_9", "worst")
 COUNTS = (
     "released",
@@ -40,7 +40,7 @@ def to_frame(report: Mapping[str, Any]) -> pandas.DataFrame:
 
 
 def rows(report: Mapping[str, Any]) -> Iterator[tuple[str, str, str, float]]:
-    """Kind, metric, unit, value; NaN where nothing was measured."""
+    """Kind, metric, unit, value; NaN if nothing was measured."""
     for kind, task in report["tasks"].items():
         for name in COUNTS:
             yield kind, name, "jobs", _value(task[name])
@@ -71,7 +71,7 @@ def _of_run(report: Mapping[str, Any]) -> Iterator[tuple[str, str, str, float]]:
 
 
 def to_html(report: Mapping[str, Any], headline: str) -> str:
-    """A headline, and a table of the kinds that had jobs."""
+    """A headline, and a table of the kinds with jobs."""
     heads = ("jobs", "released", "missed", "response, mean, us", "p99, us", "worst, us")
     lines = []
     for kind, task in report["tasks"].items():

@@ -43,14 +43,15 @@ LAST_COLUMNS = ("later or never", "within three tries", "3-s mean above 20 m/s",
 
 @dataclass(frozen=True)
 class Run:
-    """What became of one container."""
+    """The outcome for one container."""
 
     mean_m_s: float
     mass_kg: float
     tries: tuple[int, ...]
-    """Touches until the corner switches had closed, per landing that came to that: on the ship, on the vehicle."""
+    """Number of touches until the corner switches had closed, for each completed landing: on the ship, on the
+    vehicle."""
     missed: int
-    """Touches of a landing that never came to that; 0: there is none."""
+    """Number of touches of a landing that was never completed; 0: there is none."""
     above_share: float
     waited_s: float
 
@@ -96,7 +97,8 @@ def _report(simulation: Any) -> dict[str, Any]:
 
 
 def campaign() -> list[Run]:
-    """All runs of the page: loads in turn, every other wind across the containers, the others from anywhere."""
+    """All runs of the page: loads in turn, every second one with wind across the containers, the others from any
+    direction."""
     done = []
     for mean, count in WINDS.items():
         for n in range(count):

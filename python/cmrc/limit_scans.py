@@ -1,5 +1,5 @@
 """Scans for the first missed deadline (docs/report.md, Limits): how much longer instructions could take, how few DSPs
-would do, how fast the servo could be."""
+would be enough, how fast the servo could be."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ Point = dict[str, Any]
 
 @dataclass
 class Scan:
-    """One quantity that is scanned, the others as configured."""
+    """One scanned quantity; the others are as configured."""
 
     name: str
     key: str
     meaning: str
     more_is_harder: bool
-    """The limit is the largest value below which all pass; else the smallest above which all pass."""
+    """The limit is the largest value below which all points pass; else the smallest value above which all pass."""
     points: list[Point] = field(default_factory=list)
     """By rising value."""
 
     def limit(self) -> float | None:
-        """The last value such that it and every point on its easy side that was run passes."""
+        """The last value such that it and every run point on its easy side pass."""
         found = None
         for point in self._by_ease():
             if not (point["ran"] and point["passed"]):
@@ -82,7 +82,7 @@ class Scan:
         }
 
     def _by_ease(self) -> list[Point]:
-        """The points that are allowed, the easiest first."""
+        """The allowed points, the easiest first."""
         points = [point for point in self.points if point["refused"] is None]
         return points if self.more_is_harder else points[::-1]
 
@@ -96,9 +96,10 @@ class _Job:
 
 
 class Scans:
-    """Scans of one configuration; a grid that is None is not scanned, and if all are, each has its standard one.
+    """Scans of one configuration. A grid that is None is not scanned; if all are None, each has its standard grid.
 
-    Raises ConfigError for an empty grid or a value given twice. A point that makes no configuration is refused."""
+    Raises ConfigError for an empty grid or a value given twice. A point without a valid configuration is refused.
+    """
 
     def __init__(
         self,
@@ -156,8 +157,8 @@ class Scans:
 
     def run(self, on_progress: Callable[[int, int], object] | None = None) -> None:
         """Runs every point to its first miss, with ``errors`` to its end, as many at a time as there are processors.
-        ``on_progress(done, points)`` is told at the start, and whenever a run ends. What ends it early (Ctrl-C) leaves
-        the points that have ended. Raises RuntimeError when a run breaks down."""
+        ``on_progress(done, points)`` is called at the start, and after every run. An early end (Ctrl-C) keeps the
+        finished points. Raises RuntimeError if a run fails."""
         jobs = sorted(self._jobs, key=lambda job: job.group)
         self.interrupted = bool(jobs)
         if on_progress is not None:
@@ -187,8 +188,8 @@ class Scans:
 
 
 def standard(config: _core.cmrc.Config) -> tuple[list[float], list[float], list[float]]:
-    """Factors 1 to 3 by quarters, 1 DSP to 8, and every servo frequency that the refreshes can have from half the
-    configured one on: f_s / N for whole N of at least 2."""
+    """Factors 1 to 3 in quarters, 1 DSP to 8, and every possible servo frequency from half the configured one on: f_s /
+    N for integers N of at least 2."""
     refreshes = float(config.to_dict()["rates.refresh_frequency_hz"])
     servo = config.intervals()["N_p"]
     return (

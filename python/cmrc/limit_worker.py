@@ -1,5 +1,5 @@
 """``python -m cmrc.limit_worker PARENT``: runs points of a scan (limit_scans.py). A line of standard input is a
-request, ``{"toml": ..., "to_its_end": ...}``; a line of standard output is what the point came to."""
+request, ``{"toml": ..., "to_its_end": ...}``; a line of standard output is the point's outcome."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def run(toml: str, to_its_end: bool) -> dict[str, Any]:
 
 
 def outcome(report: dict[str, Any], to_its_end: bool) -> dict[str, Any]:
-    """What a scan tells of a point. Raises RuntimeError where there was no ideal run to measure against."""
+    """The outcome of a point. Raises RuntimeError if there was no ideal run to measure against."""
     misses = sum(task["misses"] for task in report["tasks"].values())
     starved = sum(report["starved_intervals"].values())
     whole = report["stop_reason"] in ("completed", "job_done")
@@ -78,7 +78,7 @@ def main() -> None:
     leave_signals_to_parent()
     die_with_parent(int(sys.argv[1]))
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)  # what a run prints is no part of the answer
+    os.dup2(2, 1)  # a run's own output is not part of the answer
     for line in sys.stdin:
         asked = json.loads(line)
         try:

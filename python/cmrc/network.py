@@ -1,4 +1,4 @@
-"""Networks of TMS320C40s joined by their communication ports (docs/networks.md).
+"""Networks of TMS320C40s connected by their communication ports (docs/networks.md).
 
 ring = cmrc.network.Network(program, topology="ring:8")
 stop = ring.run()
@@ -21,16 +21,17 @@ from cmrc.devices import PINS, Attached, Device, Front, OneRun, attached, copied
 from cmrc.snapshots import ChipSnapshot, SnapshotError
 
 NetworkError = _core.network.NetworkError
-"""Raised for a network that cannot be: a ValueError that names chip, port or link, and what would be right."""
+"""Raised for an impossible network: a ValueError that names chip, port or link, and what would be right."""
 
 
 MOST_CYCLES = 10**13
-"""Of a run: a network's time is counted in 64 bits of picoseconds."""
+"""The longest run: a network's time is counted in 64 bits of picoseconds."""
 
 
 @dataclass(frozen=True)
 class NetworkStop:
-    """Why a run ended: ``ended`` (every chip has ended, or sleeps and nothing can wake it), ``deadlock`` (nothing can happen any more, and chips wait) or ``limit``."""
+    """Why a run ended: ``ended`` (every chip has ended, or sleeps and nothing can wake it), ``deadlock`` (no event is
+    left, and chips wait) or ``limit``."""
 
     reason: str
     time_ps: int
@@ -38,7 +39,8 @@ class NetworkStop:
 
 @dataclass(frozen=True)
 class Traffic:
-    """Words of one direction of a link that left the sending FIFO: sent = arrived + under_way + lost. ``tokens``: how often the token came to the sender."""
+    """Words of one direction of a link that left the sending FIFO: sent = arrived + under_way + lost. ``tokens``: how
+    often the sender got the token."""
 
     sent: int
     arrived: int
@@ -49,11 +51,12 @@ class Traffic:
 
 @dataclass(frozen=True)
 class Event:
-    """Something on a link (``word``, ``token``, ``lost``, ``dead``, ``cut``, ``restored``) or net (``rise``, ``fall``, ``missed``), or to a chip (``discarded``, ``reset``,
-    ``hold``, ``release``, ``pull_out``).
+    """An event of a link (``word``, ``token``, ``lost``, ``dead``, ``cut``, ``restored``), of a net (``rise``,
+    ``fall``, ``missed``), or of a chip (``discarded``, ``reset``, ``hold``, ``release``, ``pull_out``).
 
-    ``place`` is the number of the link, net or chip, ``side`` 0 for the link's first end and 1 for its second, of ``discarded`` the port, of ``missed`` the chip. ``count``: bytes of a
-    lost word that had crossed; of a discarded word 1 for the input FIFO, 0 for the output FIFO. ``text`` is the line of a link trace.
+    ``place`` is the number of the link, net or chip. ``side`` is 0 for the link's first end and 1 for its second; for
+    ``discarded`` the port, for ``missed`` the chip. ``count``: bytes of a lost word that had crossed; for a discarded
+    word 1 for the input FIFO, 0 for the output FIFO. ``text`` is the line of a link trace.
     """
 
     kind: str
@@ -67,9 +70,10 @@ class Event:
 
 @dataclass(frozen=True)
 class PeripheralEvent:
-    """What the peripherals of a chip did: ``port_write`` and ``port_read`` (``number`` the port, ``value`` the word, ``channel`` the DMA channel that did it, None for the processor),
-    ``dma_start`` and ``dma_end`` (``number`` the channel; ``value`` its control word; at the end 1 for the auxiliary half), ``timer``, ``interrupt`` (``number`` its place
-    in the vector table, ``value`` where the processor was)."""
+    """An event of a chip's peripherals: ``port_write`` and ``port_read`` (``number`` the port, ``value`` the word,
+    ``channel`` the DMA channel, None for the processor), ``dma_start`` and ``dma_end`` (``number`` the channel;
+    ``value`` its control word; at the end 1 for the auxiliary half), ``timer``, ``interrupt`` (``number`` its place in
+    the vector table, ``value`` the interrupted address)."""
 
     chip: int
     time_ps: int
@@ -82,7 +86,8 @@ class PeripheralEvent:
 
 @dataclass(frozen=True)
 class SharedMemory:
-    """Words that several chips reach, each at an address inside a window of its board. ``waits``: cycles of an access beyond one."""
+    """Words that several chips access, each at an address inside a window of its board. ``waits``: cycles of an access
+    beyond one."""
 
     name: str
     words: int
@@ -90,13 +95,14 @@ class SharedMemory:
     """Chip to address of word 0."""
     waits: int = 0
     dual_port: bool = False
-    """A dual-port memory: its two chips wait for one another at the same word only, and its last two words are mailboxes (docs/networks.md)."""
+    """A dual-port memory: its two chips wait for one another only at the same word, and its last two words are
+    mailboxes (docs/networks.md)."""
     pins: Mapping[int, str] | None = None
-    """Of a dual-port memory: chip to the pin that its mailbox pulls low (``IIOF0`` to ``IIOF3``, ``NMI``)."""
+    """For a dual-port memory: chip to the pin that its mailbox pulls low (``IIOF0`` to ``IIOF3``, ``NMI``)."""
 
 
 class Chip(ChipState, AccessesToNothing, Front):
-    """One chip of a network: what can be seen of it, how it stands, and what its board's devices send."""
+    """One chip of a network: its visible state, its status, and its board's devices."""
 
     def __init__(self, core: Any, program: Program, number: int) -> None:
         super().__init__(core, program)
@@ -114,12 +120,12 @@ class Chip(ChipState, AccessesToNothing, Front):
 
     @property
     def message(self) -> str:
-        """The status as a sentence: where, and for whom it waits since when."""
+        """The status as a sentence: where the chip is, and for what it waits since when."""
         return str(self._core.message)
 
     @property
     def waits_for(self) -> int | None:
-        """The chip at the other end of what this one waits for."""
+        """The chip at the other end of the link for which this one waits."""
         number = self._core.waits_for
         return None if number is None else int(number)
 
@@ -138,7 +144,8 @@ class Link:
 
 @dataclass(frozen=True)
 class Net:
-    """A wire between pins: ``pins`` as the net was given, its ``level`` now, its edges so far, and how many of them a receiver has missed."""
+    """A wire between pins: ``pins`` as given, its present ``level``, its edges so far, and how many of them a receiver
+    has missed."""
 
     name: str
     pins: str
@@ -148,14 +155,19 @@ class Net:
 
 
 class Network(OneRun):
-    """Up to 64 chips. ``programs`` is one for all chips of a ``topology``, or one for each; sources, COFF files or assembled programs.
+    """Up to 64 chips. ``programs`` is one for all chips of a ``topology``, or one for each; sources, COFF files or
+    assembled programs.
 
-    ``topology`` is ``ring:4``, ``line:4``, ``grid:4x4``, ``torus:4x4``, ``hypercube:16``; ``links`` are further ones, ``"0.3:1.0"`` for port 3 of chip 0 and port 0 of
-    chip 1, or (that, {"word_cycles": 5, ...}). ``nets`` join pins, ``"0.TCLK0>1.IIOF1"`` or ``"index: >1.IIOF2"`` (docs/networks.md, Pins). ``boards``, ``clocks_mhz`` (CLKIN) and ``names`` are one for all chips or one for each. ``until`` is where a chip has ended.
-    Chips in ``boots`` start in the boot ROM and take their program from whichever port brings it; their ``programs`` only say what is expected to come.
-    ``devices`` are classes of your own behind windows: for a chip's number a dictionary of addresses and devices (``cmrc.devices.Device``).
-    Every other chip finds its number in R0 and the number of chips in R1. ``turn_order`` shuffles which chip the emulator advances first, and changes nothing.
-    ``record_words`` keeps every word and token, and every edge of a net, in ``events``, ``record_peripherals`` what the chips' ports, DMA, timers and interrupts did. Raises NetworkError.
+    ``topology`` is ``ring:4``, ``line:4``, ``grid:4x4``, ``torus:4x4``, ``hypercube:16``; ``links`` are further ones,
+    ``"0.3:1.0"`` for port 3 of chip 0 and port 0 of chip 1, or (that, {"word_cycles": 5, ...}). ``nets`` connect pins,
+    ``"0.TCLK0>1.IIOF1"`` or ``"index: >1.IIOF2"`` (docs/networks.md, Pins). ``boards``, ``clocks_mhz`` (CLKIN) and
+    ``names`` are one for all chips or one for each. ``until`` is the address at which a chip has ended. Chips in
+    ``boots`` start in the boot ROM and take their program from the first port that gives one; their ``programs`` only
+    describe the expected program. ``devices`` are classes of your own behind windows: for a chip's number a dictionary
+    of addresses and devices (``cmrc.devices.Device``). Every other chip starts with its number in R0 and the number of
+    chips in R1. ``turn_order`` shuffles which chip the emulator advances first, and changes nothing. ``record_words``
+    keeps every word and token, and every edge of a net, in ``events``; ``record_peripherals`` keeps the events of the
+    chips' ports, DMA, timers and interrupts. Raises NetworkError.
     """
 
     chips: list[Chip]
@@ -207,14 +219,15 @@ class Network(OneRun):
                 chip["devices"] = own[n]
             core = _core.network.Network(chips, wires, topology, shared, joined, order)
             its, met = own, dict[int, Any]()
-            own = [attached(copied(places, met)) for places in own]  # of a fork, made before they know this network
+            own = [attached(copied(places, met)) for places in own]  # devices of a fork, made before they know this network
             return core, its
 
         self._take(make, record_words, record_peripherals)
 
     @classmethod
     def from_file(cls, path: Path, *, turn_order: int = 0, record_words: bool = False, record_peripherals: bool = False) -> Network:
-        """A network as a TOML file describes it (docs/networks.md, Files), the same that ``emulator exec --network`` takes. Raises NetworkError, naming file and line."""
+        """A network from a TOML file (docs/networks.md, Files), the same as for ``emulator exec --network``. Raises
+        NetworkError, with file and line."""
         network = cls.__new__(cls)
         file, order = arguments.path("path", path, "the path of a network file"), arguments.whole("turn_order", turn_order, "a seed", 0, 2**64 - 1)
         network._take(lambda: (_core.network.Network(file, _program, order), []), record_words, record_peripherals)
@@ -232,7 +245,8 @@ class Network(OneRun):
                 place.join(weakref.proxy(self))
 
     def run(self, *, until_us: float | None = None, max_cycles: int = 100_000_000) -> NetworkStop:
-        """Lets everything happen before an instant (from the start of the network, in microseconds), or before ``max_cycles`` of chip 0."""
+        """Executes everything before an instant (from the start of the network, in microseconds), or before
+        ``max_cycles`` of chip 0."""
         if until_us is None:
             limit = arguments.whole("max_cycles", max_cycles, f"a number of cycles, 0 to {MOST_CYCLES},", 0, MOST_CYCLES) * 10**12 // round(self._core.chip(0).hertz)
         else:
@@ -245,12 +259,12 @@ class Network(OneRun):
 
     @property
     def now_ps(self) -> int:
-        """How far it has been run."""
+        """The present time of the network."""
         return int(self._core.now)
 
     @property
     def links(self) -> list[Link]:
-        """The links as they are now, those of a topology first."""
+        """The links with their present counts, those of a topology first."""
         out = []
         for n in range(self._core.link_count):
             link = self._core.link(n)
@@ -259,22 +273,23 @@ class Network(OneRun):
 
     @property
     def nets(self) -> list[Net]:
-        """The nets as they are now."""
+        """The nets with their present levels."""
         return [Net(**self._core.net(n)) for n in range(self._core.net_count)]
 
     @property
     def events(self) -> list[Event]:
-        """Losses, cuts and what was done to chips; with ``record_words`` also every word and token. In the order of time."""
+        """Losses, cuts and actions on chips; with ``record_words`` also every word and token. In the order of time."""
         return [Event(**event) for event in self._core.events()]
 
     @property
     def peripheral_events(self) -> list[PeripheralEvent]:
-        """With ``record_peripherals``: what the peripherals of all chips did, in the order of time, then of chips."""
+        """With ``record_peripherals``: the events of all chips' peripherals, in the order of time, then of chips."""
         return [PeripheralEvent(**event) for event in self._core.peripheral_events()]
 
     @property
     def event_trace(self) -> list[str]:
-        """``events`` and ``peripheral_events`` as lines, in the order of time: what ``emulator exec --events`` writes."""
+        """``events`` and ``peripheral_events`` as lines, in the order of time: the text that ``emulator exec --events``
+        writes."""
         return list(self._core.event_trace())
 
     def memory(self, number: int) -> list[int]:
@@ -293,7 +308,8 @@ class Network(OneRun):
         return found
 
     def cut(self, link: int, at_us: float) -> None:
-        """Cuts a link: a word on it is lost, nothing passes until ``restore``. Raises NetworkError for a time that is past."""
+        """Cuts a link: a word under way is lost, and no word passes until ``restore``. Raises NetworkError for a time
+        in the past."""
         self._schedule("cut", link, at_us)
 
     @overload
@@ -301,10 +317,11 @@ class Network(OneRun):
     @overload
     def restore(self, link: ChipSnapshot) -> None: ...
     def restore(self, link: int | ChipSnapshot, at_us: float | None = None) -> None:
-        """Joins a link again at an instant; or, given a snapshot, back to it.
+        """Connects a link again at an instant; or, given a snapshot, goes back to it.
 
-        Of a network with the same chips, programs, boards, clocks, links and memories; from there it goes on bit for bit as that one did, whatever the
-        order of turns. Raises SnapshotError for any other, before anything is changed.
+        The snapshot must be of a network with the same chips, programs, boards, clocks, links and memories; from there
+        this network continues bit for bit, whatever the order of turns. Raises SnapshotError for any other snapshot,
+        before anything is changed.
         """
         if at_us is not None:
             self._schedule("restore", link, at_us)
@@ -317,14 +334,14 @@ class Network(OneRun):
         return Debugger(self._core.debug())
 
     def snapshot(self) -> ChipSnapshot:
-        """The whole state: chips, what is on the links, shared memories, actions to come, and the events so far."""
+        """The whole state: chips, words on the links, shared memories, future actions, and the events so far."""
         self._refuse_inside("snapshot")
         return ChipSnapshot(self._core.save())
 
     def fork(self) -> Network:
-        """A second network with the same past: what one does from here on, the other does not see.
+        """A second network with the same past. Later changes of one do not affect the other.
 
-        One from a file reads that again; SnapshotError, if it or a program has changed since.
+        A network from a file reads the file again; SnapshotError if it or a program has changed since.
         """
         other = type(self).__new__(type(self))
         other._take(*self._made)
@@ -332,29 +349,30 @@ class Network(OneRun):
         return other
 
     def reset(self, chip: int, at_us: float) -> None:
-        """Resets a chip: it starts at its entry, memory stays, what its ports held is discarded."""
+        """Resets a chip: it starts at its entry, memory stays, the contents of its ports are discarded."""
         self._schedule("reset", chip, at_us)
 
     def hold(self, chip: int, at_us: float) -> None:
-        """Holds a chip, until ``release``."""
+        """Holds a chip in reset, until ``release``."""
         self._schedule("hold", chip, at_us)
 
     def release(self, chip: int, at_us: float) -> None:
-        """Lets a held chip go on."""
+        """Lets a held chip continue."""
         self._schedule("release", chip, at_us)
 
     def pull_out(self, chip: int, at_us: float) -> None:
-        """Holds a chip for good and cuts its links."""
+        """Holds a chip permanently and cuts its links."""
         self._schedule("pull_out", chip, at_us)
 
     def drive(self, net: int | str, level: bool | None, at_us: float) -> None:
-        """Drives a net high (True) or low (False) from an instant on, or (None) no more. Raises NetworkError for a net that a chip drives, unless that is open-drain."""
+        """Drives a net high (True) or low (False) from an instant on, or (None) stops driving it. Raises NetworkError
+        for a net that a chip drives, unless it is open-drain."""
         refuse_call_that_acts("drive")
         kind = "open" if level is None else "high" if arguments.flag("level", level) else "low"
         self._core.schedule(kind, _instant("at_us", at_us), self._net(net))
 
     def pulse(self, net: int | str, at_us: float, *, width_us: float, period_us: float | None = None, count: int | None = None) -> None:
-        """Lets a net leave its level at rest for ``width_us``; with ``period_us`` over and over, or ``count`` times."""
+        """Makes a net leave its level at rest for ``width_us``; with ``period_us`` repeatedly, or ``count`` times."""
         refuse_call_that_acts("pulse")
         width = arguments.number("width_us", width_us, "a duration in us", 0.0)
         period = None if period_us is None else arguments.number("period_us", period_us, "a duration in us", 0.0)
@@ -388,7 +406,7 @@ def _address(program: Program, where: int | str | None) -> int | None:
 
 
 def _instant(name: str, microseconds: float) -> int:
-    """In ps; 64 bits hold that much."""
+    """An instant in ps, within 64 bits."""
     found = round(arguments.number(name, microseconds, "an instant in us, 0 to 9e12,", 0.0) * 1e6) if microseconds != math.inf else 2**63
     if found > 9 * 10**18:
         raise ValueError(f"{name}: {microseconds} us is out of range; an instant in us, 0 to 9e12, is expected")

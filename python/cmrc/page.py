@@ -1,6 +1,7 @@
-"""The page that shows a run in a browser (docs/page.md), and the recording that it carries.
+"""The page that shows a run in a browser (docs/page.md), and the recording inside.
 
-``Simulation.record`` keeps what is needed while the run goes on, ``Simulation.write_page`` writes the page; ``Recording.read`` reads back what a page carries.
+``Simulation.record`` records during the run what the page needs, ``Simulation.write_page`` writes the page;
+``Recording.read`` reads the recording of a page.
 """
 
 from __future__ import annotations
@@ -25,13 +26,14 @@ from cmrc.errors import Error
 
 FORMAT = 1
 FIRST_KIND = 4
-"""``what`` of a lane from here on is a job of kind ``what - FIRST_KIND``; below: off, dead, asleep, executive."""
+"""In a lane, ``what`` from this value on means a job of kind ``what - FIRST_KIND``; below: off, failed, asleep,
+executive."""
 
 Column = NDArray[np.float64]
 
 
 class PageError(Error, ValueError):
-    """A file that is no page of this emulator, or a damaged one."""
+    """A file that is not a page of this emulator, or is damaged."""
 
 
 def _inflated(data: bytes) -> bytes:
@@ -46,7 +48,7 @@ def _inflated(data: bytes) -> bytes:
 
 
 def _numbers(data: bytes, count: int, order: int) -> NDArray[np.int64]:
-    """Zigzag varints, each less what the ones before it foretell (emulator/page/columns.hpp)."""
+    """Zigzag varints, each minus a prediction from the numbers before (emulator/page/columns.hpp)."""
     octets = np.frombuffer(data, dtype=np.uint8)
     ends = np.flatnonzero(octets < 0x80)
     if ends.size != count or (octets.size and octets[-1] >= 0x80):
@@ -64,7 +66,8 @@ def _numbers(data: bytes, count: int, order: int) -> NDArray[np.int64]:
 
 @dataclass
 class Lane:
-    """What one DSP did, one thing after another: ``from_s`` and ``to_s`` in s, ``what`` as FIRST_KIND says, ``run`` the job's row in ``Recording.jobs`` or -1."""
+    """The intervals of one DSP in order: ``from_s`` and ``to_s`` in s, ``what`` as at FIRST_KIND, ``run`` the job's row
+    in ``Recording.jobs`` or -1."""
 
     from_s: Column
     to_s: Column
@@ -73,7 +76,8 @@ class Lane:
 
 
 class Recording:
-    """What a page carries: ``header``, ``report`` (docs/report.md), the dock's ``signals``, the DSPs' ``lanes``, ``jobs``."""
+    """The recording of a page: ``header``, ``report`` (docs/report.md), the dock's ``signals``, the DSPs' ``lanes``,
+    ``jobs``."""
 
     def __init__(self, data: bytes) -> None:
         if data[:8] != b"CMRCpage":
@@ -90,19 +94,19 @@ class Recording:
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Recording:
-        """From a page. Raises OSError; PageError for a file that is none."""
+        """Reads the recording of a page. Raises OSError; PageError for a file that is not a page."""
         name = os.fspath(path)
         text = Path(path).read_text(encoding="utf-8", errors="replace")
         found = re.search(r'<script type="text/plain" id="recording">([A-Za-z0-9+/=\s]*)</script>', text)
         if found is None:
-            raise PageError(f"{name} is no page of this emulator (cmrc page CONFIG.toml writes one)")
+            raise PageError(f"{name} is not a page of this emulator (cmrc page CONFIG.toml writes one)")
         try:
             return cls(base64.b64decode(found[1], validate=True))
         except (PageError, binascii.Error, struct.error, KeyError) as error:
             raise PageError(f"{name}: {error}") from None
 
     def names(self) -> list[str]:
-        """Of all columns."""
+        """The names of all columns."""
         return list(self._entries)
 
     def whole(self, name: str) -> NDArray[np.int64]:
@@ -135,7 +139,7 @@ class Recording:
 
     @cached_property
     def lanes(self) -> list[Lane]:
-        """Of each slot."""
+        """The lane of each slot."""
         slot, what, took = (self.whole(f"lane.{name}") for name in ("slot", "what", "took"))
         run = np.where(what >= FIRST_KIND, np.cumsum(what >= FIRST_KIND) - 1, -1)
         second, lanes = self.header["tick_ps"] * 1e-12, []
@@ -148,7 +152,8 @@ class Recording:
 
     @cached_property
     def jobs(self) -> dict[str, NDArray[Any]]:
-        """Every run of a job, then the jobs that none ever ran (``dsp`` -1): kind, robot, number, dsp, times in s (NaN: no deadline), outcome, missed, end."""
+        """Every run of a job, then the jobs that never ran (``dsp`` -1): kind, robot, number, dsp, times in s (NaN: no
+        deadline), outcome, missed, end."""
         second = self.header["tick_ps"] * 1e-12
         slot, what = self.whole("lane.slot"), self.whole("lane.what")
         busy = what >= FIRST_KIND
@@ -187,7 +192,7 @@ class Recording:
         }
 
     def last_runs(self) -> NDArray[np.int64]:
-        """The row in ``jobs`` that tells of each job: the run that finished, else the last."""
+        """For each job its last row in ``jobs``: the run that finished, else the last one."""
         jobs = self.jobs
         last: dict[tuple[int, int, int], int] = {}
         for row, key in enumerate(
@@ -198,7 +203,7 @@ class Recording:
 
 
 def _absolute(number: NDArray[np.int64], kind: NDArray[np.int64], robot: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Numbers that are told less that of the job of their kind and robot before."""
+    """Numbers that are stored minus the number of the job before of the same kind and robot."""
     out = np.zeros_like(number)
     for of in np.unique(kind * 256 + robot):
         own = kind * 256 + robot == of

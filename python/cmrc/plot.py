@@ -1,7 +1,8 @@
 """Plots. Needs matplotlib.
 
-Of a result: ``sheet``, ``gantt``, ``histogram``, ``cdf``, ``misses``, ``load_error``. Of a sweep: ``grid``, ``cost``. Of a recorded run
-(``cmrc.page.Recording``): ``plan`` and ``side`` view, ``joints`` and their ``tracking``, ``sway``, ``deadlines``, and ``overview`` with all of them.
+For a result: ``sheet``, ``gantt``, ``histogram``, ``cdf``, ``misses``, ``load_error``. For a sweep: ``grid``, ``cost``.
+For a recorded run (``cmrc.page.Recording``): ``plan`` and ``side`` view, ``joints`` and their ``tracking``, ``sway``,
+``deadlines``, and ``overview`` with all of them.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ MET_MISSED = {"all met": "#a9cfe0", "one missed": "#a03000"}
 
 
 def _edges(recording: Recording) -> list[float]:
-    """Of the intervals in which jobs and errors are summed: at most 360."""
+    """Edges of the intervals over which jobs and errors are summed: at most 360."""
     begin, end = float(recording.header["from_s"]), float(recording.header["to_s"])
     slices = max(1, min(360, math.ceil((end - begin) / 0.05)))
     return [begin + (end - begin) * i / slices for i in range(slices + 1)]
@@ -95,7 +96,7 @@ def joints(recording: Recording, axes: Axes) -> None:
     signals = recording.signals
     for n, (name, label) in enumerate(JOINTS.items()):
         if name not in signals or (name == "psi_rad" and "trolley_m" in signals):
-            continue  # the other machine's, or a gantry's slewing, which does not move
+            continue  # a joint of the other crane, or a gantry's slewing, which does not move
         values = np.array(signals[name])
         span = max(float(np.ptp(values)), 0.02)  # a joint that is held is a flat line
         axes.plot(signals["time_s"], (values - values.min()) / span, lw=1, label=f"{label}: {values.min():.2f} to {values.max():.2f}", **style(n))

@@ -1,5 +1,5 @@
-"""Processes of our own that do pieces of work beside this one. Processes, not threads: ODE keeps its random numbers once
-per process. No multiprocessing: it would run a notebook's or a script's own lines again in every process."""
+"""Child processes that do pieces of work. Processes, not threads: ODE has one random number generator per process. Not
+multiprocessing: it would run a notebook's or a script's own lines again in every process."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ LOOK_S = 0.1
 
 
 def environment() -> dict[str, str]:
-    """Of a Python that finds what this one finds."""
+    """The environment of a Python that finds the same modules as this one."""
     return {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
 
 
 def die_with_parent(parent: int) -> None:
-    """The kernel ends this process when the one that started it ends."""
+    """The kernel ends this process when its parent ends."""
     if sys.platform == "linux":
         ctypes.CDLL(None, use_errno=True).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent:
@@ -37,7 +37,7 @@ def die_with_parent(parent: int) -> None:
 
 
 def leave_signals_to_parent() -> None:
-    """At a terminal they come to both, and the parent ends this process."""
+    """A terminal sends signals to both processes; the parent handles them and ends this process."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
 
@@ -53,8 +53,8 @@ def ended(status: int) -> str:
 
 
 class Helpers:
-    """``with Helpers("cmrc.limit_worker", 2) as helpers``: processes of ``python -m MODULE PARENT``, each of which reads
-    lines of JSON and answers each with one. They end with the block, or with this process."""
+    """``with Helpers("cmrc.limit_worker", 2) as helpers``: processes of ``python -m MODULE PARENT``. Each reads lines
+    of JSON and answers each line with one. They end with the block, or with this process."""
 
     def __init__(self, module: str, count: int) -> None:
         self.module, self.count = module, count
@@ -88,7 +88,7 @@ class Helpers:
                         stream.close()
 
     def answers(self, requests: Sequence[Any]) -> Iterator[tuple[int, Any]]:
-        """The number of a request and its answer, in the order in which they end. Raises RuntimeError where a process
+        """The number of a request and its answer, in the order in which they arrive. Raises RuntimeError if a process
         dies of its request."""
         waiting = deque(enumerate(requests))
         idle = list(self.processes)
@@ -116,5 +116,5 @@ class Helpers:
 
 
 def processors() -> int:
-    """So many this process may use."""
+    """Number of processors that this process may use."""
     return len(os.sched_getaffinity(0))

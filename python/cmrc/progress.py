@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from cmrc.sweeps import Status
 
 SILENT_S = 1.0
-"""Work that is done sooner shows nothing."""
+"""Shorter work shows nothing."""
 TERMINAL_S = 0.2
 LOG_S = 15.0
 BEAT_S = 0.5
@@ -29,8 +29,7 @@ def _can_change(stream: TextIO) -> bool:
 
 
 class ProgressLine:
-    """``with ProgressLine("sweep") as line: line.show("3 of 8 runs")``. What is shown in between is gone at the end of
-    the work."""
+    """``with ProgressLine("sweep") as line: line.show("3 of 8 runs")``. At the end of the work the line is erased."""
 
     def __init__(self, what: str, stream: TextIO | None = None) -> None:
         self.what, self.stream = what, sys.stderr if stream is None else stream
@@ -43,7 +42,7 @@ class ProgressLine:
         self._lock = threading.RLock()
 
     def show(self, text: str, now: bool = False) -> None:
-        """As often as is convenient; with ``now`` each is shown."""
+        """May be called often; with ``now`` the text is shown in any case."""
         self.told = text
         self._put(text, now)
 
@@ -62,7 +61,7 @@ class ProgressLine:
             self.stream.flush()
 
     def of(self, done: float, whole: float, unit: str = "s simulated", now: bool = False) -> None:
-        """So much of it is done, and how much time it may still take."""
+        """The finished share, and the estimated remaining time."""
         spent = time.monotonic() - self.began
         left = f", about {spent / done * (whole - done):.0f} s left" if 0 < done < whole else ""
         self.show(f"{done:.4g} of {whole:.4g} {unit}{left}", now)
@@ -88,7 +87,7 @@ class ProgressLine:
             thread.join()
 
     def clear(self) -> None:
-        """Takes the line off the terminal, for other output."""
+        """Erases the line, for other output."""
         with self._lock:
             if self.width:
                 self.stream.write("\r" + " " * self.width + "\r")

@@ -1,4 +1,4 @@
-"""What a run gives back."""
+"""The result of a run."""
 
 from __future__ import annotations
 
@@ -17,26 +17,29 @@ if TYPE_CHECKING:
 
 
 class Profile:
-    """Where the DSPs' cycles went (docs/cli.md, Profiles): by task kind, and within each by routine and by source line.
+    """The DSPs' cycles by place (docs/cli.md, Profiles): by task kind, and within each by routine and by source line.
 
-    A group is a task kind, or what the DSPs did between tasks. Cycles of all groups sum to those of all DSPs, cause by cause; a kind's are its finished
-    jobs', as ``report["tasks"][kind]["execution_cycles"]`` has them. Columns ``causes_...`` are cycles.
+    A group is a task kind, or the DSPs' time between tasks. Cycles of all groups add up to those of all DSPs, for each
+    cause; a kind's cycles are those of its finished jobs, as in ``report["tasks"][kind]["execution_cycles"]``. Columns
+    ``causes_...`` are cycles.
     """
 
     def __init__(self, data: Mapping[str, Any], text: str) -> None:
         self.data: dict[str, Any] = dict(data)
-        """All of it, as the JSON of ``emulator --profile FILE.json`` has it."""
+        """Everything, as in the JSON of ``emulator --profile FILE.json``."""
         self.text = text
-        """The tables and the annotated source, as the terminal shows them."""
+        """The tables and the annotated source, as on the terminal."""
 
     @cached_property
     def groups(self) -> Table:
-        """One row per group: jobs, instructions, cycles, causes, and those causes that belong to no instruction (``outside_...``)."""
+        """One row per group: jobs, instructions, cycles, causes, and the causes outside all instructions
+        (``outside_...``)."""
         return Table.from_rows({key: value for key, value in group.items() if key not in ("routines", "lines")} for group in self.data["groups"])
 
     @cached_property
     def routines(self) -> Table:
-        """One row per group and routine: calls, and cycles without what it called; most cycles first within a group."""
+        """One row per group and routine: calls, and cycles without the routines that it called; most cycles first
+        within a group."""
         return self._parts("routines")
 
     @cached_property
@@ -54,37 +57,38 @@ class Profile:
 class Result:
     """A finished run: the report (docs/report.md) as tables and as a dict, and the plant's time series.
 
-    It can be saved, copied and pickled, and compared with another (docs/experiments.md). Column names of tables carry their units as the report's keys do: ``_s`` seconds, ``_ps`` picoseconds, ``cycles``, ``clocks``.
+    It can be saved, copied and pickled, and compared with another (docs/experiments.md). Column names of tables have
+    the units of the report's keys: ``_s`` seconds, ``_ps`` picoseconds, ``cycles``, ``clocks``.
     """
 
     def __init__(self, report: Mapping[str, Any], text: str, signals: Table, profile: Profile | None = None,
                  events: str | None = None) -> None:
         self.report: dict[str, Any] = dict(report)
-        """The whole report, as the JSON of ``emulator --report`` has it."""
+        """The whole report, as in the JSON of ``emulator --report``."""
         self.text = text
-        """The report as the terminal shows it."""
+        """The report as on the terminal."""
         self.signals = signals
-        """The plant in time: column ``time_s`` and one column per signal, units in the names."""
+        """The plant's time series: column ``time_s`` and one column per signal, units in the names."""
         self.profile = profile
-        """Where the DSPs' cycles went; None unless the run was asked for a profile."""
+        """The DSPs' cycles by place; None unless the run was made with ``profile``."""
         self.events = events
-        """The event trace (docs/trace.md); None unless the run was asked for its events."""
+        """The event trace (docs/trace.md); None unless the run was made with its events."""
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes it into one file, whole or not at all; ``load`` gives it back. Raises OSError."""
+        """Writes the result into one file, whole or not at all; ``load`` reads it. Raises OSError."""
         from cmrc import saved_result
 
         saved_result.save(self, path)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:
-        """A result that ``save`` wrote. Raises OSError; ValueError that names the file for any other file."""
+        """Reads a result that ``save`` wrote. Raises OSError; ValueError with the file's name for any other file."""
         from cmrc import saved_result
 
         return cls(**saved_result.load(path))
 
     def diff(self, other: Comparable) -> Difference:
-        """What differs between this result and another (a result, a report, a file): ``cmrc.diff``."""
+        """The differences between this result and another (a result, a report, a file): ``cmrc.diff``."""
         from cmrc.differences import diff
 
         return diff(self, other)
@@ -92,8 +96,8 @@ class Result:
     def explain(self, n: int | None = None) -> str:
         """A paragraph about a missed job, ``missed[n]``; None: the first by deadline.
 
-        It says who stood in the way, since when, and what would have avoided it. Raises IndexError where there is no
-        such miss.
+        It names the blocks in the job's way, since when, and what would have avoided the miss. Raises IndexError if
+        there is no such miss.
         """
         from cmrc.explanations import explain
 
@@ -110,9 +114,9 @@ class Result:
         return plot.sheet(self)
 
     def to_frame(self) -> pandas.DataFrame:
-        """A tidy frame: one row per task kind and metric, and of kind "run" per metric of the whole run.
+        """A tidy frame: one row per task kind and metric, and with kind "run" per metric of the whole run.
 
-        Columns ``kind``, ``metric``, ``unit``, ``value``; NaN where nothing was measured. Raises ImportError without
+        Columns ``kind``, ``metric``, ``unit``, ``value``; NaN if nothing was measured. Raises ImportError without
         pandas.
         """
         from cmrc.frames import to_frame
@@ -121,7 +125,7 @@ class Result:
 
     @property
     def version(self) -> str:
-        """Of the emulator that ran it."""
+        """Version of the emulator that made the run."""
         return str(self.report["emulator_version"])
 
     @property
@@ -141,15 +145,18 @@ class Result:
 
     @property
     def missed(self) -> list[dict[str, Any]]:
-        """Missed jobs one by one, each with the chain of causes that adds up to its lateness (docs/report.md, Why late).
+        """Missed jobs one by one, each with the chain of causes that adds up to its lateness (docs/report.md, Why
+        late).
 
-        At most ``report.misses_max`` of them; ``report["misses_left_out"]`` counts the others. ``Table.from_rows(result.missed)`` is a table.
+        At most ``report.misses_max`` of them; ``report["misses_left_out"]`` is the number of the others.
+        ``Table.from_rows(result.missed)`` is a table.
         """
         return list(self.report["misses"])
 
     @property
     def rates(self) -> dict[str, Any]:
-        """Against f_p, f_t and f_a: demanded, released, missed, realised (docs/report.md, Rates). KeyError without a reference."""
+        """f_p, f_t and f_a: demanded, released, missed, realised (docs/report.md, Rates). KeyError without a
+        reference."""
         if self.report["rates"] is None:
             raise KeyError("rates: the run has no reference, or is not over")
         return dict(self.report["rates"])
@@ -173,7 +180,7 @@ class Result:
 
     @cached_property
     def buses(self) -> Table:
-        """One row per bus and master: its waits and words, beside the bus's own clocks by use."""
+        """One row per bus and master: its waits and words, and the bus's own clocks by use."""
         rows = []
         for name, bus in self.report["buses"].items():
             whole = {key: value for key, value in bus.items() if key not in ("masters", "targets")}
@@ -182,7 +189,7 @@ class Result:
 
     @cached_property
     def cycles(self) -> Table:
-        """One row per work cycle: t_3 to t_6, t_w, t_v, T_g, T_a and the instant of delivery, in s; NaN where not reached."""
+        """One row per work cycle: t_3 to t_6, t_w, t_v, T_g, T_a and the time of delivery, in s; NaN if not reached."""
         return Table.from_rows(self.report["cycles"])
 
     def __repr__(self) -> str:

@@ -1,6 +1,6 @@
-"""Plots of a result: who ran when, response times, misses, the load's error. Needs matplotlib.
+"""Plots of a result: blocks on the DSPs, response times, misses, the load's error. Needs matplotlib.
 
-Every line has a style, and every bar a hatch, of its own: the plots can be read when printed in grey.
+Every line has its own style, and every bar its own hatch: the plots can be read when printed in grey.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from cmrc.result import Result
 
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#56b4e9", "#e69f00", "#009e73", "#cc79a7", "#999999")
-"""Okabe and Ito's, by rising lightness in turns: neighbours differ in grey too."""
+"""Okabe and Ito's colours, so ordered that neighbours also differ in grey."""
 LINES = ("-", "--", "-.", ":")
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
 HATCHES = ("", "////", "\\\\\\\\", "....", "xxxx", "||||", "++++", "oooo")
@@ -36,7 +36,7 @@ KINDS = (
     "home.agv",
     "obstacle_avoidance",
 )
-"""By the numbers KIND_* of c40_programs/include/task_block.inc, as events have them."""
+"""By the numbers KIND_* of c40_programs/include/task_block.inc, as in events."""
 MISSED = ("late", "unfinished", "never_started", "lost", "dropped")
 _EVENT = re.compile(r"(\d+\.\d+) \[dsp (\d+)\] (claim|finish) block=(0x[0-9a-f]+|\d+) kind=(\d+)")
 
@@ -53,14 +53,15 @@ def legend(axes: Axes, **more: Any) -> None:
 
 
 def gantt(result: Result, axes: Axes, from_s: float, to_s: float) -> None:
-    """What each DSP ran from ``from_s`` to ``to_s``: a bar per block from claim to end, a cross per missed deadline.
+    """The blocks of each DSP from ``from_s`` to ``to_s``: a bar per block from claim to end, a cross per missed
+    deadline.
 
     Raises ValueError for a result without events (``cmrc.run(..., keep_events=True)``), and for an empty window.
     """
     if result.events is None:
         raise ValueError("gantt: the result has no events; cmrc.run(..., keep_events=True) keeps them")
     if not from_s < to_s:
-        raise ValueError(f"gantt: from {from_s} s to {to_s} s is no window; from_s < to_s is expected")
+        raise ValueError(f"gantt: from {from_s} s to {to_s} s is not a window; from_s < to_s is expected")
     blocks = [block for block in runs(result.events) if block[3] > from_s and block[2] < to_s]
     kinds = list(dict.fromkeys(block[1] for block in sorted(blocks, key=lambda block: -(block[3] - block[2]))))
     for n, kind in enumerate(kinds):
@@ -94,8 +95,7 @@ def gantt(result: Result, axes: Axes, from_s: float, to_s: float) -> None:
 
 
 def runs(events: str) -> Iterator[tuple[int, str, float, float]]:
-    """DSP, kind, begin and end in s of every block that a trace tells; one that has not ended lasts to the last
-    event."""
+    """DSP, kind, begin and end in s of every block in a trace; an unfinished block lasts to the last event."""
     running: dict[int, tuple[str, float]] = {}
     last = 0.0
     for found in _EVENT.finditer(events):
@@ -113,7 +113,7 @@ def runs(events: str) -> Iterator[tuple[int, str, float, float]]:
 
 def histogram(result: Result, axes: Axes) -> None:
     """Shares of the finished jobs of each kind over their response time, in bins from one power of two to the next: one
-    row per kind, the darker the more, the share in % as a number."""
+    row per kind, a darker colour for more, the share in % as a number."""
     kinds = _finished(result)
     bins = {kind: task["response_ps"]["log2_histogram"] for kind, task in kinds.items()}
     used = [i for counts in bins.values() for i, count in enumerate(counts) if count]
@@ -154,13 +154,13 @@ def histogram(result: Result, axes: Axes) -> None:
 
 
 def cdf(result: Result, axes: Axes) -> None:
-    """Share of the finished jobs of each kind done within a time: exact at the powers of two, and at a percentile at
-    least that share."""
+    """Share of the finished jobs of each kind within a response time: exact at the powers of two, and at least that
+    share at a percentile."""
     for n, (kind, task) in enumerate(_finished(result).items()):
         response = task["response_ps"]
         points = {float(response["best"]): 0.0}
         for of, share in (("p50", 0.5), ("p99", 0.99), ("p99_9", 0.999), ("worst", 1.0)):
-            points[float(response[of])] = share  # of two that are one time the greater share counts
+            points[float(response[of])] = share  # if two have one time, the greater share counts
         below = 0
         for i, count in enumerate(response["log2_histogram"]):
             below += count
@@ -180,7 +180,7 @@ def cdf(result: Result, axes: Axes) -> None:
 
 
 def misses(result: Result, axes: Axes) -> None:
-    """Jobs of each kind that were not on time, by what became of them."""
+    """Jobs of each kind that were not on time, by outcome."""
     tasks = {kind: task for kind, task in result.report["tasks"].items() if task["released"]}
     names = list(tasks)
     left = np.zeros(len(names))
@@ -211,8 +211,8 @@ def misses(result: Result, axes: Axes) -> None:
 
 
 def load_error(result: Result, axes: Axes) -> None:
-    """The load's true distance from where the plan has it: the ideal run's load at the same instant; what PID believes
-    of its joints is no part of it. Raises ValueError for a result without a reference."""
+    """The load's true distance from its planned place: the ideal run's load at the same instant. PID's own view of its
+    joints is not used. Raises ValueError for a result without a reference."""
     signals = result.signals
     if "payload_reference_x_m" not in signals:
         raise ValueError("load_error: the run has no reference (report.reference)")
@@ -222,7 +222,7 @@ def load_error(result: Result, axes: Axes) -> None:
     due = [(miss["deadline_ps"] or miss["release_ps"]) / 1e12 for miss in result.missed]
     if due:
         axes.plot(
-            due, np.zeros(len(due)), "|", color=COLOURS[2], ms=8, label="missed deadlines\n(those told one by one)"
+            due, np.zeros(len(due)), "|", color=COLOURS[2], ms=8, label="missed deadlines\n(those listed one by one)"
         )
     axes.set(xlabel="time, s", ylabel="distance from the plan, mm", title="true error of the load")
     legend(axes)

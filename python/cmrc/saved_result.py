@@ -21,14 +21,14 @@ if TYPE_CHECKING:
 
 FORMAT = 1
 SCHEMA_VERSIONS = (4,)
-"""Of the reports that this version reads (docs/report.md)."""
-_DATE = (1980, 1, 1, 0, 0, 0)  # the same result is the same file
-_LARGEST = 1 << 32  # bytes of one member, unpacked: a damaged file asks for no more memory
+"""The schema versions that this version reads (docs/report.md)."""
+_DATE = (1980, 1, 1, 0, 0, 0)  # equal results give equal files
+_LARGEST = 1 << 32  # limit of one unpacked member: a damaged file cannot request more memory
 _LARGEST_REPORT = 1 << 29
 
 
 class SchemaError(Error, ValueError):
-    """A report of another schema: its keys do not mean what they mean here."""
+    """A report of another schema: its keys have other meanings."""
 
 
 def save(result: Result, path: str | os.PathLike[str]) -> None:
@@ -53,7 +53,7 @@ def save(result: Result, path: str | os.PathLike[str]) -> None:
 
 
 def load(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """What ``Result`` is made of. Raises OSError; ValueError that names the file for what is no result."""
+    """The parts of a ``Result``. Raises OSError; ValueError with the file's name for a file that is not a result."""
     name = arguments.path("path", path, "the path of a result that Result.save wrote")
     try:
         with zipfile.ZipFile(name) as archive:
@@ -119,7 +119,7 @@ def check_schema(report: Mapping[str, Any]) -> None:
 
 
 def checked_report(report: Any) -> dict[str, Any]:
-    """A report of a schema that this version reads. Raises ValueError."""
+    """A report with a schema that this version reads. Raises ValueError."""
     if not isinstance(report, Mapping) or "schema_version" not in report:
         raise ValueError("there is no report with a schema_version in it")
     check_schema(report)

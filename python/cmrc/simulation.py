@@ -22,13 +22,14 @@ if TYPE_CHECKING:
     from cmrc._settings import MoreSettings, Settings
 
 ConfigError = _core.cmrc.ConfigError
-"""Raised for an unknown or ill-typed setting, or rates that break an invariant. Says where, and what would be right."""
+"""Raised for an unknown or ill-typed setting, or rates that break an invariant. The message says where, and what would
+be right."""
 
 Reference = _core.cmrc.Reference
 """An ideal run (docs/report.md, Errors). Opaque."""
 
 Snapshot = _core.cmrc.Snapshot
-"""A run at an instant. Opaque; it can be pickled, and written by ``write_snapshot``."""
+"""The state of a run at an instant. Opaque; it can be pickled, and written by ``write_snapshot``."""
 
 Setting = bool | int | float | str
 Progress = Callable[[float, float], bool | None]
@@ -41,7 +42,7 @@ def configured(
     events: Sequence[Mapping[str, Setting]],
     keywords: Mapping[str, object],
 ) -> _core.cmrc.Config:
-    """A configuration from the arguments that all runs have. Raises ConfigError; TypeError that names the argument."""
+    """A configuration from the arguments common to all runs. Raises ConfigError; TypeError with the argument's name."""
     file = None if config is None else arguments.path("config", config, "the path of a TOML file")
     name = None if preset is None else arguments.text("preset", preset, "the name of a preset")
     given = arguments.mapping("settings", settings, "a dictionary of keys and values, {\"machine.dsps\": 2},")
@@ -50,12 +51,12 @@ def configured(
 
 
 def write_snapshot(path: str | os.PathLike[str], snapshot: Snapshot) -> None:
-    """Writes a snapshot as ``emulator --resume`` reads it. Raises OSError."""
+    """Writes a snapshot in the format of ``emulator --resume``. Raises OSError."""
     files.write(path, arguments.instance("snapshot", snapshot, Snapshot, "what Simulation.snapshot() gives").to_bytes())
 
 
 def read_snapshot(path: str | os.PathLike[str]) -> Snapshot:
-    """A snapshot from its file. Raises SnapshotError naming the file; OSError."""
+    """Reads a snapshot from its file. Raises SnapshotError with the file's name; OSError."""
     name = arguments.path("path", path, "the path of a snapshot")
     with open(name, "rb") as file:
         content = file.read()
@@ -66,7 +67,8 @@ def read_snapshot(path: str | os.PathLike[str]) -> Snapshot:
 
 
 class Dsp(ChipState):
-    """A DSP of the dock as a debugger sees it: registers, memory, ports, peripherals, counters. What is written by hand changes the run and its hash."""
+    """A DSP of the dock as a debugger sees it: registers, memory, ports, peripherals, counters. A change by hand
+    changes the run and its hash."""
 
     @property
     def pc(self) -> int:
@@ -85,14 +87,19 @@ class Dsp(ChipState):
 
 
 class Simulation:
-    """One run that can be stopped on the way, looked at, and continued.
+    """One run that can be stopped, inspected, and continued.
 
-    Every setting of docs/configuration.md may be given: by ``settings`` under its dotted name, or as a keyword under its last part where only one table has
-    it (``dsps``, ``duration_s``, ``seed``, ``idle_policy``, ...). ``config`` is a TOML file, ``preset`` one of base, heavy, saturated. Later ones win: defaults,
-    preset, file, settings. ``events`` are dictionaries with the fields of ``[[events]]``. With ``profile`` the result says where the DSPs' cycles went; the
-    run is slower and otherwise the same. With ``keep_events`` the result has the event trace, about 25 MB per simulated second. ``reference`` is the ideal run that errors are measured against, of an earlier run (``Simulation.reference``) that
-    differs in the number of DSPs, their speed and failures only; without it, it is run beside. One thread at a time may use it, and from inside a callback it may be read
-    (``result``, ``tasks``, ``dsp``), neither changed nor run: all else is a RuntimeError at once. Raises ConfigError; c40.AssemblyError when ``programs`` names sources that do not assemble.
+    Every setting of docs/configuration.md may be given: in ``settings`` with its dotted name, or as a keyword with its
+    last part if only one table has it (``dsps``, ``duration_s``, ``seed``, ``idle_policy``, ...). ``config`` is a TOML
+    file, ``preset`` one of base, heavy, saturated, tight. Later ones win: defaults, preset, file, settings. ``events``
+    are dictionaries with the fields of ``[[events]]``. With ``profile`` the result has the DSPs' cycles by place; the
+    run is slower and otherwise the same. With ``keep_events`` the result has the event trace, about 25 MB per simulated
+    second. ``reference`` is the ideal run for the errors, from an earlier run (``Simulation.reference``) that differs
+    only in the number of DSPs, their speed and failures; without it, the ideal run is made at the same time.
+
+    One thread at a time may use a run. Inside a callback it may be read (``result``, ``tasks``, ``dsp``), but neither
+    changed nor run; everything else is a RuntimeError at once. Raises ConfigError; c40.AssemblyError if ``programs``
+    names sources that do not assemble.
     """
 
     @listed
@@ -123,53 +130,60 @@ class Simulation:
             self._core.keep_text_of_events()
 
     def at(self, at_s: float, action: str, **fields: Setting) -> None:
-        """An event at ``at_s``, not before the present time, with the fields of docs/configuration.md, ``[[events]]``.
+        """Adds an event at ``at_s``, not before the present time, with the fields of docs/configuration.md,
+        ``[[events]]``.
 
-        ``at(0.5, "fail", dsp=1)``, ``at(1, "stall_bus", bus="A", lasts_ms=0.2)``, ``at(2, "set", key="scheduling.p", value=0x5000)``. Raises ConfigError.
+        ``at(0.5, "fail", dsp=1)``, ``at(1, "stall_bus", bus="A", lasts_ms=0.2)``, ``at(2, "set", key="scheduling.p",
+        value=0x5000)``. Raises ConfigError.
         """
         self._core.at({"at_s": at_s, "action": action, **fields})
 
     def run(self, on_progress: Progress | None = None) -> Result:
         """Runs to the end of the duration, without holding the GIL.
 
-        ``on_progress(simulated_s, duration_s)`` is called every 20 ms of simulated time and may return False to stop. Ctrl-C stops cleanly
-        and raises KeyboardInterrupt; ``result()`` then tells of what ran, and ``run`` goes on.
+        ``on_progress(simulated_s, duration_s)`` is called every 20 ms of simulated time and may return False to stop.
+        Ctrl-C stops the run and raises KeyboardInterrupt; then ``result()`` is the result so far, and ``run``
+        continues.
         """
         self._core.run(on_progress)
         return self.result()
 
     def run_until(self, time_s: float) -> None:
-        """Runs until that instant of virtual time, or the end of the duration. Raises ValueError for an instant that has passed."""
+        """Runs until that instant of virtual time, or the end of the duration. Raises ValueError for an instant in the
+        past."""
         self._core.run_until(arguments.number("time_s", time_s, "an instant of the run in s, at least 0,", 0.0))
 
     def record(self) -> None:
-        """Keeps from now on what a page shows (docs/page.md). Changes nothing in the run. Raises RuntimeError where it is recorded already, or over."""
+        """Records from now on what a page shows (docs/page.md). Changes nothing in the run. Raises RuntimeError if it
+        is already recorded, or has ended."""
         self._core.record()
 
     def write_page(self, path: str | os.PathLike[str], title: str | None = None) -> None:
-        """Writes the page of a run that is over and was recorded (``record``): one HTML file. Raises RuntimeError, OSError."""
-        name = f"CMRC: {self.title}" if title is None else arguments.text("title", title, "what the page is called")
+        """Writes the page of a run that has ended and was recorded (``record``): one HTML file. Raises RuntimeError,
+        OSError."""
+        name = f"CMRC: {self.title}" if title is None else arguments.text("title", title, "the title of the page")
         files.write(arguments.path("path", path, "the path of the page"), self._core.page(name))
 
     @property
     def title(self) -> str:
-        """What the run is called: its DSPs and duration."""
+        """The title of the run: its DSPs and duration."""
         settings = self.config.to_dict()
         dsps = int(settings["machine.dsps"])
         return f"{dsps} DSP{'' if dsps == 1 else 's'}, {settings['run.duration_s']:g} s"
 
     def snapshot(self) -> Snapshot:
-        """The run as it is between two calls of ``run_until``: everything before ``time_s`` has happened (docs/snapshots.md).
+        """The state of the run between two calls of ``run_until``: everything before ``time_s`` has happened
+        (docs/snapshots.md).
 
-        Raises RuntimeError from inside a callback, and with ``profile``.
+        Raises RuntimeError inside a callback, and with ``profile``.
         """
         return self._core.snapshot()
 
     def restore(self, snapshot: Snapshot) -> None:
-        """The run is as it was at ``snapshot``, of this run or of another with the same configuration.
+        """Sets the run to the state of ``snapshot``, from this run or another with the same configuration.
 
-        Raises SnapshotError for one of another configuration, program or version; then nothing has changed. Raises
-        RuntimeError with ``keep_events``.
+        Raises SnapshotError for a snapshot of another configuration, program or version; then nothing has changed.
+        Raises RuntimeError with ``keep_events``.
         """
         if self._keeps_events:
             raise RuntimeError("restore: the run keeps its events, and cannot take back those that it has kept")
@@ -180,12 +194,13 @@ class Simulation:
         return Debugger(self._core.debug())
 
     def fork(self) -> Simulation:
-        """Another run with the same past. What is done to the one (``at``, ``dsp``) the other does not see."""
+        """Another run with the same past. Later changes of one (``at``, ``dsp``) do not affect the other."""
         return self._around(self._core.fork(), self.config)
 
     @classmethod
     def resume(cls, snapshot: Snapshot | str | os.PathLike[str]) -> Simulation:
-        """A run that goes on from a snapshot or its file, with the snapshot's configuration. Raises SnapshotError, OSError."""
+        """A run that continues from a snapshot or its file, with the snapshot's configuration. Raises SnapshotError,
+        OSError."""
         if not isinstance(snapshot, Snapshot):
             snapshot = read_snapshot(snapshot)
         config = _core.cmrc.config(toml=snapshot.configuration, name="snapshot")
@@ -200,22 +215,23 @@ class Simulation:
         return made
 
     def result(self) -> Result:
-        """The report and the signals of what has run so far; ``under_way`` where the run is not over."""
+        """The report and the signals so far; ``under_way`` if the run has not ended."""
         profile = Profile(json.loads(self._core.profile_json()), self._core.profile_text()) if self._profiled else None
         report, text = json.loads(self._core.report_json()), self._core.report_text()
         return Result(report, text, Table(self._core.signals()), profile, self._core.events_text())
 
     def tasks(self) -> dict[str, Any]:
-        """The jobs so far, as the report's ``tasks`` has them: cheaper than ``result``."""
+        """The jobs so far, as in the report's ``tasks``: cheaper than ``result``."""
         tasks: dict[str, Any] = json.loads(self._core.tasks_json())
         return tasks
 
     def reference(self) -> Reference | None:
-        """The ideal run that this run was measured against; None while the run is not over, and where ``report.reference`` is "none"."""
+        """The ideal run against which this run was measured; None until the run has ended, and if ``report.reference``
+        is "none"."""
         return self._core.reference()
 
     def dsp(self, slot: int) -> Dsp:
-        """The DSP in a slot, between two calls of ``run_until``. Raises IndexError where there is no such slot."""
+        """The DSP in a slot, between two calls of ``run_until``. Raises IndexError if there is no such slot."""
         return Dsp(self._core.dsp(arguments.whole("slot", slot, "the number of a slot", -(2**63), 2**63 - 1)), self.program)
 
     @cached_property
@@ -234,7 +250,8 @@ class Simulation:
 
     @property
     def ended(self) -> bool:
-        """The run is over: its duration has passed, its job is done, or nothing drives the crane any more (docs/report.md, When a run ends early)."""
+        """The run has ended: its duration has passed, its job is done, or no drive of the crane works any more
+        (docs/report.md, When a run ends early)."""
         return bool(self._core.ended)
 
 

@@ -1,15 +1,17 @@
-"""States of chips and networks that a run can go back to, or go on from in another process."""
+"""States of chips and networks, to go back to, or to continue from in another process."""
 
 from __future__ import annotations
 
 from cmrc import _core, arguments
 
 SnapshotError = _core.SnapshotError
-"""Raised, with what is wrong, for bytes that are no snapshot, are another version's, were cut short or changed, and for a snapshot of something else."""
+"""Raised for bytes that are not a snapshot, are of another version, were cut short or changed, and for a snapshot of
+another object. The message says which."""
 
 
 class ChipSnapshot:
-    """The whole state of a Processor or a Network at an instant, as ``snapshot()`` gives it. It can be pickled, and never changes."""
+    """The whole state of a Processor or a Network at an instant, from ``snapshot()``. It can be pickled, and never
+    changes."""
 
     __slots__ = ("_sealed",)
 
@@ -19,11 +21,11 @@ class ChipSnapshot:
 
     @classmethod
     def from_bytes(cls, sealed: bytes) -> ChipSnapshot:
-        """What ``to_bytes`` gave. Raises SnapshotError."""
+        """A snapshot from the bytes of ``to_bytes``. Raises SnapshotError."""
         return cls(sealed)
 
     def to_bytes(self) -> bytes:
-        """For a file; with what it is a state of, and a checksum."""
+        """Bytes for a file, with a description of the object and a checksum."""
         return self._sealed
 
     @property
@@ -42,7 +44,7 @@ class ChipSnapshot:
 
 
 def sealed(snapshot: object) -> bytes:
-    """The bytes of what ``restore`` was given."""
+    """The bytes of the argument of ``restore``."""
     return arguments.instance("snapshot", snapshot, ChipSnapshot, "a ChipSnapshot, as snapshot() gives it,").to_bytes()
 
 

@@ -1,4 +1,4 @@
-"""What is learnt from several runs of one configuration: how far it is from its first missed deadline, and what time costs it."""
+"""Studies of several runs of one configuration: how far it is from its first missed deadline, and what delays cost."""
 
 from __future__ import annotations
 
@@ -25,12 +25,13 @@ class Limits:
 
     def __init__(self, text: str, found: Mapping[str, Any]) -> None:
         self.text = text
-        """As the terminal shows it."""
+        """The text on the terminal."""
         self.report: dict[str, Any] = dict(found)
-        """As the JSON of ``cmrc limits --json`` has it."""
+        """The JSON of ``cmrc limits --json``."""
 
     def limit(self, scan: str) -> float | None:
-        """The limit of ``"cycles"``, ``"dsps"`` or ``"servo"``; None where the easiest point misses. KeyError if it was not scanned."""
+        """The limit of ``"cycles"``, ``"dsps"`` or ``"servo"``; None if the easiest point misses. KeyError if it was
+        not scanned."""
         value = self.report["scans"][scan]["limit"]
         return None if value is None else float(value)
 
@@ -44,13 +45,13 @@ class Limits:
 
 
 class Comparison:
-    """The outcome of ``compare``: a run beside the same run with instant execution (docs/report.md, Ideal)."""
+    """The outcome of ``compare``: a run and the same run with instant execution (docs/report.md, Ideal)."""
 
     def __init__(self, text: str, found: Mapping[str, Any]) -> None:
         self.text = text
-        """As the terminal shows it."""
+        """The text on the terminal."""
         self.report: dict[str, Any] = dict(found)
-        """As the JSON of ``emulator compare --json`` has it."""
+        """The JSON of ``emulator compare --json``."""
 
     @property
     def metrics(self) -> Table:
@@ -84,13 +85,15 @@ def limits(
     on_progress: Callable[[int, int], object] | None = None,
     **keywords: Unpack[LimitsSettings],
 ) -> Limits:
-    """Scans for the first missed deadline, each point a run of its own, as many at a time as there are processors.
+    """Scans for the first missed deadline. Each point is a run; as many run at a time as there are processors.
 
-    ``cycles`` are factors on the time of an instruction cycle (the buses keep theirs), ``dsps`` numbers of DSPs, ``servo`` frequencies f_p in Hz. What is None is
-    not scanned; if all three are, each has its standard grid. With ``errors`` every point runs to its end and says what it cost against the ideal run
-    (realised f_p and f_t, load error, lag); without, a point stops at its first miss. The other arguments are those of ``run``; ``settings={"machine.dsps": 2}`` is the configuration's own
-    number of DSPs. ``on_progress(done, points)`` is told at the start and of every run that ends. Raises ConfigError for an empty grid or a value given twice; a point whose
-    configuration is not allowed is reported as refused, not raised.
+    ``cycles`` are factors on the time of an instruction cycle (the buses' clocks do not change), ``dsps`` numbers of
+    DSPs, ``servo`` frequencies f_p in Hz. A scan that is None is not made; if all three are None, each has its standard
+    grid. With ``errors`` every point runs to its end and gives its errors against the ideal run (realised f_p and f_t,
+    load error, lag); without, a point stops at its first miss. The other arguments are those of ``run``;
+    ``settings={"machine.dsps": 2}`` is the configuration's own number of DSPs. ``on_progress(done, points)`` is called
+    at the start and after every run. Raises ConfigError for an empty grid or a value given twice; a point with an
+    invalid configuration is reported as refused, not raised.
     """
     arguments.function("on_progress", on_progress, "a function of (done, points) or None")
     made = configured(config, preset, settings, events, keywords)
@@ -106,7 +109,7 @@ def scans_of(
     servo: Iterable[float] | None,
     errors: bool,
 ) -> Scans:
-    """What ``limits`` is about to run."""
+    """The scans that ``limits`` makes."""
     grids = _grid("cycles", cycles), _grid("dsps", dsps), _grid("servo", servo)
     return Scans(config, *grids, errors=arguments.flag("errors", errors))
 

@@ -1,4 +1,4 @@
-"""Plots of a sweep: a metric over its grid, and what misses cost. Needs matplotlib."""
+"""Plots of a sweep: a metric over its grid, and the cost of misses. Needs matplotlib."""
 
 from __future__ import annotations
 
@@ -31,11 +31,12 @@ NO_UNIT = ("dsps", "agvs", "slots", "cycle_time_factor", "seed")
 
 
 def grid(sweep: Sweep, axes: Axes, x: str | None = None, lines: str | None = None, metric: Metric = "misses") -> None:
-    """A metric over the setting ``x``, one line per value of the setting ``lines``; what varies between repeats has its
-    95 % interval. Without names: the axis with the most values, and the next one.
+    """A metric over the setting ``x``, one line per value of the setting ``lines``; if repeats vary, with a 95 %
+    interval. Without names: the axis with the most values, and the next one.
 
-    Points that were refused or failed are gaps. Raises ValueError where further axes vary: one point would have several
-    values."""
+    Points that were refused or failed are gaps. Raises ValueError if further axes vary, because one point would have
+    several values.
+    """
     from cmrc.sweeps import metrics
 
     summary = sweep.summary(metric)
@@ -79,7 +80,7 @@ def _axes_of(
     lines = axis_name(lines, "lines") if lines is not None else next((name for name in varied if name != x), None)
     for name in (x, lines):
         if name is not None and name not in values:
-            raise ValueError(f"grid: {name or 'nothing'} is no axis of the sweep; {', '.join(values) or 'none'} are")
+            raise ValueError(f"grid: {name or 'nothing'} is not an axis of the sweep; {', '.join(values) or 'none'} are")
     places = {(repr(place[x]), repr(place.get(lines)) if lines else "") for place, _ in summary}
     if len(places) < len(summary):
         raise ValueError(
@@ -90,8 +91,8 @@ def _axes_of(
 
 
 def cost(sweep: Sweep, axes: Axes, missed: Metric = "f_p_missed", price: Metric = "load_rms") -> None:
-    """What misses cost: a point per run, the share of missed deadlines against the load's true error. Runs of one value
-    of the first axis have one mark."""
+    """The cost of misses: a point per run, the share of missed deadlines against the load's true error. Runs with one
+    value of the first axis have the same mark."""
     from cmrc.sweeps import metrics
 
     shares, prices = sweep.values(missed), sweep.values(price)

@@ -64,6 +64,7 @@ void bind_report(py::module_& test) {
       },
       "time_ps"_a, "component"_a, "kind"_a, "arguments"_a, "One line of the event trace.");
 
+  // NOLINTNEXTLINE(bugprone-unused-raii): the constructor registers the class
   py::class_<report::EventSink>(room, "EventSink", "Receives events in their final order.");
   py::class_<LineRecorder, report::EventSink>(room, "Recorder", "Hears a log's events in their final order.")
       .def(py::init<>())

@@ -198,7 +198,7 @@ def test_what_such_a_device_raises_comes_out_and_can_be_mended(tmp_path: Path) -
     supervisor = Supervisor(wrong)
     network = Network([assembled(ACTS.format(loops=100, after=0)), assembled(COUNTS)], boards=str(board(tmp_path)), devices={0: {PLACE: supervisor}})
     for _ in range(2):
-        with pytest.raises(ValueError, match="has been run to"):
+        with pytest.raises(ValueError, match="has already run to"):
             network.run()
     assert network.chips[0].message.startswith("waits for device Supervisor at A0000000h since cycle")
     supervisor.act = reset

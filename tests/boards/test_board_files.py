@@ -30,7 +30,7 @@ def test_all_errors_are_told_at_once_with_their_lines(tmp_path: Path) -> None:
         (10, 'no such key region.buss'),
         (11, "region.waits: a whole number from 0 to 15"),
         (12, "region.bus of RAM: local or global is expected"),
-        (23, 'device.kind of D: "fofo" is none; console, registers, led, fifo, mailbox, timer, vic068a, vme is expected; did you mean "fifo"?'),
+        (23, 'device.kind of D: "fofo" is unknown; console, registers, led, fifo, mailbox, timer, vic068a, vme is expected; did you mean "fifo"?'),
         (30, "device.pin of T: IIOF0 to IIOF3 or NMI is expected"),
         (31, "device.count_cycles of T: a whole number from 1"),
         (32, "no such key device.dept"),
@@ -46,16 +46,16 @@ def test_all_errors_are_told_at_once_with_their_lines(tmp_path: Path) -> None:
     ("text", "message"),
     [
         (device("led") + device("led", 0xA0000000, name="E"), "device.base of E: D is there, at A0000000h"),
-        (device("led") + device("led", 0xA0000010), "device.name: there are two called D"),
+        (device("led") + device("led", 0xA0000010), "device.name: two devices have the name D"),
         (device("fifo", input="nowhere"), "device.input of D:"),
-        (device("fifo", input="b.toml"), "is no word; a word of up to 8 hexadecimal digits"),
+        (device("fifo", input="b.toml"), "is not a word; a word of up to 8 hexadecimal digits"),
         (device("fifo", input="b.toml", script="b.toml"), "the words come from input already"),
         (device("vme"), "words is missing"),
-        (device("vme", words=4, vic="V"), 'no [[device]] of kind "vic068a" before it is called V'),
+        (device("vme", words=4, vic="V"), 'no [[device]] of kind "vic068a" named V comes before it'),
         (device("vme", words=4, answer="maybe"), '"bus error" or "ignored"'),
         (device("mailbox", depth=2), "device.depth of D: a mailbox has none; fifo has"),
         (device("fifo", words=2), "a fifo has its 5 words"),
-        (device("vic068a", 0xA000FFF0), "stands behind a"),
+        (device("vic068a", 0xA000FFF0), "needs a"),
         ("\n[[device]]\n", "kind is missing"),
     ],
 )
@@ -88,6 +88,14 @@ SRAM_TEST = """
         sti r0,*ar3
         ldi *ar3,r4
 """
+
+
+def test_regions_without_a_name_are_numbered_as_in_the_file(tmp_path: Path) -> None:
+    (tmp_path / "b.toml").write_text("[[region]]\nname = 'a'\n[[region]]\nname = 'b'\n")
+    with pytest.raises(ValueError) as info:
+        Processor(board=tmp_path / "b.toml")
+    assert "b.toml:1: region 1: base is missing" in str(info.value)
+    assert "b.toml:3: region 2: base is missing" in str(info.value)
 
 
 def test_a_program_boots_on_the_dakar_f5_and_meets_its_registers() -> None:

@@ -192,7 +192,7 @@ def test_wrong_memories_are_refused(tmp_path: Path, memory: SharedMemory, messag
 
 
 def test_a_pin_has_one_net(tmp_path: Path) -> None:
-    with pytest.raises(NetworkError, match=r"pin 0.IIOF1 is on net wire already"):
+    with pytest.raises(NetworkError, match=r"pin 0.IIOF1 is already on net wire"):
         Network([assembled(END)], boards=str(board(tmp_path, device("timer", pin="IIOF1"))), nets=["wire: >0.IIOF1"])
 
 
@@ -209,7 +209,7 @@ def test_the_debugger_shows_the_console_and_goes_back_through_devices(tmp_path: 
     shown = [line for line in done.stdout.splitlines() if line in ("A", "B", "C", "AB", "BC")]
     assert shown == ["A", "B", "B", "C"] or shown == ["A", "B", "A", "B", "C"], done.stdout
     assert "console TTY at A0000000h, has sent 3 words" in done.stdout
-    for options, message in ((("--console-input", "-"), "standard input is the debugger's"), (("--console-record", "x"), "exec writes it")):
+    for options, message in ((("--console-input", "-"), "the debugger reads standard input itself"), (("--console-record", "x"), "only exec writes this file")):
         refused = emulator("debug", tmp_path / "p.asm", "--board", path, *options)
         assert refused.returncode == 2 and message in refused.stderr
     debugger = Processor(assembled(HELLO), board=path).debug()

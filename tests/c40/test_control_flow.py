@@ -314,5 +314,5 @@ def test_internal_sources_by_their_flags(source: str, vector: int, iie: int) -> 
 
 def test_an_unknown_source_is_refused() -> None:
     chip = processor("stop: b stop\n")
-    with pytest.raises(ValueError, match="ICRDY0 is no interrupt that can be raised; NMI, IIOF0, "):
+    with pytest.raises(ValueError, match="ICRDY0 is not an interrupt that can be raised; NMI, IIOF0, "):
         chip.raise_interrupt("ICRDY0")

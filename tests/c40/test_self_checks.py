@@ -23,7 +23,7 @@ def checked(text: str, cycles: int = 300, **registers: int) -> list[c40.Diagnost
 BROKEN = [
     ("a branch in a slot", " brd x\n nop\n br x\n nop\nx: nop\nstop: b stop", "delay_slot", 2, "program control may not stand in slot 2 of brd"),
     ("IDLE in a slot of a branch that is not taken", " cmpi 1,r0\n beqd x\n nop\n nop\n idle\nx: nop\nstop: b stop", "delay_slot", 4, "slot 3 of beqd"),
-    ("R11 in a slot of LAJ", " laj x\n ldi 0,r11\n nop\n nop\nx: nop\nstop: b stop", "delay_slot", 1, "R11 holds the way back"),
+    ("R11 in a slot of LAJ", " laj x\n ldi 0,r11\n nop\n nop\nx: nop\nstop: b stop", "delay_slot", 1, "R11 holds the return address"),
     ("RC in a slot of RPTBD", " ldi 1,rc\n rptbd x\n ldi 2,rc\n nop\n nop\nx: nop\nstop: b stop", "delay_slot", 2, "RS, RE and RC may not be written"),
     ("a block that ends before it begins", "x: nop\n ldi 0,rc\n rptb x\n nop\nstop: b stop", "repeat_block", 2, "before it begins"),
     ("a branch at the end of a block", " ldi 0,rc\n rptb x\n nop\nx: b stop\nstop: b stop", "repeat_block", 3, "may not end with program control"),

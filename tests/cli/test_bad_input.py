@@ -122,7 +122,7 @@ def test_hex_words_are_checked(run, tmp_path: Path) -> None:
     (tmp_path / "p.hex").write_text("123456789\n")
     refused(run("exec", "p.hex"), "p.hex:1:")
     (tmp_path / "p.hex").write_text("\n")
-    refused(run("exec", "p.hex"), "holds no word")
+    refused(run("exec", "p.hex"), "contains no word")
 
 
 @pytest.mark.parametrize(

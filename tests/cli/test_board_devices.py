@@ -203,7 +203,7 @@ def test_a_region_holds_a_rom_and_the_board_boots_from_it(tmp_path: Path, width:
 
 REFUSED = [
     ("", 'kind = "led"', 'kind = "lamp"', "console, registers, led, fifo"),
-    ("", "base = 0xA0000200", "base = 0xA0001000", "stands behind a"),
+    ("", "base = 0xA0000200", "base = 0xA0001000", "needs a"),
     ("", "base = 0xA0000200", "base = 0xA0000105", "VIC is there"),
     ("", "words = 0x10\nvalue", "words = 0\nvalue", "from 1 to 1048576"),
     ("", "waits = 3", "words = 3", "a console has its 2 words"),
@@ -211,8 +211,8 @@ REFUSED = [
     ("", "waits = 3", "speed = 3", "no such key device.speed"),
     ("", 'name = "front"\n', "", "name is missing"),
     ("", 'words = 0x10000\nbus = "local"', 'words = 0x10000\nbus = "local"\nfile = "nowhere.hex"', "nowhere.hex"),
-    ("", 'words = 0x10000\nbus = "local"', 'words = 0x10000\nbus = "local"\nwidth = 8', "there is none"),
-    ("", 'bus = "global"', 'bus = "global"\nfile = "x"', "a window holds nothing by itself"),
+    ("", 'words = 0x10000\nbus = "local"', 'words = 0x10000\nbus = "local"\nwidth = 8', "`file` is missing"),
+    ("", 'bus = "global"', 'bus = "global"\nfile = "x"', "a window has no contents"),
 ]
 
 

@@ -82,7 +82,7 @@ def test_trace_diff_regenerates_the_text_behind_a_differing_hash(run, tmp_path: 
         result = run("trace-diff", first, second)
         assert result.returncode == 1 and result.stderr == ""
         assert "cycle 600000, dsp 0, field sha256: " in result.stdout
-        assert result.stdout.split("what this emulator executes there, as a.trace has it:\n")[1].splitlines() == executed
+        assert result.stdout.split("instructions that this emulator executes there, equal to those of a.trace:\n")[1].splitlines() == executed
 
 
 def test_trace_diff_shows_no_instructions_that_neither_trace_has(run, tmp_path: Path) -> None:
@@ -94,13 +94,13 @@ def test_trace_diff_shows_no_instructions_that_neither_trace_has(run, tmp_path: 
     executive = tmp_path / "others" / "executive.asm"
     executive.write_text(executive.read_text().replace("exec_next:\n", "exec_next:\n        nop\n"))
     other = run("trace-diff", "a.trace", "b.trace", "--programs", tmp_path / "others")
-    assert other.returncode == 1 and "what this emulator executes" not in other.stdout
-    assert "error: this emulator executes something else there" in other.stderr and "--programs DIR" in other.stderr
+    assert other.returncode == 1 and "instructions that this emulator executes" not in other.stdout
+    assert "error: this emulator executes other instructions there" in other.stderr and "--programs DIR" in other.stderr
     for programs in ((), ("--programs", ROOT / "c40_programs")):
         same = run("trace-diff", "a.trace", "b.trace", *programs)
         assert same.returncode == 1 and same.stderr == ""
     line = next(line for line in golden.splitlines() if "sha256=" in line)
-    executed = same.stdout.split("as a.trace has it:\n")[1].splitlines()
+    executed = same.stdout.split("equal to those of a.trace:\n")[1].splitlines()
     assert condensed(executed, 0, keep=lambda cycle: False) == [line]
     missing = run("trace-diff", "a.trace", "b.trace", "--programs", tmp_path)
     assert missing.returncode == 2 and "dsp.asm" in missing.stderr
@@ -111,4 +111,4 @@ def test_trace_diff_says_where_it_cannot_print_what_is_behind_a_hash(run, tmp_pa
     (tmp_path / "a.trace").write_text(golden)
     (tmp_path / "b.trace").write_text(re.sub("sha256=.{16}", f"sha256={WRONG}", golden, count=1))
     result = run("trace-diff", "a.trace", "b.trace")
-    assert result.returncode == 1 and "of a scene's trace only" in result.stdout
+    assert result.returncode == 1 and "for a scene's trace only" in result.stdout

@@ -49,7 +49,7 @@ def wordless(request: pytest.FixtureRequest, tmp_path: Path) -> str:
 
 @pytest.mark.parametrize("command", [["link", "o.obj", "-o", "x.out"], ["exec", "o.obj"], ["exec", "o.obj", "o.obj", "--link", "0.0:1.3"]], ids=" ".join)
 def test_an_object_without_a_word_is_no_program(tmp_path: Path, wordless: str, command: list[str]) -> None:
-    refused(emulator(tmp_path, *command), wordless, "no section holds a word", "at least one")
+    refused(emulator(tmp_path, *command), wordless, "no section contains a word", "at least one")
     assert not (tmp_path / "x.out").exists()
 
 
@@ -58,7 +58,7 @@ def test_an_object_without_a_word_may_be_linked_to_others(tmp_path: Path, wordle
     assert emulator(tmp_path, "asm", "-c", "s.asm", "-o", "s.obj").returncode == 0
     assert emulator(tmp_path, "link", wordless, "s.obj", "-o", "x.out").returncode == 0
     assert "stop: idle" in emulator(tmp_path, "exec", "x.out").stdout
-    with pytest.raises(toolchain.LinkError, match="no section holds a word"):
+    with pytest.raises(toolchain.LinkError, match="no section contains a word"):
         toolchain.link([toolchain.read_object((tmp_path / wordless).read_bytes())])
 
 

@@ -67,7 +67,7 @@ def test_drawing_changes_nothing(tmp_path: Path) -> None:
 def test_one_chip_has_no_links_to_draw(tmp_path: Path) -> None:
     (tmp_path / "s.asm").write_text("        .text\n_start: b _start\n")
     done = subprocess.run([EMULATOR, "exec", "s.asm", "--perfetto", "t"], cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert done.returncode == 2 and "--perfetto: it draws the links of a network" in done.stderr
+    assert done.returncode == 2 and "--perfetto: draws the links of a network" in done.stderr
     assert not (tmp_path / "t").exists()
 
 

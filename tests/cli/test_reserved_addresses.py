@@ -182,15 +182,15 @@ def test_a_device_of_ones_own_comes_before_them(tmp_path: Path) -> None:
         ('reserved = "open"\n' + RAM, 'board.toml:1: reserved: fault or ignore is expected'),
         ("reserved = true\n" + RAM, "reserved: text in quotes is expected"),
         (RAM + '[[region]]\nname = "a"\nkind = "ignore"\nbase = 0x300000\nwords = 4\n', "region a (00300000h, 4 words): another region"),
-        (RAM + '[[region]]\nname = "a"\nkind = "fault"\nbase = 0x1000F0\nwords = 32\n', "something of the chip's own is there"),
-        (RAM + '[[region]]\nname = "a"\nkind = "ignore"\nbase = 0x10\nwords = 4\n', "the boot ROM, or something"),
+        (RAM + '[[region]]\nname = "a"\nkind = "fault"\nbase = 0x1000F0\nwords = 32\n', "an address of the chip itself is there"),
+        (RAM + '[[region]]\nname = "a"\nkind = "ignore"\nbase = 0x10\nwords = 4\n', "the boot ROM, or an address"),
         (RAM + 2 * '[[region]]\nname = "a"\nkind = "ignore"\nbase = 0x400000\nwords = 4\n', "another region"),
         (RAM + '[[region]]\nname = "a"\nkind = "ignore"\nbase = 0xFFFFFFFF\nwords = 2\n', "region.words of a: 1 to 1 words"),
         (RAM + '[[region]]\nname = "a"\nkind = "ignore"\nbase = 0x400000\nwords = 0\n', "region.words of a"),
         (RAM + '[[region]]\nname = "a"\nkind = "ignore"\nbase = 0x400000\n', 'region of kind "ignore": words is missing'),
         (RAM + '[[region]]\nname = "a"\nkind = "ignore"\nbase = 0x400000\nwords = 4\nwaits = 1\n', "no such key region.waits"),
         (RAM + '[[region]]\nname = "a"\nkind = "open"\nbase = 0x400000\nwords = 4\nbus = "local"\n', "ram, window (to a shared bus), fault or ignore"),
-        ('reserved = "ignore"\n' + RAM + '[[device]]\nname = "d"\nkind = "led"\nbase = 0x400000\n', "device.base of d: a device stands behind"),
+        ('reserved = "ignore"\n' + RAM + '[[device]]\nname = "d"\nkind = "led"\nbase = 0x400000\n', "device.base of d: a device needs"),
     ],
 )
 def test_what_is_wrong_in_a_board_file_is_named(emulator: Path, tmp_path: Path, text: str, message: str) -> None:
@@ -226,7 +226,7 @@ def test_the_dock_refuses_such_a_board(emulator: Path, tmp_path: Path) -> None:
 
 
 def test_a_section_outside_memory_is_told_the_nearest_regions(emulator: Path, tmp_path: Path) -> None:
-    at = "section .text ({} words at {}) does not lie in RAM of board {}: nearest "
+    at = "section .text ({} words at {}) is not in RAM of board {}: nearest "
     source = program(tmp_path)
     for suffix, address, words in ((RAM + FAR, 0x600000, 9), (RAM, 0x600000, 9)):
         image = cmrc.c40.assemble(PROGRAM, sections={".text": address})

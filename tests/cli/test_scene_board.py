@@ -83,7 +83,7 @@ def test_wait_states_of_the_program_memory(tmp_path: Path) -> None:
         ("base = 0x40000000", "base = 0x380000", "overlaps local SRAM (00300000h"),
         ("base = 0xC0000000", "base = 0xB0000000", "bus A at C0000000h, and there is no window"),
         ("base = 0x70000000", "base = 0x6F000000", "bus B at 70000000h, and there is no window"),
-        ("words = 0x40000000", "words = 0x1000", "what answers on the bus needs"),
+        ("words = 0x40000000", "words = 0x1000", "the devices on the bus need"),
         ("words = 0x100000", "words = 0x400", "no RAM holds section .text of the DSP programs"),
         ("base = 0x300000", "base = 0x500000", "no RAM holds section .text of the DSP programs"),
     ],

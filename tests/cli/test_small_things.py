@@ -13,6 +13,8 @@ CONFIGURATIONS = [
     ("[machin]\ndsps = 4\n", "machin.dsps: no such key; the nearest known key is machine.dsps"),
     ('[[tasks]]\nprogramm = "x"\n', 'tasks.programm: no such field; '),
     ('[[tasks]]\nprogramm = "x"\n', 'did you mean "program"?'),
+    ("[errors]\nx = 1\n", "errors.x: no such key; the keys of its table are errors.following_travel_m, "),
+    ("zzz = 1\n", "zzz: no such key; docs/configuration.md lists the keys"),
     ("[[events]]\nat = 1\n", 'did you mean "at_s"?'),
     ("[[processes]]\nnumbr = 1\n", 'did you mean "number"?'),
     ("[[subprocesses]]\nnam = 1\n", 'did you mean "name"?'),
@@ -38,6 +40,21 @@ def test_a_number_without_a_fraction_is_an_integer() -> None:
     for wrong in (4.5, True, float("nan"), float("inf"), 1e300):
         with pytest.raises(cmrc.ConfigError, match=r"machine.dsps: .*an integer from 1 to 16 is expected"):
             cmrc.Simulation(dsps=wrong)
+
+
+def test_a_number_of_an_option_is_checked_as_its_key_is(run) -> None:
+    done = run("--dsps", "4.0", "--duration", "0.05")
+    assert done.returncode == 0 and done.stdout.startswith("4 DSPs, 0.050 s simulated")
+    for option, wrong, message in (
+        ("--dsps", "4.5", "machine.dsps: 4.5 is a number; an integer from 1 to 16 is expected"),
+        ("--dsps", "true", "machine.dsps: true is a boolean; an integer from 1 to 16 is expected"),
+        ("--dsps", "nan", "machine.dsps: nan is a number; an integer from 1 to 16 is expected"),
+        ("--duration", "long", 'run.duration_s: "long" is a string; a number from 1e-06 to 86400 is expected (s)'),
+    ):
+        done = run(option, wrong)
+        assert (done.returncode, done.stdout) == (2, "") and done.stderr == f"emulator: {option}: {message}\n"
+    done = run("exec", "p.out", "--max-cycles", "1.5")
+    assert done.returncode == 2 and '--max-cycles: "1.5" cannot be used; an integer is expected' in done.stderr
 
 
 def test_a_trace_window_after_the_end_is_refused(run, tmp_path: Path) -> None:

@@ -319,7 +319,7 @@ def test_a_resumed_run_draws_what_is_left(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["--perfetto", "t", "--perfetto-window", "0.5:0.2"], "--perfetto-window: \"0.5:0.2\" holds no time"),
+        (["--perfetto", "t", "--perfetto-window", "0.5:0.2"], "--perfetto-window: \"0.5:0.2\" is empty"),
         (["--perfetto", "t", "--perfetto-window", "7:8"], "it begins at 7 s, and the run ends at 0.1 s"),
         (["--perfetto", "t", "--perfetto-window", "nan:1"], "is not A:B"),
         (["--perfetto", "t", "--perfetto-window", "0"], "is not A:B"),

@@ -112,7 +112,7 @@ def test_json_and_the_number_of_failures_shown(vectors) -> None:
         (ADD.replace("op=02202000", ""), "op=WORD"),
         (ADD.replace("R0=0000000001", "R0=00000001"), "10 hexadecimal digits"),
         (ADD.replace("AR0=00002000", "AR0=2z"), "hexadecimal digits"),
-        (ADD.replace("AR0=00002000", "R0=0000000001"), "given before"),
+        (ADD.replace("AR0=00002000", "R0=0000000001"), "given twice"),
         (ADD.replace("op=", "steps=0 op="), "number of instructions"),
         (ADD.replace("op=", "PC=001000 op="), "1000h"),
         (ADD + " rd@2000=7", "a read has no value"),

@@ -105,10 +105,10 @@ def test_importance_row_decides_between_waiting_and_due(desk: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ("kind = 14", "kind = 8", "tasks.kind: 8 is one of the paper's own"),
+        ("kind = 14", "kind = 8", "tasks.kind: 8 is a kind of the paper"),
         ("kind = 14", 'kind = "x"', "tasks.kind"),
         ('name = "sway_watch"', "", "tasks.name: is missing"),
-        ("period_ms = 10", "period_ms = 0", 'tasks.period_ms: nobody releases "sway_watch"'),
+        ("period_ms = 10", "period_ms = 0", 'tasks.period_ms: nothing releases "sway_watch"'),
         ("period_ms = 10", "period_ms = 0.001", "tasks.period_ms: 0.001 is out of range"),
         ("parameter_0", "parameter_1", "parameter"),
         ("deadline_ms", "deadlin_ms", "tasks.deadlin_ms: no such field"),

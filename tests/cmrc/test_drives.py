@@ -88,7 +88,7 @@ def test_an_unstable_hoist_is_ended_by_a_trip() -> None:
     ({"dock.container_mass_kg": 45e3},
      r"^dock\.container_mass_kg: to hold 45000 kg below a spreader of 10000 kg the hoist needs 5855 N m, more than its rated torque of 5732 N m; a lighter container"),
     ({"dock.container_mass_kg": 41e3},
-     r"^dock\.container_mass_kg: 41000 kg are more than the crane's rated load of 40000 kg, though its hoist would hold them with 5430 N m; "),
+     r"^dock\.container_mass_kg: 41000 kg is more than the crane's rated load of 40000 kg, though its hoist would hold them with 5430 N m; "),
     ({"slewing.hoist.rated_torque_n_m": 3185.0}, r"^slewing\.hoist\.rated_torque_n_m: to hold 40000 kg .* needs 5323 N m, more than its rated torque of 3185 N m"),
     ({"slewing.luff.rated_torque_n_m": 6000.0}, r"^slewing\.luff\.rated_torque_n_m: .* with the jib at its flattest the luff drive needs 6590 N m"),
     ({"slewing.hoist.brake": 0.7}, r"^slewing\.hoist\.brake: .* needs a brake of 0\.82 times its rated force, not 0\.70"),

@@ -274,14 +274,20 @@ def test_the_order_of_the_chips_changes_nothing() -> None:
     ({"errors.following_luff_mrad": 0}, [], "errors.following_luff_mrad: a limit of 0 makes an error of every tick; a limit above 0 is required"),
     ({"errors.following_ms": 2}, [], "errors.following_ms: 2 ms is shorter than a servo period, 4 ms; PID sees an error once per servo period"),
     ({"errors.encoder_ms": 3.9}, [], "errors.encoder_ms: 3.9 ms is shorter than a servo period"),
-    ({"errors.clear": True}, [], 'errors.clear: no error stands before the run; an event "set" of this key is expected'),
+    ({"errors.clear": True}, [], 'errors.clear: there are no errors before the run; an event "set" of this key is expected'),
     ({"dock.sway_sensors": 1}, [at(1, "stick_second_sway", axis="alpha")], "stick_second_sway, but the crane has one sway sensor; dock.sway_sensors = 2 is expected"),
     ({}, [at(1, "stick_drive_speed", joint="trolley")], "a slewing crane has no trolley"),
     ({"dock.crane": "gantry"}, [at(1, "stick_drive_status", joint="luff")], "a gantry has no luff"),
-    ({}, [at(1, "set", key="errors.stop_s", value=2.0)], "errors.stop_s: cannot be changed while a run is on"),
+    ({}, [at(1, "set", key="errors.stop_s", value=2.0)], "errors.stop_s: cannot be changed during a run"),
     ({}, [at(1, "stick_load_cell", joint="luff")], '"stick_load_cell" has no such field'),
 ])  # fmt: skip
 def test_nonsense_is_refused_before_anything_runs(settings: dict[str, Any], events: list[dict[str, Any]], message: str) -> None:
     with pytest.raises(cmrc.ConfigError) as info:
         cmrc.config(settings={**LOW_RATES, **settings}, events=events)
     assert message in str(info.value)
+
+
+def test_a_file_that_clears_errors_before_the_run_is_named_with_the_place(tmp_path: Path) -> None:
+    (tmp_path / "cleared.toml").write_text("[errors]\nclear = true\n")
+    with pytest.raises(cmrc.ConfigError, match=r"cleared\.toml:2:1: errors\.clear: there are no errors before the run"):
+        cmrc.config(file=tmp_path / "cleared.toml")

@@ -35,7 +35,7 @@ def test_a_dsp_that_dies_idle_is_found_by_its_silence(action: str, works_again: 
     assert silent["dsp"] == 0 and 0.150 < silent["time_s"] < 0.153
     assert len(more) == (0 if works_again else 1)
     if not works_again:
-        assert 0.200 < more[0]["time_s"] < 0.204 and "taken for dead" in more[0]["message"]
+        assert 0.200 < more[0]["time_s"] < 0.204 and "considered dead" in more[0]["message"]
     assert (report["dsps"][0]["claims"] > 250) == works_again
     assert report["tasks"]["pid"]["misses"] <= 1
     assert not failures(run([], duration_s=0.2, dsps=1), "silent")

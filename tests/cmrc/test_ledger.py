@@ -151,7 +151,7 @@ def test_nothing_falls_between_the_classes(steps: list[tuple[int, int, int]]) ->
     ("load claim0 drop load", None),
     ("load load", "loaded while waiting"),
     ("load claim0 claim1", "claimed while taken"),
-    ("load claim0 finish1", "taken by DSP 0, finished by DSP 1"),
+    ("load claim0 finish1", "claimed by DSP 0, finished by DSP 1"),
     ("load claim0 finish0 finish0", "finished while done"),
     ("load claim0 back finish0", "finished while waiting"),  # a late finisher that no fence stopped
     ("load claim0 finish0 back", "put back while done"),     # a block that would be done twice

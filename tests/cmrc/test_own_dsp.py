@@ -178,7 +178,7 @@ def test_the_row_is_written_back() -> None:
     [
         ("-1", {}, "tasks.dsp: -1 is out of range; a number from 0 to 15 is expected"),
         ("16", {}, "tasks.dsp: 16 is out of range; a number from 0 to 15 is expected"),
-        ("1.5", {}, "tasks.dsp: 1.5 is no integer; an integer is expected"),
+        ("1.5", {}, "tasks.dsp: 1.5 is not an integer; an integer is expected"),
         ("nan", {}, "tasks.dsp: nan is out of range; a number from 0 to 15 is expected"),
         ('"0"', {}, 'tasks.dsp: "0" is a string; a number from 0 to 15 is expected'),
         ("true", {}, "tasks.dsp: true is a boolean; a number from 0 to 15 is expected"),
@@ -208,6 +208,6 @@ def test_programs_whose_executive_does_not_know_it_are_refused(tmp_path: Path, p
     main.write_text(main.read_text().replace(".ifdef  OWN_BLOCKS", ".ifdef  OTHER"))
     executive = old / "executive.asm"
     executive.write_text(executive.read_text().replace(".ifdef  OWN_BLOCKS", ".ifdef  OTHER"))
-    with pytest.raises(cmrc.ConfigError, match="knows no blocks for one DSP alone"):
+    with pytest.raises(cmrc.ConfigError, match="does not support blocks for one DSP alone"):
         cmrc.Simulation(core(old, [row("one", 0)]))
     cmrc.Simulation(core(old, [row("one", None)]))

@@ -226,6 +226,6 @@ def test_a_perfect_run_misses_nothing_against_its_ideal_run_whatever_the_phases(
 
 
 def test_a_clock_that_cannot_be_kept_exactly_is_refused() -> None:
-    with pytest.raises(cmrc.ConfigError, match=r"run.phase_jitter: host timer at 8000001/1000 Hz and -?\d+ ppm is no clock that can be kept exactly"):
+    with pytest.raises(cmrc.ConfigError, match=r"run.phase_jitter: host timer at 8000001/1000 Hz and -?\d+ ppm cannot be represented exactly"):
         cmrc.Simulation(config(refresh_frequency_hz=8000.001))
     cmrc.Simulation(config(jitter=False, refresh_frequency_hz=8000.001))

@@ -201,7 +201,7 @@ def test_the_register_is_the_nearest_echo_in_the_vehicles_way() -> None:
     ('[[tasks]]\nname = "y"\nprogram = "y.asm"\nkind = 30\nimportance = 0xF000\n[[subprocesses]]\nnumber = 6\nname = "x"\ncrane = "user.y"\nrelease = "event"\n', {"bus.topology": "single"},
      "the crane has no range sensor"),
     ('[[subprocesses]]\nnumber = 3\nname = "t"\ncrane = "torque_compensation"\nrelease = "tick"\non_legs = true\n', {}, "sub-process 3: only the name"),
-    ("", {"load.driving": True, "load.parked": True}, "load.driving: AGVs cannot drive and stand; load.driving or load.parked is expected, not both"),
+    ("", {"load.driving": True, "load.parked": True}, "load.driving: AGVs cannot both drive and stand; load.driving or load.parked is expected, not both"),
     ("", {"agv_phase": "apart"}, '"staggered" or "together" is expected'),
     ("", {"event_field_m": 0}, "0 is out of range"),
 ])  # fmt: skip
@@ -224,7 +224,7 @@ def test_the_parked_load_comes_before_a_presets_driving() -> None:
         parked = cmrc.config(preset=preset, settings={"load.parked": True})
         assert parked.to_dict()["load.driving"] is False
         assert cmrc.config(toml=parked.to_toml()).to_dict() == parked.to_dict()
-    with pytest.raises(cmrc.ConfigError, match=r"cannot drive and stand"):
+    with pytest.raises(cmrc.ConfigError, match=r"cannot both drive and stand"):
         cmrc.config(preset="heavy", settings={"load.parked": True, "load.driving": True})
 
 

@@ -243,7 +243,7 @@ def test_a_partner_that_dies_is_a_cut_link_until_it_runs_again(programs: Path, t
         ("0.0:1.1", "one of ports 0, 1, 2, which begin with the token"),
         ("0.4:1.5", "one of ports 0, 1, 2, which begin with the token"),
         ("0.0:0.4", "both ends are in slot 0"),
-        ("0.0:1.4, 0.0:1.5", "port 0.0 is taken"),
+        ("0.0:1.4, 0.0:1.5", "port 0.0 already has a link"),
         ("0.0", "SLOT.PORT:SLOT.PORT is expected"),
         ("0.0:1.4:2.5", "SLOT.PORT:SLOT.PORT is expected"),
         ("0.0:1.6", "a DSP has no port 6"),

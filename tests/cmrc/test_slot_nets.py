@@ -152,7 +152,7 @@ def test_nets_change_nothing_where_nobody_uses_them(tmp_path: Path) -> None:
         (">1.IIOF1", "no pin drives it"),
         ("0.TCLK0+0.TCLK1>1.IIOF1", "two pins drive it"),
         ("0.TCLK0", "DRIVER>RECEIVER is expected"),
-        ("0.TCLK0>1.IIOF1, 0.TCLK1>1.IIOF1", "pin 1.IIOF1 is on net 0 already"),
+        ("0.TCLK0>1.IIOF1, 0.TCLK1>1.IIOF1", "pin 1.IIOF1 is already on net 0"),
         ("0.RESET>1.IIOF1", "0.RESET cannot drive it"),
         ("0.TCLK0>1.IIOF1,", "DRIVER>RECEIVER is expected"),
     ],

@@ -286,7 +286,7 @@ def test_a_snapshot_from_inside_a_callback_and_of_a_profile_is_refused() -> None
         (["--snapshot-at", "0.01:"], 'is not S:FILE'),
         (["--snapshot-at", "1:f", "--duration", "0.5"], "1 s is after the end of the run; it ends at 0.5 s"),
         (["--resume", "there_is_none"], "there_is_none: cannot be read"),
-        (["--resume", "text"], "text: 5 bytes that are no snapshot"),
+        (["--resume", "text"], "text: 5 bytes that are not a snapshot"),
         (["--resume", "snap", "--dsps", "2"], "another configuration: [machine] dsps = 1, here dsps = 2"),
         (["--resume", "snap", "--report", "snap"], "--report: snap is the same file as --resume"),
         (["--resume", "snap", "--snapshot-at", "0.001:f"], "0.001 s has passed"),
@@ -310,7 +310,7 @@ def test_a_run_that_is_over_before_says_so(tmp_path: Path) -> None:
     toml.write_text('[machine]\ndsps = 1\nboot = "preloaded"\n[run]\nduration_s = 3.0\nafter_stop_s = 0.1\n[report]\nreference = "none"\n'
                     '[[events]]\nat_s = 0.05\naction = "fail"\ndsp = 0\n')  # fmt: skip
     finished = subprocess.run([EMULATOR, "--quiet", "--config", toml, "--snapshot-at", "0.01:early", "--snapshot-at", "2.5:late"], cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert finished.returncode == 1 and "late is not written; the run was over at" in finished.stderr
+    assert finished.returncode == 1 and "late is not written; the run ended at" in finished.stderr
     assert (tmp_path / "early").exists() and not (tmp_path / "late").exists()
 
 

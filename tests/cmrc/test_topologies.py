@@ -111,9 +111,9 @@ def test_arbiters_timers_and_cards_are_keys(arbiter: str) -> None:
     "toml, message",
     [
         ('[topology]\ndrives = "C"\n', r"topology\.drives: there is no bus C; the buses are A, B"),
-        ('[topology]\nbuses = "A C"\n', r'topology\.buses: "A C" is no list of buses; '),
+        ('[topology]\nbuses = "A C"\n', r'topology\.buses: "A C" is not a list of buses; '),
         ('[topology]\nboards = "A A"\n', r"topology\.boards: bus A is named twice; "),
-        ('[topology]\nsensors = "A B"\n', r"topology\.sensors: it is to stand on 2 buses; a target stands on one bus"),
+        ('[topology]\nsensors = "A B"\n', r"topology\.sensors: it is on 2 buses; a target is on one bus"),
         ('[topology]\nboards = "A"\n', r"topology\.boards: the DSPs cannot reach the drives on bus B; .*topology\.bridges"),
         ('[topology]\nhost = "B"\n', r"topology\.host: the host cannot reach shared memory on bus A; "),
         ('[topology]\nbridges = "A-B, B-A"\n', r"topology\.bridges: with B-A the bridges form a loop; "),
@@ -121,8 +121,8 @@ def test_arbiters_timers_and_cards_are_keys(arbiter: str) -> None:
             '[topology]\nbuses = "A B C"\nbridges = "A-B, B-C, C-A"\n',
             r"topology\.bridges: with C-A the bridges form a loop; ",
         ),
-        ('[topology]\nbridges = "A-A"\n', r"topology\.bridges: A-A joins a bus to itself; "),
-        ('[topology]\nbridges = "AB"\n', r'topology\.bridges: "AB" is no bridge; two buses are expected'),
+        ('[topology]\nbridges = "A-A"\n', r"topology\.bridges: A-A connects a bus to itself; "),
+        ('[topology]\nbridges = "AB"\n', r'topology\.bridges: "AB" is not a bridge; two buses are expected'),
         ("[topology]\nsensors_at = 0x800\n", r"topology\.sensors_at: the windows at 800h .* and 0h .* overlap; "),
         (
             '[bus]\ntopology = "single"\n[topology]\ndrives_at = 0x8000\n',

@@ -217,7 +217,7 @@ def test_a_run_is_paused_and_goes_on_and_ends_when_the_client_says_so(tmp_path: 
 @pytest.mark.parametrize(
     ("command", "arguments", "message"),
     [
-        ("nonsense", {}, "not known"),
+        ("nonsense", {}, "is unknown"),
         ("stackTrace", {"threadId": 77}, "threads 1 to 1"),
         ("stackTrace", {}, "threadId is missing"),
         ("stackTrace", {"threadId": "one"}, "threadId is missing"),
@@ -236,7 +236,7 @@ def test_a_run_is_paused_and_goes_on_and_ends_when_the_client_says_so(tmp_path: 
         ("setBreakpoints", {"source": {"path": "x"}, "breakpoints": [{"line": "three"}]}, "arguments that do not fit"),
         ("setVariable", {"variablesReference": 1, "name": "R0", "value": "1"}, "only registers"),
         ("source", {"sourceReference": 5}, "sourceReference 5"),
-        ("launch", {"program": "again.asm"}, "debugged already"),
+        ("launch", {"program": "again.asm"}, "already a debuggee"),
         ("attach", {}, "nothing runs here"),
         ("exceptionInfo", {"threadId": 0}, "threads 1 to 1"),
     ],
@@ -252,13 +252,13 @@ def test_requests_that_make_no_sense_are_refused_with_a_reason(program: Path, co
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
-    [({"program": "/nowhere.asm"}, "nowhere.asm"), ({"program": 5}, "launch: program"), ({"dsps": "four"}, "launch: dsps"), ({"dsps": 99}, "dsps"), ({"network": "/nowhere.toml"}, "nowhere.toml"), ({"program": "x.asm", "dsps": 2}, "the dock's")],
+    [({"program": "/nowhere.asm"}, "nowhere.asm"), ({"program": 5}, "launch: program"), ({"dsps": "four"}, "launch: dsps"), ({"dsps": 99}, "dsps"), ({"network": "/nowhere.toml"}, "nowhere.toml"), ({"program": "x.asm", "dsps": 2}, "are for the dock")],
 )  # fmt: skip
 def test_what_cannot_be_launched_is_said_and_something_else_may_be(program: Path, arguments: dict[str, Any], message: str) -> None:
     with Editor() as editor:
         editor.wait(responses.Initialized)
         assert message in editor.refused("launch", arguments)
-        assert "nothing is debugged yet" in editor.refused("continue", {"threadId": 1})
+        assert "there is no debuggee yet" in editor.refused("continue", {"threadId": 1})
         editor.client.send_request("launch", {"program": str(program)})
         editor.wait(events.InitializedEvent)
 
@@ -272,9 +272,9 @@ def framed(text: str) -> bytes:
     [
         (b"", 0, b""),
         (b"Content-Length: 20\r\n\r\n{", 0, b""),
-        (b"Content-Length: many\r\n\r\n", 2, b"is no number"),
+        (b"Content-Length: many\r\n\r\n", 2, b"is not a number"),
         (b"Content-Length: 99999999999\r\n\r\n", 2, b"up to"),
-        (b"hello\r\n\r\n", 2, b"is no header"),
+        (b"hello\r\n\r\n", 2, b"is not a header"),
         (b"x" * 5000, 2, b"does not end"),
         (framed("[1, 2"), 0, b""),
         (framed("[" * 100000), 0, b""),

@@ -71,7 +71,7 @@ def test_any_means_no_rules_and_a_rule_that_is_none_is_refused() -> None:
     debugger = debugger_of("network")
     debugger.on("any")
     assert not any(" rule " in hit.text for hit in debugger.go(100e-6).hits)
-    with pytest.raises(DebugError, match="circle is no rule; delay_slot, .*circular, reserved are"):
+    with pytest.raises(DebugError, match="circle is not a rule; delay_slot, .*circular, reserved are possible"):
         debugger.on("rule", rule="circle")
 
 

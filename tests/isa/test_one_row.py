@@ -34,7 +34,7 @@ def changed(folder: Path, name: str, old: str, new: str) -> None:
          ('    {O::lopower, "lopower"', '    {O::halve, "halve", B::integer},\n    {O::lopower, "lopower"'), "each operation has one row"),
         ("c40/types.hpp", ("///< IDLE\n", "///< IDLE\n  thrown,\n"), "c40/profile.cpp", None, "each cause has one name"),
         ("cmrc/tasks/job_kinds.hpp", ("  user  ///<", "  rewind,\n  user  ///<"), "cmrc/tasks/job_kinds.cpp", None, "each built-in kind has one row"),
-        ("c40/self_check.hpp", ("  reserved,  ///<", "  late,\n  reserved,  ///<"), "c40/self_check.cpp", None, "one name each, in order"),
+        ("c40/self_check.hpp", ("  reserved,        ///<", "  late,\n  reserved,        ///<"), "c40/self_check.cpp", None, "one name each, in order"),
     ],
     ids=["operation", "cause", "kind", "rule"],
 )  # fmt: skip

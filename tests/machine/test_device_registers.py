@@ -97,7 +97,7 @@ def test_each_offset_answers_as_devices_inc_says(second_sway: bool) -> None:
 def test_behind_the_last_register_is_nothing() -> None:
     dock = dock_of(False)
     end = max(offset for one in registers(dock.agv_count) for offset in one.offsets) + 1
-    with pytest.raises(IndexError, match=f"{DEVICES + end:X}h, where nothing answers"):
+    with pytest.raises(IndexError, match=f"{DEVICES + end:X}h, where no device answers"):
         run([(0, DEVICES + end, [], 1)], dock, MS)
 
 

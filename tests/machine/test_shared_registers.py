@@ -59,7 +59,7 @@ def test_each_offset_answers_the_host_as_task_block_inc_says(way: str) -> None:
         if place in BY_HOST[way]:
             assert results(run(host=(step,))) == [(place, way == WRITE, DONE)], hex(place)
         else:
-            with pytest.raises(IndexError, match=f"{place:X}h, where nothing answers"):
+            with pytest.raises(IndexError, match=f"{place:X}h, where no device answers"):
                 run(host=(step,))
 
 

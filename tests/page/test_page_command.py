@@ -38,7 +38,7 @@ def test_the_old_name_still_writes_it(folder: Path, capsys: pytest.CaptureFixtur
         )
         == 0
     )
-    assert "is called cmrc page now" in capsys.readouterr().err
+    assert "the command is now cmrc page" in capsys.readouterr().err
     assert Recording.read(folder / "old.html").header["to_s"] == 0.05
 
 
@@ -76,11 +76,11 @@ def test_a_page_can_be_plotted(folder: Path) -> None:
     [
         (["missing.toml"], "missing.toml"),
         (["run.json", "--plots", "x.png"], "no longer read"),
-        (["scene.html"], "only --plots can be made"),
-        (["broken.html", "--plots", "x.png"], "no page of this emulator"),
+        (["scene.html"], "only --plots is possible"),
+        (["broken.html", "--plots", "x.png"], "not a page of this emulator"),
         (["scene.toml", "--out", "none/x.html"], "no folder"),
         (["scene.toml", "--out", "."], "is a folder"),
-        (["scene.toml", "--out", "x.html", "--plots", "x.xyz"], "no kind of picture"),
+        (["scene.toml", "--out", "x.html", "--plots", "x.xyz"], "not a picture file"),
         (["scene.toml", "--out", "x.html", "--plots", "x.html"], "is the same file"),
         (["scene.toml", "--out", "x.html", "--set", "machine.dsps"], "KEY=VALUE"),
     ],

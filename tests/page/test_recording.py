@@ -261,7 +261,7 @@ def test_a_damaged_page_is_refused(
         assert Recording.read(path).report
     other = tmp_path / "other.html"
     other.write_text("<html></html>", encoding="utf-8")
-    with pytest.raises(PageError, match="no page of this emulator"):
+    with pytest.raises(PageError, match="not a page of this emulator"):
         Recording.read(other)
 
 

@@ -244,11 +244,11 @@ def test_pins_that_cannot_be(emulator: Path, tmp_path: Path, old: str, new: str,
 
 
 @pytest.mark.parametrize(("board", "boot", "message"), [
-    (BOARD.replace("[pins]", "").replace("romen = true", "").replace("resetloc = 0", "").replace('iiof = "0111"', ""), "reset", "board strapped says nothing of its pins"),
+    (BOARD.replace("[pins]", "").replace("romen = true", "").replace("resetloc = 0", "").replace('iiof = "0111"', ""), "reset", "board strapped has no [pins]"),
     (BOARD.replace("0111", "1111"), "reset", "say through which the program comes: --boot 0 to --boot 5"),
-    (BOARD, "3", 'romen = true, resetloc = 0, iiof = "1111"; --boot reset starts as they are'),
+    (BOARD, "3", 'romen = true, resetloc = 0, iiof = "1111"; --boot reset starts with the board\'s own pins'),
     (BOARD.replace("0111", "0101"), "reset", "the stream at A0000000h does not lie in memory"),
-    (BOARD.replace("romen = true", "romen = false"), "reset", "the reset vector of RESETLOC 0 stands at 00000000h, where board strapped has no memory and no boot ROM"),
+    (BOARD.replace("romen = true", "romen = false"), "reset", "the reset vector of RESETLOC 0 is at 00000000h, where board strapped has no memory and no boot ROM"),
 ])  # fmt: skip
 def test_boots_that_the_pins_forbid(emulator: Path, tmp_path: Path, board: str, boot: str, message: str) -> None:
     result = run_on(emulator, tmp_path, board, "--boot", boot)

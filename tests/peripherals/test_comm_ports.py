@@ -222,7 +222,7 @@ def test_links_that_cannot_be_are_refused() -> None:
     with pytest.raises(ValueError, match="no communication port 6"):
         c40.Link((a, 6), (b, 3))
     link = c40.Link((a, 0), (b, 3))
-    with pytest.raises(ValueError, match="taken"):
+    with pytest.raises(ValueError, match="is already attached"):
         c40.Link((a, 0), (b, 4))
     del link
 

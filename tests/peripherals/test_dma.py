@@ -457,4 +457,4 @@ def test_a_program_ends_beside_a_dma_that_is_done_or_armed_unless_it_waits_for_i
     assert stop["reason"] == ("dma_wait" if interrupts else "idle" if "idle" in ends else "halt") and result.returncode == interrupts
     armed = "DMA channel 0 waits for room in output FIFO 0 (write to 00100042h)"
     assert (armed in stop["message"]) == (count == 20)
-    assert stop["message"].startswith(armed + " for ever since cycle ") == interrupts
+    assert stop["message"].startswith(armed + " forever since cycle ") == interrupts

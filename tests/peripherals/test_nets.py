@@ -300,15 +300,15 @@ def test_the_order_of_turns_and_cuts_change_nothing_by_the_hundred(seed: int) ->
 
 
 @pytest.mark.parametrize(("nets", "message"), [
-    (["0.TCLK0"], "is no net; DRIVER>RECEIVER is expected, as 0.TCLK0>1.IIOF1"),
-    (["0.TCLK0>1.IIOF1>1.IIOF2"], "is no net"),
-    (["0.TCLK0>"], '"" is no pin of a chip; CHIP.PIN is expected'),
+    (["0.TCLK0"], "is not a net; DRIVER>RECEIVER is expected, as 0.TCLK0>1.IIOF1"),
+    (["0.TCLK0>1.IIOF1>1.IIOF2"], "is not a net"),
+    (["0.TCLK0>"], '"" is not a pin of a chip; CHIP.PIN is expected'),
     (["0.TCLK0>2.IIOF1"], "there is no 2; 0, 1 is expected"),
     (["0.TCLK2>1.IIOF1"], "IIOF0 to IIOF3, TCLK0, TCLK1, NMI or RESET is expected"),
     (["0.NMI>1.IIOF1"], "0.NMI cannot drive it; IIOF and TCLK are outputs"),
     (["0.TCLK0+0.IIOF1>1.IIOF1"], "two pins drive it; an open-drain net is written with &"),
-    (["0.TCLK0>1.IIOF1", "0.IIOF1>1.IIOF1"], "pin 1.IIOF1 is on net 0 already"),
-    (["0.TCLK0>1.IIOF1+1.IIOF1"], "pin 1.IIOF1 stands in it twice"),
+    (["0.TCLK0>1.IIOF1", "0.IIOF1>1.IIOF1"], "pin 1.IIOF1 is already on net 0"),
+    (["0.TCLK0>1.IIOF1+1.IIOF1"], "pin 1.IIOF1 is in it twice"),
 ])  # fmt: skip
 def test_nets_that_cannot_be(nets: list[str], message: str) -> None:
     with pytest.raises(NetworkError) as error:
@@ -383,8 +383,8 @@ def test_a_net_and_an_action_on_the_command_line(command: Any) -> None:
 @pytest.mark.parametrize(("action", "message"), [
     ("10,pulse,index", "AT_US,pulse,NET,WIDTH_US[,PERIOD_US[,COUNT]] is expected"),
     ("10,pulse,index,x", "AT_US,pulse,NET,WIDTH_US[,PERIOD_US[,COUNT]] is expected"),
-    ("10,pulse,index,1,2,0.5", "COUNT is a whole number"),
-    ("10,low,index,1", 'low has no more than a target; "1" is too much'),
+    ("10,pulse,index,1,2,0.5", "COUNT is an integer"),
+    ("10,low,index,1", 'low has only a target; "1" is too much'),
     ("10,low,intex", "there is no net intex; index is expected"),
 ])  # fmt: skip
 def test_actions_on_the_command_line_that_cannot_be(command: Any, action: str, message: str) -> None:
@@ -398,11 +398,11 @@ def test_nets_of_a_file(command: Any) -> None:
 
 
 @pytest.mark.parametrize(("old", "new", "message"), [
-    ('drivers = "root.TCLK0"', 'drivers = "rot.TCLK0"', "net.toml:9: net.drivers: \"rot.TCLK0\" is no pin of a chip; there is no rot; root, 1 is expected"),
+    ('drivers = "root.TCLK0"', 'drivers = "rot.TCLK0"', "net.toml:9: net.drivers: \"rot.TCLK0\" is not a pin of a chip; there is no rot; root, 1 is expected"),
     ('rest = "low"', 'rest = "down"', 'net.toml:14: net.rest: "high" or "low" is expected'),
     ('rest = "low"', "open_drain = 1", "net.toml:14: net.open_drain: true or false is expected"),
-    ('receivers = ["1.IIOF2"]', 'receivers = ["1.IIOF1"]', "net.toml:11: net line (>1.IIOF1): pin 1.IIOF1 is on net sync already"),
-    ('net = "line"', 'chip = "root"', "net.toml:15: event: pulse concerns a net"),
+    ('receivers = ["1.IIOF2"]', 'receivers = ["1.IIOF1"]', "net.toml:11: net line (>1.IIOF1): pin 1.IIOF1 is already on net sync"),
+    ('net = "line"', 'chip = "root"', "net.toml:15: event: pulse needs a net"),
     ("width_us = 2\n", "", "net.toml:15: event: width_us is missing"),
     ('action = "pulse"', 'action = "low"', "only a pulse has one"),
     ('receivers = ["1.IIOF2"]\n', "", "net.toml:11: net: receivers is missing"),

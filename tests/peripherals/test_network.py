@@ -466,7 +466,7 @@ def test_loops_that_poll_what_nobody_will_change_are_a_deadlock() -> None:
     stop = network.run()
     assert stop.reason == "deadlock" and stop.time_ps < 20_000 * PERIOD_PS
     assert [chip.status for chip in network.chips] == ["looping"] * 2 and [chip.waits_for for chip in network.chips] == [1, 0]
-    assert network.chips[1].message.startswith("polls port 3 from chip 0 port 0; nothing has changed since cycle 0, at PC 002FFC02h (loop, <text>:")
+    assert network.chips[1].message.startswith("polls port 3 from chip 0 port 0; no change since cycle 0, at PC 002FFC02h (loop, <text>:")
 
 
 def test_chips_that_wait_for_a_boot_stream_that_nobody_sends() -> None:
@@ -584,11 +584,11 @@ def test_a_lock_never_given_back_is_a_deadlock() -> None:
 
 @pytest.mark.parametrize(("links", "message"), [
     (["0.0:1.7"], "chip 1 has no port 7; 0 to 5 are possible"),
-    (["0.0:2.3"], "there is no chip 2; chips 0 to 1 are"),
+    (["0.0:2.3"], "there is no chip 2; the network has chips 0 to 1"),
     (["0.0:0.0"], "chip 0 port 0 cannot be linked to itself"),
-    (["0.0:1.1"], "both begin with the token; join one of ports 0 to 2 with one of 3 to 5"),
+    (["0.0:1.1"], "both begin with the token; connect one of ports 0 to 2 with one of 3 to 5"),
     (["0.3:1.5"], "both begin without the token"),
-    (["0.0:1.3", "0.0:1.4"], "port 0 of chip 0 is taken by link 0.0:1.3"),
+    (["0.0:1.3", "0.0:1.4"], "port 0 of chip 0 already has link 0.0:1.3"),
     (["0.0-1.3"], "CHIP.PORT:CHIP.PORT is expected"),
     (["00:1.3"], "CHIP.PORT is expected"),
     (["x.0:1.3"], "there is no chip x"),
@@ -603,7 +603,7 @@ def test_networks_that_cannot_be() -> None:
     for given, message in [
         ({"topology": "ring:65"}, "at most 64|1 to 64"),
         ({"topology": "hypercube:12"}, "1, 2, 4, 8, 16, 32 or 64"),
-        ({"topology": "star:4"}, "no topology"),
+        ({"topology": "star:4"}, "not a topology"),
         ({"clocks_mhz": [40, 40]}, "clocks_mhz"),
         ({"clocks_mhz": -3}, "clock of -3"),
         ({"memories": [SharedMemory("m", 4, {0: 0x300000})]}, "no window that holds"),
@@ -619,7 +619,7 @@ def test_networks_that_cannot_be() -> None:
     with pytest.raises(NetworkError, match="there is no chip 2"):
         network.reset(2, 1)
     network.run()
-    with pytest.raises(NetworkError, match="has been run to"):
+    with pytest.raises(NetworkError, match="has already run to"):
         network.cut(0, 0)
 
 
@@ -678,7 +678,7 @@ def test_a_network_file(run: Any, tmp_path: Path) -> None:
         ('name = "left"', 'nam = "left"', "network.toml:3: no such key chip.nam; known are"),
         ('"left.0:1.3"', '"left.7:1.3"', "network.toml:9: link left.7:1.3: left.7: chip 0 has no port 7; 0 to 5 are possible"),
         ('"left.0:1.3"', '"right.0:1.3"', "there is no chip right"),
-        ("word_cycles = 10", "word_cycles = -1", "network.toml:10: word_cycles: a whole number from 0"),
+        ("word_cycles = 10", "word_cycles = -1", "network.toml:10: word_cycles: an integer from 0"),
         ('action = "cut"', 'action = "bite"', 'there is no action "bite"; cut, restore, reset, hold, release, pull_out, low, high, open, pulse is expected'),
         ('link = "1.3:left.0"', 'link = "0.1:1.3"', "there is no link 0.1:1.3"),
         ("at_us = 1.0", "at_us = -1.0", "event.at_us: a number from 0"),
@@ -707,7 +707,7 @@ def test_what_is_done_to_a_network_from_the_command_line_as_from_a_file(run: Any
     ("1,bite,0", 'there is no action "bite"; cut, restore, reset, hold, release, pull_out, low, high, open, pulse is expected'),
     ("1,cut,0.1:1.3", "there is no link 0.1:1.3"),
     ("1,cut,0", "CHIP.PORT:CHIP.PORT is expected"),
-    ("1,reset,2", "there is no chip 2; chips 0 to 1 are"),
+    ("1,reset,2", "there is no chip 2; the network has chips 0 to 1"),
     ("x,reset,1", "AT_US,ACTION,TARGET is expected"),
     ("-1,reset,1", "AT_US,ACTION,TARGET is expected"),
     ("1,reset", "AT_US,ACTION,TARGET is expected"),
@@ -780,12 +780,12 @@ def test_interrupts_and_dma_are_events() -> None:
     (["send.asm", "--topology", "ring"], "--topology"),
     (["send.asm", "take.asm", "--topology", "ring:3"], "one program for all or 3 programs are expected, not 2"),
     (["send.asm", "take.asm", "--boot", "3"], "--boot: in a network the chips boot one another: boot = true of a [[chip]]"),
-    (["send.asm", "take.asm", "--load-at", "1000h"], "--load-at: only a .hex file needs it"),
+    (["send.asm", "take.asm", "--load-at", "1000h"], "--load-at: is for .hex files only"),
     (["send.asm", "take.asm", "--pipeline", "5"], "--pipeline: \"5\" is not FIRST:LAST"),
     (["send.asm", "take.asm", "--dump", "table:3"], "is not CHIP:ADDRESS:COUNT"),
     (["send.asm", "take.asm", "--dump", "2:0x300000:3"], "there is no chip 2"),
     (["--network", "nowhere.toml"], "nowhere.toml: no such file"),
-    (["--network", "nowhere.toml", "--until", "end"], "where a chip starts and where it has ended"),
+    (["--network", "nowhere.toml", "--until", "end"], "where a chip starts and ends are given in the file"),
 ])  # fmt: skip
 def test_bad_commands(run: Any, arguments: list[str], message: str) -> None:
     result = run(*arguments)

@@ -64,7 +64,7 @@ def test_registers_as_integers_and_floats(program) -> None:
             processor.registers[name] = value
     with pytest.raises(KeyError, match="R12"):
         processor.registers["R12"]
-    with pytest.raises(KeyError, match="AR0 holds no float"):
+    with pytest.raises(KeyError, match="AR0 cannot hold a float"):
         processor.floats["AR0"]
 
 

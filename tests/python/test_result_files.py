@@ -288,6 +288,6 @@ def test_what_never_ran_would_still_have_had_to_run() -> None:
     miss = result.missed[waited[0]]
     spare = miss["parts_ps"]["no_dsp"] - miss["lateness_ps"] - miss["usual_ps"]
     assert miss["parts_ps"]["not_run"] == -miss["usual_ps"] < 0
-    assert f"no DSP was there, the job would have been done {spare / 1e6:.4g} us before its deadline" in result.explain(
+    assert f"no DSP was running, the job would have been done {spare / 1e6:.4g} us before its deadline" in result.explain(
         waited[0]
     )

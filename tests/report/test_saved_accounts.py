@@ -136,5 +136,5 @@ def test_every_value_of_an_account_is_loaded(jobs: int) -> None:
 
 
 def test_an_account_of_other_kinds_is_refused() -> None:
-    with pytest.raises(ValueError, match="a list of 2 parts, where there are 1"):
+    with pytest.raises(ValueError, match="a list of 2 parts instead of 1"):
         report.TaskAccount(["pid"], CAUSES, [1000])._load_state(account()._state())

@@ -60,12 +60,12 @@ def test_a_sweep_from_empty_to_picture(tmp_path: Path, capsys: pytest.CaptureFix
     ("# nothing yet\n", [], "grid.toml: the grid is empty"),
     ("[axes]\ndsps = []\n", [], "grid.toml: axes.dsps: the list is empty"),
     ("[axes\n", [], "grid.toml: no TOML"),
-    (GRID, ["--plot", "a.txt"], "a.txt: no kind of picture"),
+    (GRID, ["--plot", "a.txt"], "a.txt: not a picture file"),
     (GRID, ["--csv", "missing/a.csv"], "missing/a.csv: there is no folder"),
     (GRID, ["--csv", "grid.toml"], "grid.toml"),
     (GRID, ["--tls-ca", "ca.pem"], "go with --cluster"),
     (GRID, ["--workers", "0"], "workers"),
-    (GRID, ["--show"], "no folder of a sweep"),
+    (GRID, ["--show"], "not a folder of a sweep"),
     (None, [], "grid.toml"),
 ])  # fmt: skip
 def test_what_a_user_can_get_wrong_is_a_sentence_and_loses_nothing(

@@ -89,10 +89,10 @@ def test_runs_that_begin_alike_are_neighbours() -> None:
     ({"fork": {}}, "fork.at_s: an instant"),
     ({"fork": {"at_s": "x"}}, "fork.at_s: an instant"),
     ({"fork": {"at": 1}}, "fork.at: unknown; at_s is known"),
-    ({"futures": []}, "fork: runs share their beginnings where [[futures]] tell them apart"),
-    ({"futures": [{"name": "a"}]}, "at least two are expected"),
-    ({"futures": [{"name": "a"}, {"name": "a"}]}, "futures[1].name: 'a' stands there twice"),
-    ({"futures": [{"events": []}]}, "futures[0].name: what the table calls this future"),
+    ({"futures": []}, "fork: only runs that differ by [[futures]] can share their beginnings"),
+    ({"futures": [{"name": "a"}]}, "at least two futures are expected"),
+    ({"futures": [{"name": "a"}, {"name": "a"}]}, "futures[1].name: 'a' is given twice"),
+    ({"futures": [{"events": []}]}, "futures[0].name: a name for this future"),
     ({"futures": [{"name": "a", "event": []}]}, "futures[0].event: unknown"),
     ({"futures": [{"name": "a", "events": 3}]}, "futures[0].events: a list of tables"),
     ({"futures": {"a": 1}}, "futures: a list of tables is expected, [[futures]]"),
@@ -111,11 +111,11 @@ def test_a_fork_into_another_run_is_refused() -> None:
     for other, says in (
         (
             {"settings": {"run.duration_s": 0.1, "machine.dsps": 2}},
-            "begins otherwise: .machine. dsps = 2, here dsps = 4",
+            "begins differently: .machine. dsps = 2, here dsps = 4",
         ),
         (
             {"settings": {"run.duration_s": 0.1}, "events": [{"at_s": 0.04, "action": "fail", "dsp": 1}]},
-            "begins otherwise",
+            "begins differently",
         ),
     ):
         with pytest.raises(cmrc.ConfigError, match=says):

@@ -125,12 +125,12 @@ def test_n_stands_beside_what_not_every_repeat_has_measured(tmp_path: Path) -> N
 def test_repeats_that_agree_have_no_interval_and_the_table_says_so(tmp_path: Path) -> None:
     found = sweep({"fixed": FIXED, "repeats": {"seeds": 2}}, tmp_path / "s", workers=1)
     text = found.text("misses", "any_miss")
-    assert "All repeats of every point agree: in these numbers nothing was random" in text and "95 %" not in text
+    assert "All repeats of every point agree: these numbers have no randomness" in text and "95 %" not in text
     [(place, spread)] = found.summary("misses")
     assert place == {} and spread.n == 2 and not spread.varies
     numbers = iter([1.0, 3.0])
     varied = found.text(lambda report: next(numbers))
-    assert "nothing was random" not in varied and "Intervals of 95 %" in varied and "2 [1, 3]" in varied
+    assert "no randomness" not in varied and "Intervals of 95 %" in varied and "2 [1, 3]" in varied
 
 
 def test_what_changes_no_result_is_not_in_the_key() -> None:
@@ -315,7 +315,7 @@ def test_tls_options_are_passed_on(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     ) as safe:
         with pytest.raises(SweepError, match="no cluster answers there"):
             sweep(grid_of_one, tmp_path / "s", address=safe.scheduler_address)
-        with pytest.raises(SweepError, match=r"security.tls_client_key: .*none.key is no file"):
+        with pytest.raises(SweepError, match=r"security.tls_client_key: .*none.key is not a file"):
             sweep(
                 grid_of_one,
                 tmp_path / "s",

@@ -94,7 +94,7 @@ def test_other_folders_are_refused_by_name(tmp_path: Path) -> None:
     (tmp_path / "bad" / store.HEAD).write_text("{")
     for name, says in (
         ("file", "is a file"),
-        ("full", "no folder of a sweep"),
+        ("full", "not a folder of a sweep"),
         ("bad", "cannot be read"),
         ("old", "written by cmrc 0.0.9 in format 0; cmrc .* reads format 1"),
     ):

@@ -84,7 +84,7 @@ def test_a_grid_is_drawn_in_order_with_gaps_and_intervals(sweep: Sweep) -> None:
     by_words = axes()
     plot.grid(sweep, by_words, x="agv_phase", lines="dsps")
     assert [tick.get_text() for tick in by_words.get_xticklabels()] == ["staggered", "together"]
-    with pytest.raises(ValueError, match="is no axis of the sweep"):
+    with pytest.raises(ValueError, match="is not an axis of the sweep"):
         plot.grid(sweep, axes(), x="seed")
 
 
@@ -134,7 +134,7 @@ def test_a_gantt_chart_has_the_blocks_of_the_trace(result: cmrc.Result) -> None:
     assert sum(ended.values()) == sum(task["execution_ps"]["count"] for task in tasks.values()) + running
     identify = next(block for block in blocks if block[1] == "identify")
     assert identify[3] - identify[2] == pytest.approx(tasks["identify"]["execution_ps"]["mean"] * 1e-12, rel=0.01)
-    with pytest.raises(ValueError, match="no window"):
+    with pytest.raises(ValueError, match="not a window"):
         plot.gantt(result, axes(), 0.02, 0.02)
     quiet = cmrc.Result(result.report, result.text, result.signals)
     with pytest.raises(ValueError, match="keep_events=True"):

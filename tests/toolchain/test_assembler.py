@@ -263,7 +263,7 @@ b1      .tag    box
     assert list(image.sections[0].words) == [0, 1, 2, 2, 1, 3, 4, 5, 16, 17, 0, 1, 3, 0, 2, 0x08200004]
     assert errors("s .struct\nx .int\n")[0] == (1, 1, ".struct has no .endstruct")
     assert "no structure" in errors("x .tag y\n")[0][2]
-    assert "declares no member" in errors("s .struct\n\t.text\n\t.endstruct\n")[0][2]
+    assert "cannot declare a member" in errors("s .struct\n\t.text\n\t.endstruct\n")[0][2]
     assert "closes nothing" in errors("\t.endstruct\n")[0][2]
     assert "within a structure" in errors("s .struct\n\t.struct\n\t.endstruct\n")[0][2]
 
@@ -462,13 +462,13 @@ def test_a_missing_file_is_an_error_with_its_name(tmp_path: Path) -> None:
         ("\tmpyf3 *ar0,*ar1,r2 || addf3 r0,r1,r2", 18, "R0 or R1"),
         ("\tmpyf3 r0,r1,r0 || addi3 r0,r1,r2", 20, "in parallel"),
         ("\t.frobnicate", 2, "no directive"),
-        ("\t.word 0x", 8, "no number"),
-        ("\t.word 0x9g", 8, "no number"),
+        ("\t.word 0x", 8, "not a number"),
+        ("\t.word 0x9g", 8, "not a number"),
         ("\t.word 1.5", 8, ".float"),
         ("\t.word 100000000h", 8, "32 bits"),
         ("\t.word 1/0", 9, "division by zero"),
         ("\t.word (1", 10, "')' expected"),
-        ("\t.word 1 2", 10, "nothing more expected"),
+        ("\t.word 1 2", 10, "end of line expected"),
         ("\t.word r0+1", 8, "register"),
         ("\t.word log(2)", 8, "no function"),
         ("\t.float label", 9, "address"),

@@ -86,7 +86,7 @@ def test_ldp_takes_an_address_or_with_gnu_a_page() -> None:
         ("lda 5,ar0", "the C3x has LDI"),
         ("ldhi 5,ar0", "'ldhi' is an instruction of the C40"),
         ("stik 1,@3", "'stik' is an instruction of the C40"),
-        ("lajz r0", "'lajz' is an instruction of the C40; the C3x has none like it"),
+        ("lajz r0", "'lajz' is an instruction of the C40; the C3x has no counterpart"),
         ("bzat 300000h", "'bzat' is an instruction of the C40"),
         ("retid", "the C3x has RETI"),
         ("frieee *ar0,r0 || stf r1,*ar1", "'frieee' is an instruction of the C40"),
@@ -97,7 +97,7 @@ def test_ldp_takes_an_address_or_with_gnu_a_page() -> None:
         ("ldi iie,r0", "iie is a register of the C40; the C3x has IE"),
         ("push die", "die is a register of the C40; the C3x has IE"),
         ("sti iif,*ar0", "iif is a register of the C40; the C3x has IF and IOF"),
-        ("ldi tvtp,r0", "tvtp is a register of the C40; the C3x has its trap vectors"),
+        ("ldi tvtp,r0", "tvtp is a register of the C40; the C3x has trap vectors"),
         ("addi3 5,r0,r1", "only the C40 has 'addi3' with these operands"),
         ("addi3 *+ar0(5),r0,r1", "only the C40 has 'addi3' with these operands"),
         ("rptb r0", "only the C40 has 'rptb' with these operands"),
@@ -107,7 +107,7 @@ def test_ldp_takes_an_address_or_with_gnu_a_page() -> None:
         ("br 1000000h", "an address of the C3x is 0 to 0FFFFFFh"),
         ("ldp 1000000h", "a page of the C3x is 0 to 255"),
         ("ldp 300000h,r0", "'ldp' loads DP or AR0 to AR7, not r0"),
-        ("ldf ie,r0", "ie holds no float; only R0 to R7 do"),
+        ("ldf ie,r0", "ie cannot hold a float; only R0 to R7 can"),
         ("ldi start,ar0\nstart: nop", "an address has 24 bits"),
     ],
 )
@@ -198,7 +198,7 @@ def test_objects_of_two_processors_are_not_linked() -> None:
     a = toolchain.assemble_object(" .global f\n call f\n", name="a.o", cpu="c3x")
     b = toolchain.assemble_object(" .global f\nf: rets\n", name="b.o")
     for objects, library in (([a, b], []), ([a], [b])):
-        with pytest.raises(toolchain.LinkError, match=r"b.o: is of the C40, and a.o of the C3x"):
+        with pytest.raises(toolchain.LinkError, match=r"b.o: is for the C40, and a.o for the C3x"):
             toolchain.link(objects, library=library)
 
 
@@ -295,7 +295,7 @@ def test_the_debug_adapter_refuses_it(emulator: Path, built: Path) -> None:
 
 def test_a_coff_file_says_its_processor_itself(emulator: Path, built: Path) -> None:
     done = run(emulator, "disasm", built / "p.out", "--cpu", "c40")
-    assert done.returncode == 2 and "--cpu" in done.stderr and "says it itself" in done.stderr
+    assert done.returncode == 2 and "--cpu" in done.stderr and "names its processor itself" in done.stderr
     done = run(emulator, "asm", built / "p.asm", "--cpu", "c50", "-o", built / "x.out")
     assert done.returncode == 2 and "--cpu" in done.stderr and not (built / "x.out").exists()
 

@@ -132,7 +132,7 @@ def test_any_order_of_directives_is_assembled_or_refused(lines: list[str]) -> No
         ("\t.word 5%(3-3)\n", 1, "division by zero"),
         ("\t.if 1/0\n\t.endif\n", 1, "division by zero"),
         ("\t.float 1.0/0.0\n", 1, "division by zero"),
-        ("\t.word -9223372036854775808/-1\n", 1, "no number"),
+        ("\t.word -9223372036854775808/-1\n", 1, "not a number"),
         ("\t.word 1<<64\n", 1, "a shift count"),
         ("\t.space -1\n", 1, "cannot be -1"),
         ("\t.space 1<<40\n", 1, "cannot be"),

@@ -1,7 +1,7 @@
 // Emulated instructions per second: c40_bench [--millions N] [--repeat N] FILE.hex...
-// Each file holds one word per line; it is loaded and started at 1000h of board flat. Three ways, side by side: blocks
-// (what runs are made with), the exact engine (the pipeline model asked about every instruction), and a plain
-// fetch-decode-switch interpreter.
+// Each file has one word per line; it is loaded and started at 1000h of board flat. Three ways are compared: blocks
+// (which runs use), the exact engine (which asks the pipeline model about every instruction), and a plain interpreter
+// that fetches, decodes and switches.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -78,7 +78,7 @@ double median(std::vector<double> rates) {
   return rates[rates.size() / 2];
 }
 
-// Interleaved, so that whatever else the machine does falls on all three alike.
+// The three ways take turns, so that other load of the machine affects them equally.
 void measure(const Options& options, const std::string& path) {
   const auto words = read_words(path);
   const c40::Cycles cycles = options.millions * 1'000'000;

@@ -1,7 +1,7 @@
 #pragma once
 /// The way most emulators work, for comparison only: fetch a word, decode it, switch. No timing, no causes, no guards;
-/// the instructions of the three kernels of tests/toolchain/bench and no others. The arithmetic is the core's own
-/// (float40), so that it costs the same.
+/// only the instructions of the three kernels of tests/toolchain/bench. The arithmetic is the core's own (float40), so
+/// that it costs the same.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -14,7 +14,7 @@ class PlainInterpreter {
  public:
   PlainInterpreter();
   void load(std::uint32_t address, const std::vector<std::uint32_t>& words);
-  /// Executes so many instructions. \throws std::runtime_error at one that it does not know
+  /// Executes this number of instructions. \throws std::runtime_error at an instruction that it does not know
   void run(std::uint32_t start, std::uint64_t instructions);
   std::uint32_t integer(unsigned code) const { return r_[code]; }
 

@@ -1,6 +1,6 @@
 #pragma once
-/// One communication port as its own chip sees it: two FIFOs, the halts, and who may send (c40-hardware.md 2.1 to 2.3).
-/// What happens between two ports is the link's (link.hpp).
+/// One communication port as its own chip sees it: two FIFOs, the halts, and the right to send (c40-hardware.md 2.1 to
+/// 2.3). link.hpp has what happens between two ports.
 ///
 /// Inaccuracies: writing the input FIFO and reading the output FIFO have no effect (the latter reads 0; undefined on
 /// the chip). The software reset register of later revisions is not modelled.
@@ -40,24 +40,24 @@ class Fifo {
   bool full() const { return count_ == depth; }
   Word front() const { return words_[0]; }
   std::span<const Word> words() const { return {words_.data(), count_}; }
-  /// Only while not full.
+  /// The FIFO must not be full.
   void push(Word word) { words_[count_++] = word; }
-  /// Only while not empty.
+  /// The FIFO must not be empty.
   Word pop();
   void clear() { *this = Fifo{}; }
-  /// As CPCR reports it.
+  /// In the form that CPCR shows.
   Word level() const { return full() ? 15 : count_; }
 
   void list_state(state::Visitor& list);
   friend bool operator==(const Fifo&, const Fifo&) = default;
 
  private:
-  std::array<Word, depth> words_{};  ///< those behind the last are 0
+  std::array<Word, depth> words_{};  ///< words behind the last one are 0
   std::uint8_t count_ = 0;
 };
 
-/// Words that passed each place since the chip was made; resets do not clear them. Always
-/// written = sent + discarded_output + output FIFO, and received = read + discarded_input + input FIFO.
+/// Words that passed each place since the chip was made; resets do not clear these counts. Always written = sent +
+/// discarded_output + output FIFO, and received = read + discarded_input + input FIFO.
 struct PortTraffic {
   std::uint64_t written = 0;           ///< by CPU or DMA, to the output FIFO
   std::uint64_t sent = 0;              ///< from the output FIFO to the link
@@ -74,19 +74,19 @@ struct CommPort {
   bool input_halted = false, output_halted = false;
   PortTraffic traffic;
 
-  /// Ports 0, 1, 2 begin with the token.
+  /// Ports 0, 1, 2 have the token after reset.
   static constexpr bool token_after_reset(int port) { return port < 3; }
-  /// The state after reset: FIFOs empty, not halted. The port's number alone decides whether the port has the token.
+  /// The state after reset: FIFOs empty, not halted. Only the port's number decides whether the port has the token.
   void reset(int port);
   /// CPCR.
   Word control() const;
   void write_control(Word value);
-  /// The conditions of 2.3: levels, not latched.
+  /// The conditions of section 2.3: levels, not latched.
   bool icrdy() const { return !input.empty(); }
   bool icfull() const { return input.full(); }
   bool ocrdy() const { return !output.full(); }
   bool ocempty() const { return output.empty(); }
-  /// Word by word, from the processor's side and from the link's.
+  /// One word at a time, from the processor's side and from the link's.
   void write(Word word);
   Word read();
   Word send();
@@ -105,32 +105,32 @@ struct PortAccess {
   Word value = 0;       ///< of a write
   Address address = 0;  ///< of the register
   Cycles cycle = 0;     ///< when the access begins
-  /// A read of an empty input FIFO and a write to a full output FIFO have to wait; nothing else has.
+  /// A read of an empty input FIFO and a write to a full output FIFO have to wait; all other accesses are ready.
   bool ready(const CommPort& side) const {
     if (reg == PortRegister::input && !write) return side.icrdy();
     if (reg == PortRegister::output && write) return side.ocrdy();
     return true;
   }
-  /// Does it: once the port is ready. The value of a read.
+  /// Performs the access; the port must be ready. Returns the value of a read.
   Word perform(CommPort& side) const;
-  /// What a read would give, without doing it; false if there is nothing to read.
+  /// The value that a read would give, without reading; false if there is no word.
   bool peek(const CommPort& side, Word& value) const;
 };
 
-/// Port registers stand at 100040h + 10h * n: control, input FIFO, output FIFO (c40-hardware.md 1.3).
+/// Port registers are at 100040h + 10h * n: control, input FIFO, output FIFO (c40-hardware.md 1.3).
 bool is_port_register(Address address);
 PortAccess port_access(Address address, bool write, Word value, Cycles cycle);
 
 /// "the read of input FIFO 3 (00100071h)"
 std::string describe(const PortAccess& access);
 
-/// Who is told that a chip did something to its side of a port: the link.
+/// The listener of what a chip does to its side of a port: the link.
 class PortListener {
  public:
   virtual ~PortListener() = default;
   /// The processor wrote or read a FIFO or halted a channel in its cycle `at`.
   virtual void changed(const CommPort& side, Cycles at) = 0;
-  /// The chip is reset in its cycle `at`: called before the port is, and after.
+  /// The chip is reset in its cycle `at`: called before and after the port's reset.
   virtual void about_to_reset(Cycles at) = 0;
   virtual void was_reset(const CommPort& side, Cycles at) = 0;
 };

@@ -20,8 +20,8 @@ constexpr Word start_reset = 0, start_halt_access = 1, start_halt_word = 2;
 constexpr Word mode_endless = 0, mode_autoinit = 2, mode_autoinit_on_restart = 3;
 constexpr Word status_held = 0, status_held_within = 1, status_busy = 3;
 constexpr Word read_only = STATUS.mask() | AUX_STATUS.mask();
-/// What a list overwrites in split mode: of the primary half everything but the other's fields, and the other way round
-/// (c40-hardware.md 3.7).
+/// What a list overwrites in split mode: the primary half's list everything except the auxiliary half's fields; the
+/// auxiliary half's list only those (c40-hardware.md 3.7).
 constexpr Word auxiliary_fields = AUX_MODE.mask() | AUX_STATIC.mask() | AUX_AUTOINIT_SYNC.mask() | AUX_TCC.mask() |
                                   AUX_TCINT.mask() | AUX_START.mask();
 
@@ -118,7 +118,7 @@ bool Dma::event_ready(int c, bool write) const {
 
 void Dma::take_event(int c, bool write) { (write ? channel(c).write_event : channel(c).read_event) = false; }
 
-// Whether what the half does next waits for an event: in split mode only the port's side does (c40-hardware.md 3.6).
+// Whether the half's next access waits for an event: in split mode only the port's side does (c40-hardware.md 3.6).
 bool Dma::synchronised(Half h) const {
   const Word word = word_of(h);
   const DmaHalf& now = state(h);
@@ -127,7 +127,7 @@ bool Dma::synchronised(Half h) const {
   return SYNC_READ.in(word) && !(split(h.channel) && h.half == 0);
 }
 
-// Of the next access.
+// Address of the next access.
 Address Dma::address(Half h) const {
   const DmaChannel& c = channel(h.channel);
   const DmaHalf& now = state(h);
@@ -151,7 +151,7 @@ bool Dma::ready(Half h) const {
   return !is_port_register(next) || context_.port_ready(next, write);
 }
 
-// Rotating: the half served last comes last; of a channel, the halves take turns. Fixed: channel 0 first
+// Rotating: the half served last has the lowest priority; the halves of a channel take turns. Fixed: channel 0 first
 // (c40-hardware.md 3.4).
 std::optional<int> Dma::pick() const {
   const bool fixed = PRIORITY_MODE.in(channel(0)[control]);
@@ -178,7 +178,7 @@ bool Dma::busy() const {
 }
 
 namespace {
-/// Of a code of DIE beyond 1 (fidelity.md).
+/// The timer of a code of DIE greater than 1 (fidelity.md).
 std::optional<int> timer_of_event(int channel, Word code) {
   if (channel < 2) return code == 3 ? std::optional{0} : std::nullopt;
   return code >= 6 ? std::optional{static_cast<int>(code) - 6} : std::nullopt;
@@ -266,14 +266,14 @@ std::optional<DmaRequest> Dma::advance_to(Cycles limit) {
 
 void Dma::end() { end_block(half_of(std::exchange(s_.ended, std::int8_t{-1})), s_.now); }
 
-// One access. False: nothing more can happen before the limit.
+// Does one access. False: nothing more can happen before the limit.
 bool Dma::step(Cycles limit, std::optional<DmaRequest>& request) {
-  if (s_.current >= 0 && !ready(half_of(s_.current))) s_.current = -1;  // parked, its word kept
+  if (s_.current >= 0 && !ready(half_of(s_.current))) s_.current = -1;  // the half waits with its word
   if (s_.current < 0) {
     const auto next = pick();
     if (!next) {
       if (active())
-        s_.now = limit;  // else its time stands still: how far a run goes on afterwards is no part of its state
+        s_.now = limit;  // else its time does not advance: how far a run continues afterwards is not part of its state
       return false;
     }
     s_.current = static_cast<std::int8_t>(*next);
@@ -316,7 +316,7 @@ void Dma::answer(Word value, Cycles at) {
   s_.current = -1;
 }
 
-// After an access of a half that ended before cycle `end`.
+// To be called after a half's access that ended before cycle `end`.
 void Dma::done(Half h, Word value, Cycles end) {
   DmaChannel& c = channel(h.channel);
   DmaHalf& half = state(h);
@@ -363,8 +363,8 @@ void Dma::begin_list(Half h) {
   half.list_at = channel(h.channel)[link_of(h)];
 }
 
-// The last word brings the new link pointer. In split mode a list changes only its own half's fields of the control
-// register.
+// The last word of a list is the new link pointer. In split mode a list changes only its own half's fields of the
+// control register.
 void Dma::load_list(Half h) {
   DmaChannel& c = channel(h.channel);
   DmaHalf& half = state(h);

@@ -1,9 +1,9 @@
 #pragma once
-/// The DMA coprocessor (c40-hardware.md 3): six channels, in split mode twelve halves, that take turns on one internal
-/// bus: a read, then its write. It goes on by itself; the processor and the DMA meet only at memory ports and buses.
+/// The DMA coprocessor (c40-hardware.md 3): six channels, in split mode twelve halves, take turns on one internal bus:
+/// a read, then its write. It runs by itself; processor and DMA meet only at memory ports and buses.
 ///
-/// Inaccuracies: the quirks of 3.9 are not modelled. The registers of a list take effect together, when the last has
-/// been read. A DMA read of a word that the processor writes in the same cycle, or in the next, sees the new word.
+/// Inaccuracies: the quirks of 3.9 are not modelled. The registers of a list take effect together, when the last one
+/// has been read. A DMA read of a word that the processor writes in the same cycle, or in the next, sees the new word.
 #include <array>
 #include <optional>
 #include <vector>
@@ -14,15 +14,15 @@
 
 namespace c40 {
 
-/// Half a channel: the whole of a unified one, or the primary or the auxiliary one of split mode.
+/// Half a channel: all of a unified channel, or the primary or auxiliary half in split mode.
 struct DmaHalf {
-  bool has_data = false;  ///< read, not yet written
+  bool has_data = false;  ///< a word was read and not yet written
   Word data = 0;
   bool listing = false;  ///< reading a list of register values
   std::uint8_t listed = 0;
   std::array<Word, 7> list{};
   Address list_at = 0;
-  Cycles since = 0;  ///< when it was started, or its last access was done
+  Cycles since = 0;  ///< when the half was started, or its last access was done
   friend bool operator==(const DmaHalf&, const DmaHalf&) = default;
 };
 
@@ -38,47 +38,47 @@ struct DmaChannel {
 /// The DMA coprocessor's whole state.
 struct DmaState {
   std::array<DmaChannel, dma_channel_count> channels{};
-  Cycles now = 0;                 ///< everything before is done
-  std::int8_t current = -1;       ///< the half that has the internal bus: 2 * channel + half
-  std::int8_t last = -1;          ///< served last
-  std::int8_t ended = -1;         ///< whose block ends in cycle `now`
-  bool waits_for_answer = false;  ///< `current` has an access under way to a window
-  Cycles answered_until = 0;      ///< until when the last access to a window took
+  Cycles now = 0;                 ///< all cycles before are done
+  std::int8_t current = -1;       ///< the half that owns the internal bus: 2 * channel + half
+  std::int8_t last = -1;          ///< the half served last
+  std::int8_t ended = -1;         ///< the half whose block ends in cycle `now`
+  bool waits_for_answer = false;  ///< `current` has an access to a window under way
+  Cycles answered_until = 0;      ///< the end of the last access to a window
   Cycles conflict =
       -2;  ///< priority 01: the cycle of the last conflict with the processor, and whether the DMA lost it
   bool lost = false;
   friend bool operator==(const DmaState&, const DmaState&) = default;
 };
 
-/// What lies at an address, for the DMA.
+/// The place of an address, for the DMA.
 struct DmaPlace {
   enum class Kind : std::uint8_t { memory, peripheral, port, window, nothing } kind = Kind::nothing;
   Access access{};
 };
 
-/// What the DMA coprocessor works on: the rest of the chip.
+/// The rest of the chip, as the DMA coprocessor uses it.
 class DmaContext {
  public:
   virtual ~DmaContext() = default;
   virtual DmaPlace place(Address address, bool write) = 0;
   virtual Word read(Address address, Cycles at) = 0;
   virtual void write(Address address, Word value, Cycles at) = 0;
-  /// An input FIFO has a word, an output FIFO room.
+  /// An input FIFO has a word, or an output FIFO has room.
   virtual bool port_ready(Address address, bool write) const = 0;
-  /// The event of code `code` of DIE is a level, and its value; nothing if it is latched.
+  /// If the event of code `code` of DIE is a level, this level; nothing if the event is latched.
   virtual std::optional<bool> level(int channel, bool write, Word code) const = 0;
   virtual Word dma_interrupt_enable() const = 0;
-  /// The cycles that an access takes, the first of them at `from` or later and before `limit`; nothing if the processor
-  /// holds it off longer.
+  /// The cycles of an access; the first is at `from` or later and before `limit`. Nothing if the processor delays the
+  /// access longer.
   struct Span {
     Cycles begin = 0, end = 0;
   };
   virtual std::optional<Span> acquire(const DmaPlace& place, Cycles from, Cycles limit, Word priority) = 0;
-  /// A block of a channel has ended in cycle `at`; `interrupt`: the processor is told.
+  /// A block of a channel has ended in cycle `at`; `interrupt`: the processor gets an interrupt.
   virtual void block_ended(int channel, bool auxiliary, bool interrupt, Cycles at) = 0;
 };
 
-/// An access of the DMA that the chip cannot complete by itself.
+/// An access of the DMA that the chip cannot complete alone.
 struct DmaRequest {
   int channel = 0;
   bool write = false;
@@ -96,28 +96,28 @@ class Dma {
   /// A write of the processor in cycle `at`.
   void write(int channel, DmaRegister reg, Word value, Cycles at);
   void reset();
-  /// Lets everything before `limit` happen. Stops before an access that the chip cannot complete, and after one to a
+  /// Executes everything before `limit`. Stops before an access that the chip cannot complete, and after an access to a
   /// linked port.
-  /// \return the access to a window, or to nothing; answered by `answer`.
+  /// \return the access to a window, or to an address where nothing is; answer it with `answer`.
   std::optional<DmaRequest> advance_to(Cycles limit);
-  /// The access to a window is done in cycle `at`; the DMA goes on there.
+  /// The access to a window ends in cycle `at`; the DMA continues there.
   void answer(Word value, Cycles at);
-  /// A half could go on now: neither stopped nor waiting for an event or a FIFO.
+  /// A half could continue now: it is started and waits for no event or FIFO.
   bool busy() const;
-  /// Its last access has been made, and the end of the block, with the interrupt, is still to come.
+  /// Its last access is done; the end of the block, with the interrupt, is still to come.
   bool ends() const { return s_.ended >= 0; }
-  /// Something is left to do in cycle `limit` itself.
+  /// The end of a block is still to be done in cycle `limit` itself.
   bool ends_at(Cycles limit) const { return ends() && s_.now <= limit; }
-  /// The block that ends does.
+  /// Does the end of the block.
   void end();
-  /// Of the halves that are started and could not go on now.
+  /// The waits of started halves that could not continue now.
   std::vector<DmaWait> waits() const;
-  /// A channel is started, though perhaps waiting.
+  /// A channel is started; it may be waiting.
   bool active() const;
-  /// Ports that started channels use: bit n.
+  /// The ports that started channels use: bit n.
   Word ports_used() const;
-  /// Latches an event for the channels whose DIE fields select it. `codes` gives, per channel and direction, the code
-  /// that names it.
+  /// Latches an event for the channels whose DIE fields select it. `codes` gives the event's code for each channel and
+  /// direction.
   template <class Selects>
   bool latch(Selects selects) {
     bool any = false;
@@ -141,9 +141,9 @@ class Dma {
     }
     return false;
   }
-  /// When the last access of all was done, or a half was started.
+  /// When the last access of all halves was done, or a half was started.
   Cycles last_done() const;
-  /// Stops the pending advance after a linked port was touched: set by the surroundings.
+  /// Stops the present advance after an access to a linked port; the DmaContext sets it.
   bool stop_requested = false;
 
  private:
@@ -158,7 +158,7 @@ class Dma {
   static Half half_of(int index) { return {index / 2, index % 2}; }
 
   bool split(int c) const { return dma_control::SPLIT.in(channel(c)[DmaRegister::control]); }
-  // Neither half is started: so most channels are, most of the time.
+  // Neither half is started. This is the usual state of most channels.
   bool at_rest(int c) const {
     return (channel(c)[DmaRegister::control] & (dma_control::START.mask() | dma_control::AUX_START.mask())) == 0;
   }
@@ -186,7 +186,7 @@ class Dma {
   DmaContext& context_;
 };
 
-/// DMA registers stand at 1000A0h + 10h * channel (c40-hardware.md 1.3).
+/// DMA registers are at 1000A0h + 10h * channel (c40-hardware.md 1.3).
 bool is_dma_register(Address address);
 int dma_channel_of(Address address);
 DmaRegister dma_register(Address address);

@@ -6,7 +6,7 @@ namespace c40 {
 
 inline constexpr int dma_channel_count = 6;
 
-/// In the order of their addresses, 1000A0h + 10h * channel on.
+/// In the order of their addresses, from 1000A0h + 10h * channel on.
 enum class DmaRegister : std::uint8_t {
   control,
   source,

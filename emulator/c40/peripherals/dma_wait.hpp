@@ -1,5 +1,5 @@
 #pragma once
-/// What a channel of the DMA coprocessor waits for, as its chip tells those outside.
+/// What a DMA channel waits for, in the form that its chip reports to the outside.
 #include <optional>
 #include <string>
 
@@ -13,10 +13,10 @@ struct DmaWait {
   bool auxiliary = false;
   bool write = false;
   Address address = 0;        ///< of the access that waits
-  std::optional<Word> event;  ///< its code in DIE; nothing: it waits for the FIFO at `address`
-  std::optional<int> port;    ///< whose FIFO decides
-  std::optional<int> timer;   ///< whose event it is
-  bool interrupts = false;    ///< the processor may be told of the block's end
+  std::optional<Word> event;  ///< the event's code in DIE; nothing: the half waits for the FIFO at `address`
+  std::optional<int> port;    ///< the port of the FIFO or event
+  std::optional<int> timer;   ///< the timer of the event
+  bool interrupts = false;    ///< the end of the block may cause an interrupt
   Cycles since = 0;
 };
 /// "DMA channel 3 waits for a word in input FIFO 3 (read of 00100071h)"

@@ -1,5 +1,5 @@
 #pragma once
-/// What the peripherals of a chip did, as it happens; links tell their own events (link.hpp).
+/// Events of a chip's peripherals at the time when they happen. Links have events of their own (link.hpp).
 #include <functional>
 #include <string>
 #include <string_view>
@@ -11,17 +11,17 @@ namespace c40 {
 struct PeripheralEvent {
   enum class Kind : std::uint8_t {
     port_write,  ///< a word went into the output FIFO of port `number`
-    port_read,   ///< a word was taken from the input FIFO of port `number`
+    port_read,   ///< a word was read from the input FIFO of port `number`
     dma_start,   ///< channel `number` was started; `value` is its control word
     dma_end,     ///< a block of channel `number` has ended; `value` is 1 for the auxiliary half
     timer,       ///< TINT of timer `number`
-    interrupt  ///< the interrupt with offset `number` in the vector table was taken; `value` is where the processor was
+    interrupt  ///< the interrupt with offset `number` in the vector table was taken; `value` is the interrupted address
   };
   Kind kind = Kind::port_write;
   Cycles cycle = 0;
   int number = 0;
   Word value = 0;
-  int channel = -1;  ///< of port_write and port_read: the DMA channel that did it; -1: the processor
+  int channel = -1;  ///< for port_write and port_read: the DMA channel that did it; -1: the processor
 };
 
 constexpr std::string_view name(PeripheralEvent::Kind kind) {
@@ -31,7 +31,7 @@ constexpr std::string_view name(PeripheralEvent::Kind kind) {
 }
 
 /// "port_write 3 = 0000002A (DMA 1)"
-/// \param place names the address at which the processor was interrupted; without it, the address is eight digits
+/// \param place names the interrupted address; without it, the address is eight digits
 std::string to_text(const PeripheralEvent& event, const std::function<std::string(Address)>& place = {});
 
 class PeripheralSink {
@@ -40,7 +40,7 @@ class PeripheralSink {
   virtual void happened(const PeripheralEvent& event) = 0;
 };
 
-/// The sink that may be there.
+/// A sink that may be absent.
 struct PeripheralNotifier {
   PeripheralSink* sink = nullptr;
   void operator()(const PeripheralEvent& event) const {

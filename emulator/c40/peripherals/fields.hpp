@@ -1,6 +1,6 @@
 #pragma once
-/// Named bits of the chip's memory-mapped registers: declared once, used by the models, the inspection by name and the
-/// page docs/peripherals.md alike.
+/// Named bits of the chip's memory-mapped registers. One declaration serves the models, the inspection by name and the
+/// page docs/peripherals.md.
 #include <string_view>
 
 #include "c40/types.hpp"

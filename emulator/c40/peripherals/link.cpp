@@ -9,7 +9,8 @@ namespace c40 {
 namespace {
 
 constexpr int bytes_per_word = 4;
-// A request in the last byte of a word comes too late for it: after 7/8 of its time (c40-hardware.md 2.6).
+// A request during the last byte of a word, after 7/8 of the word's time, is too late for this word (c40-hardware.md
+// 2.6).
 constexpr int last_byte_numerator = 7, last_byte_denominator = 8;
 
 }  // namespace
@@ -25,7 +26,7 @@ Link::Link(Side first, Side second, LinkParameters parameters) : parameters_(par
   if (first.port == second.port) throw std::invalid_argument(fmt::format("{} cannot be linked to itself", first.name));
   if (CommPort::token_after_reset(first.number) == CommPort::token_after_reset(second.number))
     throw std::invalid_argument(
-        fmt::format("{} and {} both begin {} the token; join one of ports 0 to 2 with one of 3 to 5", first.name,
+        fmt::format("{} and {} both begin {} the token; connect one of ports 0 to 2 with one of 3 to 5", first.name,
                     second.name, CommPort::token_after_reset(first.number) ? "with" : "without"));
   const Time span = std::chrono::milliseconds{1};
   const auto a = first.clock.ticks_in(span), b = second.clock.ticks_in(span);
@@ -53,12 +54,12 @@ void Link::End::changed(const CommPort& now, Cycles at) {
   const View view{clock.at(at + link->parameters_.enter_cycles), now.traffic.written, now.traffic.read,
                   now.input_halted, now.output_halted};
   const View& last = views.empty() ? seen : views.back();
-  if (!last.shows_the_same(view)) views.push_back(view);  // a look at the control register is nothing to the link
+  if (!last.shows_the_same(view)) views.push_back(view);  // reads of the control register do not matter to the link
 }
 
 void Link::End::about_to_reset(Cycles at) { link->advance_to(clock.at(at)); }
 
-// What is on the way to this side arrives nowhere; what it was sending went with its FIFO.
+// A word under way to this side is lost; what this side was sending is lost with its FIFO.
 void Link::End::was_reset(const CommPort& now, Cycles at) {
   const Time time = clock.at(at);
   if (link->action_ == Action::word) link->lose_word(time);
@@ -77,7 +78,7 @@ void Link::End::was_reset(const CommPort& now, Cycles at) {
   link->decide(time);
 }
 
-// As the link sees it, which is later than the chip does it. What a reset discarded is neither sent nor waiting.
+// As the link sees it, later than the chip does it. What a reset discarded is neither sent nor waiting.
 bool Link::End::wants() const {
   const PortTraffic& t = port->traffic;
   return !seen.output_halted && seen.written > t.sent + t.discarded_output;
@@ -117,7 +118,7 @@ Time Link::lookahead() const {
   return least;
 }
 
-// Everything of one instant, in an order that no one can tell from another; then who goes next.
+// Does everything of one instant, in an order that no observer can distinguish; then decides which side is next.
 void Link::happen(Time time) {
   for (End& end : ends_) {
     while (!end.arriving.empty() && end.arriving.front().time <= time) {
@@ -168,12 +169,12 @@ void Link::finish_word(Time time) {
   action_ = Action::none;
 }
 
-// The sender has shifted out what it could; the receiver forgets the bytes that it has.
+// The sender has shifted out as much as it could; the receiver drops the bytes that it has.
 void Link::lose_word(Time time) {
   End& from = ends_[static_cast<std::size_t>(action_side_)];
   const int bytes = time <= begins_ ? 0 : static_cast<int>((time - begins_) * bytes_per_word / (ends_at_ - begins_));
   action_ = Action::none;
-  if (from.port->output.empty()) return;  // its own reset took the word
+  if (from.port->output.empty()) return;  // the sender's own reset discarded the word
   const Word word = from.port->send();
   ++from.counters.sent;
   ++from.counters.lost;
@@ -196,8 +197,7 @@ void Link::decide(Time time) {
   const int o = ends_[0].port->token ? 0 : 1;
   const End &owner = ends_[static_cast<std::size_t>(o)], &other = ends_[static_cast<std::size_t>(1 - o)];
   const bool sendable = can_send(owner, other);
-  // `ends_at_` is still that of the last action: just after a word, a request that came in its last byte waits for one
-  // more.
+  // `ends_at_` is still the end of the last action: a request during the last byte of a word waits for one more word.
   const bool late = owner.has_sent && time == ends_at_ &&
                     other.requested >= begins_ + (ends_at_ - begins_) * last_byte_numerator / last_byte_denominator;
   if (other.requested != never && !owner.seen.input_halted && (!sendable || (owner.has_sent && !late)))

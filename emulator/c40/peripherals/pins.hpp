@@ -1,5 +1,6 @@
 #pragma once
-/// The pins of a chip that nets join (machine/net.hpp): what the outside drives, and what the chip drives.
+/// The pins of a chip that nets connect (machine/net.hpp): those that the outside drives, and those that the chip
+/// drives.
 #include <array>
 #include <cstdint>
 #include <string_view>
@@ -19,7 +20,7 @@ constexpr std::string_view name(Pin pin) {
 
 constexpr bool is_iiof(Pin pin) { return pin <= Pin::iiof3; }
 constexpr bool is_timer_pin(Pin pin) { return pin == Pin::tclk0 || pin == Pin::tclk1; }
-/// A chip can drive it: general-purpose outputs IIOF, and TCLK of a timer or as a general-purpose output.
+/// Pins that a chip can drive: general-purpose outputs IIOF, and TCLK as a timer's output or a general-purpose output.
 constexpr bool can_be_output(Pin pin) { return is_iiof(pin) || is_timer_pin(pin); }
 /// The number n of IIOFn, TCLKn.
 constexpr unsigned number_of(Pin pin) {
@@ -27,15 +28,15 @@ constexpr unsigned number_of(Pin pin) {
                            : static_cast<unsigned>(pin);
 }
 
-/// What a chip, or anybody else, does to a net.
+/// What a driver does to a net.
 enum class Drive : std::uint8_t { none, low, high };
 constexpr Drive drive_to(bool level) { return level ? Drive::high : Drive::low; }
 
-/// Told of every change of a watched output.
+/// Called for every change of a watched output.
 class PinListener {
  public:
   virtual ~PinListener() = default;
-  /// \param at the first cycle in which the pin is so
+  /// \param at the first cycle with this level
   virtual void driven(Pin pin, Drive drive, Cycles at) = 0;
 };
 

@@ -38,7 +38,7 @@ constexpr std::array dma_fields = [] {
                     AUX_START,  STATUS,        AUX_STATUS,        PRIORITY_MODE};
 }();
 
-/// One register of a group of equal ones: its place in the group, and everything else.
+/// One register of a group of equal groups: its place in the group, and everything else.
 struct Member {
   Address offset;
   std::string_view name, meaning;
@@ -62,7 +62,7 @@ constexpr std::array dma_members{
     Member{3, "counter", "words to go (split mode: of the primary channel)", {}},
     Member{4, "destination", "destination address", {}},
     Member{5, "destination_index", "added to the destination address", {}},
-    Member{6, "link", "where the next list of register values stands", {}},
+    Member{6, "link", "address of the next list of register values", {}},
     Member{7, "auxiliary_counter", "split mode: words to go of the auxiliary channel", {}},
     Member{8, "auxiliary_link", "split mode: the auxiliary channel's list", {}},
 };
@@ -94,7 +94,7 @@ std::string folded(std::string_view text) {
   return out;
 }
 
-/// Letters to change, add or leave out.
+/// Number of letters to change, add or leave out.
 std::size_t distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;

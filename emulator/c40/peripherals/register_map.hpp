@@ -1,6 +1,6 @@
 #pragma once
 /// Every memory-mapped register of the chip (c40-hardware.md 1.3): address, name, fields, reset value. Messages, the
-/// inspection by name and docs/peripherals.md come from here.
+/// inspection by name and docs/peripherals.md are made from this list.
 #include <optional>
 #include <span>
 #include <string>
@@ -28,7 +28,7 @@ const RegisterInfo& register_named(std::string_view name);
 /// A field in any case of letters; spaces may be written as underscores. Throws std::out_of_range with the register's
 /// fields.
 const Field& field_named(const RegisterInfo& info, std::string_view name);
-/// What stands at a peripheral address, for messages: "PORT1.input (communication port 1)", "the analysis block".
+/// The name of a peripheral address, for messages: "PORT1.input (communication port 1)", "the analysis block".
 std::string describe_register(Address address);
 /// The register tables of docs/peripherals.md, as Markdown.
 std::string register_page();

@@ -23,7 +23,7 @@ TimerRegister timer_register(Address address) { return static_cast<TimerRegister
 
 bool Timer::drives_pin() const { return FUNC.in(control_) ? internal_clock() : IO.in(control_); }
 
-// With period and counter 0, a pulse never ends.
+// If period and counter are 0, a pulse never ends.
 bool Timer::status(Cycles at) const {
   if (clock_mode()) return toggle_;
   return pulse_ >= 0 && (at == pulse_ || (period_ == 0 && counter_ == 0));
@@ -54,7 +54,7 @@ bool Timer::write(TimerRegister reg, Word value, Cycles at) {
     period_ = value;
     return rose;
   }
-  at_ += (at - at_) / tick_cycles() * tick_cycles();  // a tick in this cycle is overridden
+  at_ += (at - at_) / tick_cycles() * tick_cycles();  // the write overrides a tick in this cycle
   if (reg == TimerRegister::counter)
     counter_ = value;
   else if (write_control(value, at))
@@ -83,19 +83,19 @@ bool Timer::set_pin(bool level, Cycles at) {
   return rose;
 }
 
-// With period and counter 0, clock mode toggles every cycle.
+// If period and counter are 0, clock mode toggles every cycle.
 Cycles Timer::tick_cycles() const {
   return clock_mode() && period_ == 0 && counter_ == 0 ? 1 : timing::timer_tick_cycles;
 }
 
-// The counter goes to 0 as it reaches the period. Beyond it, it goes on through FFFFFFFFh.
+// The counter goes to 0 when it reaches the period. If it is greater than the period, it counts on through FFFFFFFFh.
 std::uint64_t Timer::ticks_to_overflow() const {
   if (counter_ < period_) return period_ - counter_;
   if (counter_ == period_) return 1;
   return counter_range - counter_ + period_;
 }
 
-// Lets `ticks` pass, the last of them in cycle `last`; true if TSTAT went from 0 to 1.
+// Counts `ticks`, the last of them in cycle `last`; true if TSTAT went from 0 to 1.
 bool Timer::count(std::uint64_t ticks, Cycles last) {
   const std::uint64_t first = ticks_to_overflow();
   if (ticks < first) {

@@ -1,9 +1,9 @@
 #pragma once
-/// One of the two timers (c40-hardware.md 4): computed when somebody looks, never stepped.
+/// One of the two timers (c40-hardware.md 4). Its state is computed when it is needed; there is no step per cycle.
 ///
-/// Inaccuracies: the internal clock's phase begins with the write that starts the timer. A tick from outside counts in
-/// the cycle in which the pin's level is set. Bits 31, 30 of the control register (run while the debugger halts the
-/// chip) are kept without effect.
+/// Inaccuracies: the internal clock's phase begins with the write that starts the timer. An external tick counts in the
+/// cycle in which the pin's level is set. Bits 31, 30 of the control register (run while the debugger halts the chip)
+/// are kept without effect.
 #include <cstddef>
 
 #include "c40/peripherals/fields.hpp"
@@ -35,33 +35,34 @@ inline constexpr Field DEBUG{"DEBUG", 30, 2, FieldAccess::read_write, "run while
 
 enum class TimerRegister : std::uint8_t { control = 0, counter = 4, period = 8 };
 
-/// Timer registers stand at 100020h + 10h * n (c40-hardware.md 1.3).
+/// Timer registers are at 100020h + 10h * n (c40-hardware.md 1.3).
 bool is_timer_register(Address address);
 std::size_t timer_of(Address address);
 TimerRegister timer_register(Address address);
 
 class Timer {
  public:
-  /// A register's value in a cycle, which must not lie before the last call of advance_to or write.
+  /// A register's value in a cycle, which must not be before the last call of advance_to or write.
   Word read(TimerRegister reg, Cycles at) const;
-  /// A write of the processor overrides what the timer does in that cycle. True if TSTAT went from 0 to 1 by it.
+  /// A write of the processor overrides the timer's own change in that cycle. True if the write changed TSTAT from 0 to
+  /// 1.
   bool write(TimerRegister reg, Word value, Cycles at);
-  /// Reset; what the outside drives the pin to stays.
+  /// Reset; the level that the outside drives stays.
   void start_anew(const Timer& before) { outside_ = before.outside_; }
-  /// It counts edges of the pin TCLK.
+  /// The timer counts edges of the pin TCLK.
   bool counts_pin() const { return running() && !internal_clock(); }
-  /// Level that the outside drives the pin TCLK to, from cycle `at` on; true if TSTAT went from 0 to 1 by it.
+  /// The outside drives the pin TCLK to a level from cycle `at` on; true if this changed TSTAT from 0 to 1.
   bool set_pin(bool level, Cycles at);
   /// The level at the pin TCLK.
   bool pin(Cycles at) const;
   bool drives_pin() const;
 
-  /// The cycle of the next TINT (TSTAT goes from 0 to 1); the greatest number if none is to come by itself.
+  /// The cycle of the next TINT (TSTAT goes from 0 to 1); the greatest number if the timer alone will cause none.
   Cycles next_event() const;
-  /// The first cycle after `last` in which it drives the pin to another level by itself; the greatest number if there
-  /// is none.
+  /// The first cycle after `last` in which the timer changes the level that it drives; the greatest number if there is
+  /// none.
   Cycles next_change_of_pin(Cycles last) const;
-  /// Goes on to a cycle; true if TSTAT went from 0 to 1 on the way.
+  /// Advances to a cycle; true if TSTAT went from 0 to 1 on the way.
   bool advance_to(Cycles at);
 
   void list_state(state::Visitor& list);
@@ -83,7 +84,7 @@ class Timer {
   Cycles at_ = 0;         ///< the cycle for which counter_ and toggle_ hold: a tick of the internal clock
   bool toggle_ = false;   ///< TSTAT in clock mode
   Cycles pulse_ = -1;     ///< the cycle in which TSTAT is 1 in pulse mode
-  bool outside_ = false;  ///< level that the outside drives the pin to
+  bool outside_ = false;  ///< the level that the outside drives
 };
 
 }  // namespace c40

@@ -42,7 +42,7 @@ class Draw {
       one.skew.phase = machine::Time{static_cast<std::int64_t>(bits % static_cast<std::uint64_t>(period.count()))};
     } catch (const std::invalid_argument&) {
       throw ConfigError(
-          fmt::format("run.phase_jitter: {} at {}/{} Hz and {} ppm is no clock that can be kept exactly; "
+          fmt::format("run.phase_jitter: {} at {}/{} Hz and {} ppm cannot be represented exactly; "
                       "run.phase_jitter = false, or a frequency in whole hertz, is expected",
                       one.name, hertz, per, one.skew.ppm));
     }
@@ -72,15 +72,14 @@ Oscillators oscillators_of(const Config& config) {
   constexpr std::int64_t latches_per_second = 8000;
   const machine::Config machine = nominal_machine_of(config);
   const plant::SensorParameters sensors = nominal_dock_of(config).sensors;
-  // Millihertz are fine enough for any rate that is typed in, and keep the timer's clock rational (ruling 1).
+  // Millihertz are fine enough for any typed rate, and keep the timer's clock rational (ruling 1).
   Oscillators all{.host = draw("host timer", std::llround(config.rates.refresh_frequency_hz * 1000), 1000),
                   .buses = {},
                   .dsps = {},
                   .sway = draw("sway sensor", 100),
                   .range = {},
                   .units = {}};
-  // In the ideal run the machine has no clocks that differ; what is released and what is sampled keeps the clocks of
-  // the run.
+  // In the ideal run the machine's clocks have no deviation; releases and samples keep the clocks of the run.
   const auto of_machine = [&](std::string name, std::int64_t hertz, std::int64_t per) {
     return config.run.ideal ? Draw::nominal(std::move(name), hertz, per) : draw(std::move(name), hertz, per);
   };

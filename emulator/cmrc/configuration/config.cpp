@@ -23,22 +23,30 @@ std::string_view leaf(std::string_view key) {
   return dot == std::string_view::npos ? key : key.substr(dot + 1);
 }
 
-/// The known key that the user most likely meant: by the whole name, and by the part after the table.
-std::string_view nearest(std::string_view key) {
+/// What would be right instead of an unknown key: the known key that the user most likely meant (compared by the whole
+/// name, and by the part after the table), else the keys of the table, else where all keys are listed.
+std::string right_key(std::string_view key) {
   std::string_view best;
+  const std::size_t most = leaf(key).size() / 2;
   std::size_t least = std::numeric_limits<std::size_t>::max();
   for (const Key& known : keys()) {
-    const std::size_t distance =
-        std::min(io::edit_distance(key, known.name), io::edit_distance(leaf(key), leaf(known.name)) + 1);
-    if (distance < least) {
-      least = distance;
-      best = known.name;
-    }
+    const std::size_t whole = io::edit_distance(key, known.name);
+    const std::size_t part = io::edit_distance(leaf(key), leaf(known.name));
+    if (std::min(whole, part) > most || std::min(whole, part + 1) >= least) continue;
+    least = std::min(whole, part + 1);
+    best = known.name;
   }
-  return best;
+  if (!best.empty()) return fmt::format("the nearest known key is {}", best);
+  const std::string_view table = key.substr(0, key.size() - leaf(key).size());
+  std::vector<std::string_view> others;
+  if (!table.empty())
+    for (const Key& known : keys())
+      if (known.name.starts_with(table)) others.push_back(known.name);
+  if (others.empty()) return "docs/configuration.md lists the keys";
+  return fmt::format("the keys of its table are {}", fmt::join(others, ", "));
 }
 
-/// The tables of keys, with the lists of tables in their brackets: "[run]", "[agv.vehicle]", "[[events]]".
+/// The tables of keys, with the lists of tables in brackets: "[run]", "[agv.vehicle]", "[[events]]".
 std::vector<std::string> table_names() {
   std::vector<std::string> names{"[[events]]", "[[tasks]]", "[[processes]]", "[[subprocesses]]"};
   for (const Key& known : keys()) {
@@ -48,7 +56,7 @@ std::vector<std::string> table_names() {
   return names;
 }
 
-/// \throws ConfigError that names the table which the user most likely meant, or all
+/// \throws ConfigError that names the most likely table, or all tables
 [[noreturn]] void refuse_table(const Origin& origin, const std::string& table) {
   const std::vector<std::string> names = table_names();
   std::string_view best;
@@ -94,7 +102,7 @@ std::string what_is_right(const Key& key) {
   return fmt::format("{} from {} to {} is expected{}", noun, key.minimum, key.maximum, unit);
 }
 
-constexpr double exact_integers = 9007199254740992.0;  // 2^53: to there every integer is a double
+constexpr double exact_integers = 9007199254740992.0;  // 2^53: up to here every integer is a double
 
 /// The value in the key's own type, range checked. A number without a fraction is an integer.
 Value checked(const Key& key, const Value& value, const Origin& origin) {
@@ -117,7 +125,7 @@ Value checked(const Key& key, const Value& value, const Origin& origin) {
     }
     case Key::Type::integer: {
       const auto* real = std::get_if<double>(&value);
-      if (real != nullptr && *real != std::floor(*real)) return ill_typed();  // 4.0 is 4; NaN is no integer
+      if (real != nullptr && *real != std::floor(*real)) return ill_typed();  // 4.0 is 4; NaN is not an integer
       if (real != nullptr && !(std::abs(*real) <= exact_integers)) return out_of_range();
       const auto* whole = std::get_if<std::int64_t>(&value);
       if (real == nullptr && whole == nullptr) return ill_typed();
@@ -157,7 +165,7 @@ std::vector<std::pair<std::map<std::string, Field>, Origin>> tables_of(const tom
                                                                        const std::string& name) {
   const toml::array* list = node.as_array();
   if (list == nullptr || !list->is_homogeneous<toml::table>()) {
-    refuse(origin_of(node.source(), name), kind, "is no list of tables",
+    refuse(origin_of(node.source(), name), kind, "is not a list of tables",
            fmt::format("[[{}]] begins each of them", kind));
   }
   std::vector<std::pair<std::map<std::string, Field>, Origin>> all;
@@ -192,7 +200,7 @@ void check_preset(std::string_view name, const Origin& origin) {
 Intervals intervals(const Config& config) {
   const auto& r = config.rates;
   const auto floor_of = [&](double frequency) {
-    // A ratio that is whole but for the rounding of the division counts as whole.
+    // A ratio that is an integer except for the rounding of the division counts as an integer.
     return static_cast<std::int64_t>(std::floor(r.refresh_frequency_hz / frequency * (1 + 1e-12)));
   };
   const auto& s = config.scheduling;
@@ -228,7 +236,7 @@ ConfigBuilder& ConfigBuilder::set(std::string_view key, const Value& value, cons
   }
   auto index = find(key);
   if (!index) index = find_leaf(key);
-  if (!index) refuse(origin, key, "no such key", fmt::format("the nearest known key is {}", nearest(key)));
+  if (!index) refuse(origin, key, "no such key", right_key(key));
   flag_settings_.push_back({*index, checked(keys()[*index], value, origin), origin});
   return *this;
 }
@@ -263,13 +271,13 @@ void ConfigBuilder::parse(std::string_view toml, const std::string& name, std::v
       if (!index) {
         const toml::array* const list = node.as_array();
         if (node.is_table() || (list != nullptr && list->is_homogeneous<toml::table>())) {
-          // A key of another table says more than the name of an unknown one.
+          // A key of another table gives a better message than an unknown key.
           if (node.is_table())
             for (const auto& [inner, value] : *node.as_table())
               if (find_leaf(inner.str())) self(self, *node.as_table(), full + ".");
           refuse_table(key_origin, full);
         }
-        refuse(key_origin, full, "no such key", fmt::format("the nearest known key is {}", nearest(full)));
+        refuse(key_origin, full, "no such key", right_key(full));
       }
       const Origin origin = origin_of(node.source(), name);
       into.push_back({*index, checked(keys()[*index], value_of(node, full, origin), origin), key_origin});
@@ -312,12 +320,12 @@ Config ConfigBuilder::build() const {
   config.processes = processes_;
   check_user_tasks(config.tasks);
   check(config.processes, config.tasks);
+  const auto clear = origins.find("errors.clear");
+  const Origin clear_origin = clear == origins.end() ? Origin{} : clear->second;
   check_invariants(config, std::move(origins));
-  if (config.errors.clear) {
-    const auto at = origins.find("errors.clear");
-    refuse(at == origins.end() ? Origin{} : at->second, "errors.clear", "no error stands before the run",
+  if (config.errors.clear)
+    refuse(clear_origin, "errors.clear", "there are no errors before the run",
            "an event \"set\" of this key is expected");
-  }
   check_events(config);
   return config;
 }
@@ -329,10 +337,10 @@ ConfigBuilder& ConfigBuilder::event(TimedEvent event) {
 
 void check_live(std::string_view name, const Value& value, const Origin& origin) {
   const auto index = find(name);
-  if (!index) refuse(origin, name, "no such key", fmt::format("the nearest known key is {}", nearest(name)));
+  if (!index) refuse(origin, name, "no such key", right_key(name));
   const Key& key = keys()[*index];
   if (!key.live)
-    refuse(origin, name, "cannot be changed while a run is on", "docs/configuration.md marks the keys that can");
+    refuse(origin, name, "cannot be changed during a run", "docs/configuration.md marks the keys that can");
   checked(key, value, origin);
 }
 
@@ -360,7 +368,7 @@ Config with_live(const Config& config, std::string_view name, const Value& value
 
 Config with_key(const Config& config, std::string_view name, const Value& value, const Origin& origin) {
   const auto index = find(name);
-  if (!index) refuse(origin, name, "no such key", fmt::format("the nearest known key is {}", nearest(name)));
+  if (!index) refuse(origin, name, "no such key", right_key(name));
   const Key& key = keys()[*index];
   Config changed = config;
   key.assign(changed, checked(key, value, origin));

@@ -1,9 +1,10 @@
 #pragma once
-// What a run is made of: every parameter with its default, and the TOML schema that names them (docs/configuration.md).
+// The configuration of a run: every parameter with its default, and the TOML schema of its keys
+// (docs/configuration.md).
 //
-// A configuration is built in layers, later ones overriding earlier ones: defaults (the base rates of plant-and-bus.md
-// 2.3), a preset, a TOML file, single settings (command-line flags, keyword arguments). All faults of the user's input
-// are ConfigError, with the place where the value was given.
+// A configuration has layers; later ones override earlier ones: defaults (the base rates of plant-and-bus.md 2.3), a
+// preset, a TOML file, single settings (command-line flags, keyword arguments). Every fault of the user's input is a
+// ConfigError, with the place where the value was given.
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -36,17 +37,17 @@ enum class TimeAfterDelay { elapsed, one };
 enum class TorqueBuild { closed_form, newton_euler };
 enum class PidBuild { error_derivative, measurement_derivative };
 enum class TrajectoryBuild { blend9, quintic_shaper };
-/// Which agent stands on which bus, as plant-and-bus.md 3.4 has them.
+/// The bus of each agent, as in plant-and-bus.md 3.4.
 enum class TopologyPreset { dual, host_on_both, sensors_with_host, single };
 /// In the order of pci::Arbitration and pci::Parking.
 enum class Arbiter { round_robin, fixed, two_level, host_fair };
 enum class Parking { none, last_owner, host };
 /// Wait states of plant-and-bus.md 3.6.
 enum class Card { sram, s5933, drive_card, host_dram };
-/// What a run's errors are measured against.
+/// The reference for a run's errors.
 enum class ReferenceKind { ideal, none };
 enum class RunUntil { duration, job_done };
-/// When the AGVs' releases by interval come, to each other.
+/// The releases by interval of several AGVs, relative to each other.
 enum class AgvPhase { staggered, together };
 enum class AvoidanceBuild { none, synthetic, potential_field, vfh, dynamic_window };
 
@@ -59,19 +60,19 @@ struct Config {
     bool strict = false;          ///< a missed deadline makes the run fail
     bool ideal = false;           ///< with instant execution
     RunUntil until = RunUntil::duration;
-    double after_stop_s = 10;   ///< for which the plant goes on, braked, when nothing drives the crane any more
-    bool phase_jitter = false;  ///< each oscillator has a phase and a frequency of its own
+    double after_stop_s = 10;   ///< how long the plant continues, braked, after the last drive has stopped
+    bool phase_jitter = false;  ///< each oscillator has its own phase and frequency
   } run;
   struct Machine {
     std::int64_t dsps = 4;
-    std::int64_t slots = 0;  ///< for boards that come later; 0: as many as DSPs
+    std::int64_t slots = 0;  ///< for boards that are plugged in later; 0: as many as DSPs
     DspClock dsp_clock = DspClock::c40_50;
     double cycle_time_factor = 1;
     BootPolicy boot = BootPolicy::link;
     IdlePolicy idle_policy = IdlePolicy::doorbell;
     std::int64_t pause_nops = 125;  ///< 5 us at C40-50
     bool guard = true;
-    std::string programs;           ///< directory of the assembly sources; empty: the image built in
+    std::string programs;           ///< directory of the assembly sources; empty: the built-in image
     std::string board = "default";  ///< of every DSP: "default", or a board file
     std::string links;              ///< between ports of two slots
     std::string nets;               ///< between pins of slots
@@ -99,19 +100,19 @@ struct Config {
     double slow_factor = 1.5;
     bool pid_after_torque = false;
     std::int64_t long_blocks_max = 0;  ///< 0: no cap
-    std::int64_t slice_cycles = 0;     ///< 0: long tasks run whole
+    std::int64_t slice_cycles = 0;     ///< 0: long tasks are not split
     TimeAfterDelay time_after_delay = TimeAfterDelay::elapsed;
     ServoReload servo_reload = ServoReload::locked;
     Learning learning = Learning::off;
     double learning_rate = 0.5;
     double learning_dead_band = 0.02;
     double learning_step_max = 0.1;
-    double servo_loss_share = 0;          ///< of servo ticks that are left out, for experiments
-    std::int64_t servo_loss_run = 1;      ///< so many in a row
-    std::int64_t servo_served_every = 1;  ///< only every m-th tick is served, m being this
+    double servo_loss_share = 0;          ///< share of servo ticks that are left out, for experiments
+    std::int64_t servo_loss_run = 1;      ///< number of them in a row
+    std::int64_t servo_served_every = 1;  ///< only every m-th tick is served; this is m
     AgvPhase agv_phase = AgvPhase::staggered;
-    double event_field_m = 15;              ///< ahead of an AGV's range sensor
-    std::int64_t event_read_refreshes = 8;  ///< from a reading of that sensor by the host to the next
+    double event_field_m = 15;              ///< length of the field ahead of an AGV's range sensor
+    std::int64_t event_read_refreshes = 8;  ///< refreshes between two readings of that sensor by the host
   } scheduling;
   struct Watchdog {
     double factor = 3;
@@ -132,7 +133,7 @@ struct Config {
     double start_ms = 20;
     double boot_pause_ns = 2000;
   } host;
-  /// Which build of a task's program the DSPs run.
+  /// The builds of the task programs that the DSPs run.
   struct Kernels {
     TorqueBuild torque = TorqueBuild::closed_form;
     PidBuild pid = PidBuild::error_derivative;
@@ -140,9 +141,9 @@ struct Config {
     AvoidanceBuild avoidance = AvoidanceBuild::synthetic;
   } kernels;
   struct Load {
-    std::int64_t avoidance_cycles = 0;  ///< of the synthetic avoidance block; 0: that one is not loaded
+    std::int64_t avoidance_cycles = 0;  ///< length of the synthetic avoidance block; 0: it is not loaded
     bool driving = false;               ///< all AGVs begin with an empty round
-    bool parked = false;                ///< none does, and avoidance runs for those that stand, too
+    bool parked = false;                ///< no AGV begins one, and avoidance also runs for AGVs that stand
   } load;
   struct Bus {
     double clock_hz = 100e6 / 3;
@@ -165,7 +166,7 @@ struct Config {
     std::int64_t delayed_read_clocks = 20;
     std::int64_t device_post_words = 0;
   } bus;
-  /// What differs from bus.topology; empty: as that says.
+  /// Differences from bus.topology; empty: none.
   struct Topology {
     std::string buses, host, boards, shared_memory, drives, sensors, comm_port, bridges;
     std::int64_t drives_at = -1, sensors_at = -1, comm_port_at = -1;
@@ -181,7 +182,7 @@ struct Config {
     double ramp_slack_m = 0.1;
     double ramp_speed_m_s = 0.25;
     double drive_timeout_ms = 100;
-    double drive_delay_us = 0;  ///< a drive takes its code so much later, for experiments
+    double drive_delay_us = 0;  ///< a drive takes its code later by this time, for experiments
     double settle_limit_s = 20;
     std::int64_t landing_retries_max = 3;
     plant::Method integrator = plant::Method::erk;
@@ -224,7 +225,7 @@ struct Config {
     double following_travel_m = 0.1;
     double following_slew_mrad = 5;
     double following_luff_mrad = 5;
-    double following_trolley_m = 0.1;  ///< of a gantry
+    double following_trolley_m = 0.1;  ///< for a gantry
     double following_hoist_m = 0.1;
     double following_rotator_mrad = 20;
     double following_ms = 50;
@@ -234,22 +235,22 @@ struct Config {
     double stop_s = 1;
     double go_on_s = 12;
     std::int64_t timeout_retries_max = 3;
-    bool clear = false;  ///< set by the operator; the host takes it back
+    bool clear = false;  ///< set by the operator; the host resets it
   } errors;
   struct Report {
     ReferenceKind reference = ReferenceKind::ideal;
     std::int64_t signal_decimation = 80;   ///< latches (125 us) per recorded sample
-    std::int64_t signal_rows_max = 65536;  ///< then each second row goes
+    std::int64_t signal_rows_max = 65536;  ///< beyond this number every second row is removed
     std::int64_t error_rows_max = 524288;  ///< latches kept of a run, and of its ideal run
-    std::int64_t samples_max = 65536;      ///< of a summary, up to which its percentiles are exact
-    std::int64_t misses_max = 1000;        ///< missed jobs told one by one
+    std::int64_t samples_max = 65536;      ///< up to this number of samples the percentiles of a summary are exact
+    std::int64_t misses_max = 1000;        ///< missed jobs that the report lists one by one
     double control_cost_rho_m2 = 1e-6;     ///< weight of the drives in the control cost
   } report;
   std::vector<double> plant =
       plant_defaults();  ///< of crane, drives, vehicles and landing: in the order and units of plant_parameters()
-  std::vector<TimedEvent> events;                 ///< in the order in which they were given
-  std::vector<UserTask> tasks;                    ///< the user's own, in the order of KIND_USER + n
-  ProcessTable processes = built_in_processes();  ///< with the rows given laid over those built in
+  std::vector<TimedEvent> events;                 ///< in the order of the input
+  std::vector<UserTask> tasks;                    ///< the user's tasks, in the order of KIND_USER + n
+  ProcessTable processes = built_in_processes();  ///< the given rows over the built-in ones
 };
 
 /// Equations (5) and (6): refreshes between runs.
@@ -265,7 +266,7 @@ Intervals intervals(const Config& config);
 /// One key of the schema. The list keys() is the schema: the parser, the documentation and the tests read it.
 struct Key {
   enum class Type { boolean, integer, number, text, choice };
-  std::string name;  ///< dotted: table.key
+  std::string name;  ///< with dots: table.key
   Type type;
   std::string unit;
   double minimum;
@@ -273,9 +274,9 @@ struct Key {
   std::vector<std::string> choices;
   std::string meaning;
   std::string source;
-  std::function<void(Config&, const Value&)> assign;  ///< of a value already checked
+  std::function<void(Config&, const Value&)> assign;  ///< for a value that is already checked
   std::function<Value(const Config&)> read;
-  bool live = false;  ///< an operator may change it while a run is on
+  bool live = false;  ///< an operator may change it during a run
 };
 std::span<const Key> keys();
 /// A value as 64 bits: an integer, a double's bits, the number of a choice.
@@ -284,15 +285,15 @@ struct KeyBits {
   std::uint64_t bits;
 };
 KeyBits bits_of(std::string_view key, const Value& value);
-/// \throws ConfigError unless the key may be changed while a run is on, and the value is of its type and in its range
+/// \throws ConfigError unless the key may be changed during a run, and the value has its type and is in its range
 void check_live(std::string_view key, const Value& value, const Origin& origin);
 /// The configuration with one live key changed and every invariant checked. \throws ConfigError
 Config with_live(const Config& config, std::string_view key, const Value& value, const Origin& origin);
-/// The same of any key, for another run; its events may yet contradict it (check_events). \throws ConfigError
+/// The same for any key, for another run; its events may contradict it (check_events). \throws ConfigError
 Config with_key(const Config& config, std::string_view key, const Value& value, const Origin& origin);
 std::string_view name(Key::Type type);
 
-/// A preset is a piece of TOML laid over the defaults.
+/// A preset is a piece of TOML that overrides the defaults.
 struct Preset {
   std::string_view name;
   std::string_view meaning;
@@ -306,11 +307,11 @@ class ConfigBuilder {
   ConfigBuilder& preset(std::string_view name, const Origin& origin);
   ConfigBuilder& file(const std::string& path);
   ConfigBuilder& text(std::string_view toml, const std::string& name);
-  /// One setting above the file. `key` is dotted; a key without its table is accepted when only one table has it.
+  /// One setting that overrides the file. `key` has dots; a key without its table is accepted if only one table has it.
   ConfigBuilder& set(std::string_view key, const Value& value, const Origin& origin);
-  /// An event, after those given before. Fields as of [[events]].
+  /// An event after those given before. Its fields are those of [[events]].
   ConfigBuilder& event(TimedEvent event);
-  /// Applies the layers in order and checks every invariant of plant-and-bus.md 4.5.
+  /// Applies the layers in order and checks all invariants of plant-and-bus.md 4.5.
   Config build() const;
 
  private:

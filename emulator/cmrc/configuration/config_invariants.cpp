@@ -100,7 +100,7 @@ class Invariants {
     if (fault) contradiction({fault->key, "rates.servo_frequency_hz"}, fault->what, fault->right);
     const double latches = config_.dock.drive_delay_us / 125;
     require(latches == std::floor(latches), {"dock.drive_delay_us"},
-            fmt::format("{:g} us are no whole number of latches", config_.dock.drive_delay_us),
+            fmt::format("{:g} us is not a multiple of the latch period", config_.dock.drive_delay_us),
             "a multiple of 125 us is expected: drives take their codes at 8 kHz");
   }
 
@@ -110,7 +110,7 @@ class Invariants {
             fmt::format("without gusts any mean is right; with them a mean of {:g} m/s or more is expected",
                         plant::least_gusty_mean));
     require(!config_.load.driving || !config_.load.parked, {"load.driving", "load.parked"},
-            "AGVs cannot drive and stand", "load.driving or load.parked is expected, not both");
+            "AGVs cannot both drive and stand", "load.driving or load.parked is expected, not both");
     const auto queues = [](const Process& process) {
       return std::ranges::any_of(process.steps, [](const Step& step) { return step.kind == Step::Kind::queue; });
     };
@@ -119,24 +119,25 @@ class Invariants {
             "such a process is expected, or load.driving = false");
   }
 
-  /// A sub-process that is released by event needs sensors that the host can read, often enough.
+  /// A sub-process that is released by event needs sensors that the host can read, and often enough.
   void events(const Subprocess& row, const machine::Topology& topology) const {
     if (!row.by_event()) return;
     const unsigned sensors = topology.devices[static_cast<std::size_t>(machine::DeviceGroup::sensors)];
     const bool reached =
         std::ranges::any_of(topology.host, [&](unsigned bus) { return machine::hops(topology, bus, sensors) >= 0; });
     if (!reached) {
-      refuse(row.origin, "subprocesses.release",
-             fmt::format("sub-process {} is released by event, but the host cannot reach the range sensors on bus {}",
-                         row.number, topology.buses[sensors]),
-             "release = \"interval\", or bus.topology \"host_on_both\", \"sensors_with_host\" or \"single\", or a way "
-             "by [topology], is expected");
+      refuse(
+          row.origin, "subprocesses.release",
+          fmt::format("sub-process {} is released by event, but the host cannot reach the range sensors on bus {}",
+                      row.number, topology.buses[sensors]),
+          "release = \"interval\", or bus.topology \"host_on_both\", \"sensors_with_host\" or \"single\", or a bridge "
+          "by [topology], is expected");
     }
     const double apart =
         static_cast<double>(config_.scheduling.event_read_refreshes) / config_.rates.refresh_frequency_hz;
     require(apart <= 0.05, {"scheduling.event_read_refreshes", "rates.refresh_frequency_hz"},
             fmt::format("a range sensor is read every {:g} ms", apart * 1e3),
-            "at most 50 ms are expected: objects that enter are told from those that come closer");
+            "at most 50 ms are expected: so that an entering object differs from an approaching one");
   }
 
   void heartbeats() const {

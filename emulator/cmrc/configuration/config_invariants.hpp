@@ -8,8 +8,8 @@
 
 namespace cmrc {
 
-/// The invariants of plant-and-bus.md 4.5 and the settings that exclude each other. Throws ConfigError, which names the
-/// place in `origins` of a key involved, if one of them was set.
+/// Checks the invariants of plant-and-bus.md 4.5, and that settings do not exclude each other. Throws ConfigError, with
+/// the place in `origins` of an involved key, if one of them was set.
 void check_invariants(const Config& config, std::map<std::string, Origin, std::less<>> origins);
 
 }  // namespace cmrc

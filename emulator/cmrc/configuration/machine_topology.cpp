@@ -79,7 +79,7 @@ class Reader {
     bool good = count >= 1 && count <= 4;
     for (std::size_t i = 0; i < count && good; ++i)
       good = topology_.buses[i] == std::string(1, static_cast<char>('A' + i));
-    require(good, {"topology.buses", "bus.topology"}, fmt::format("\"{}\" is no list of buses", text),
+    require(good, {"topology.buses", "bus.topology"}, fmt::format("\"{}\" is not a list of buses", text),
             "\"A\", \"A B\", \"A B C\" or \"A B C D\" is expected");
   }
 
@@ -104,8 +104,7 @@ class Reader {
 
   unsigned place(std::string_view key, const std::string& text) const {
     const auto all = places(key, text);
-    require(all.size() == 1, {key}, fmt::format("it is to stand on {} buses", all.size()),
-            "a target stands on one bus");
+    require(all.size() == 1, {key}, fmt::format("it is on {} buses", all.size()), "a target is on one bus");
     return all.front();
   }
 
@@ -115,12 +114,12 @@ class Reader {
     std::iota(island.begin(), island.end(), 0u);
     for (const std::string& word : words_of(text)) {
       const std::size_t dash = word.find('-');
-      require(dash != std::string::npos, {key}, fmt::format("\"{}\" is no bridge", word),
+      require(dash != std::string::npos, {key}, fmt::format("\"{}\" is not a bridge", word),
               "two buses are expected, as in \"A-B\"");
       const unsigned a = number(key, word.substr(0, dash)), b = number(key, word.substr(dash + 1));
-      require(a != b, {key}, fmt::format("{} joins a bus to itself", word), "two buses are expected, as in \"A-B\"");
+      require(a != b, {key}, fmt::format("{} connects a bus to itself", word), "two buses are expected, as in \"A-B\"");
       require(island[a] != island[b], {key}, fmt::format("with {} the bridges form a loop", word),
-              "there may be one way only between two buses");
+              "only one route is possible between two buses");
       for (const unsigned gone = island[b]; unsigned& one : island)
         if (one == gone) one = island[a];
       topology_.bridges.emplace_back(a, b);
@@ -136,7 +135,7 @@ class Reader {
                           std::string_view key, const char* what, unsigned bus) {
       require(leads(standing, bus), {key, who_key, "topology.bridges", "bus.topology"},
               fmt::format("{} cannot reach {} on bus {}", who, what, topology_.buses[bus]),
-              fmt::format("let them stand on one bus, or join theirs by topology.bridges"));
+              fmt::format("put both on one bus, or connect their buses by topology.bridges"));
     };
     must("topology.boards", "the DSPs", topology_.dsps, "topology.shared_memory", "shared memory",
          topology_.shared_memory);
@@ -147,8 +146,8 @@ class Reader {
       must("topology.boards", "the DSPs", topology_.dsps, device_keys[i], names[i], topology_.devices[i]);
   }
 
-  // Devices keep their places in window B's 1000h words; where they share an address space with shared memory, or where
-  // the user says so, these begin elsewhere than at 0.
+  // Devices keep their places in window B's 1000h words. If they share an address space with shared memory, or if the
+  // user says so, these words do not begin at 0.
   void addresses() {
     const std::int64_t given[] = {config_.topology.drives_at, config_.topology.sensors_at,
                                   config_.topology.comm_port_at};

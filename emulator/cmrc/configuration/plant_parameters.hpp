@@ -1,7 +1,7 @@
 #pragma once
 // The plant's parameters as keys of the configuration: [slewing] and [gantry], their drives, [agv] and [landing]
-// (docs/configuration.md). Each value is written once, in plant/parameters/config.hpp; DSPs' programs get theirs from
-// the same dock (plant_constants.hpp).
+// (docs/configuration.md). Each default is written once, in plant/parameters/config.hpp; the DSPs' programs get their
+// values from the same dock (plant_constants.hpp).
 #include <functional>
 #include <optional>
 #include <span>
@@ -14,25 +14,25 @@ namespace cmrc {
 
 /// One parameter: one key.
 struct PlantParameter {
-  std::string name;  ///< dotted
+  std::string name;  ///< with dots
   std::string unit;
-  double scale;             ///< of the key's unit, in the plant's
+  double scale;             ///< the key's unit in units of the plant
   double minimum, maximum;  ///< in the key's unit
   std::string meaning, source;
-  std::optional<plant::CraneKind> machine;  ///< whose it is; none: of every dock
+  std::optional<plant::CraneKind> machine;  ///< the crane to which the parameter belongs; none: every dock has it
   std::function<double&(plant::DockConfig&)> at;
 };
 std::span<const PlantParameter> plant_parameters();
 
 /// Every parameter's default, in its key's unit.
 const std::vector<double>& plant_defaults();
-/// Puts those that differ from their default, and are of the dock's machine, into the dock.
+/// Puts the values that differ from their default, and belong to the dock's crane, into the dock.
 void place_plant_parameters(plant::DockConfig& dock, const std::vector<double>& values);
-/// What is wrong with the crane and the vehicles of that machine, taken together; empty: nothing.
-/// \param container_mass kg, what the crane is to carry
+/// What is wrong with the crane and the vehicles together; empty: nothing.
+/// \param container_mass kg, the crane's load
 struct PlantFault {
   std::string what, right;
-  bool of_load = false;  ///< the container's mass is what does not fit
+  bool of_load = false;  ///< the container's mass is too large
 };
 std::optional<PlantFault> plant_fault(plant::CraneKind machine, const std::vector<double>& values,
                                       double container_mass);

@@ -1,4 +1,4 @@
-// What --preset changes; docs/configuration.md, Presets, says why.
+// The settings of --preset; docs/configuration.md, Presets, gives the reasons.
 #include "cmrc/configuration/config.hpp"
 
 namespace cmrc {
@@ -36,7 +36,8 @@ driving = true
 agvs = 4
 )"},
       {"tight",
-       "base rates, and loops of 80 rad/s (slew, luff, hoist, rotator, trolley): a delay of 3.5 ms is all that they "
+       "base rates, and loops of 80 rad/s (slew, luff, hoist, rotator, trolley): they allow a delay of only 3.5 ms, "
+       "which "
        "bear",
        R"(
 [control]

@@ -17,7 +17,7 @@ namespace {
 using machine::ScriptAmount;
 using machine::ScriptTarget;
 
-/// A field that says how much: its range, and how many of the machine's units one of its own is.
+/// A field for an event's amount: its range, and its unit in units of the machine.
 struct AmountField {
   std::string_view name;
   double least, most;
@@ -64,12 +64,12 @@ const TimedAction& action_named(const std::string& name, const Origin& origin) {
   refuse(origin, "events.action", fmt::format("\"{}\" is not known", name), quoted_list(names) + " is expected");
 }
 
-/// Takes the fields of one event one by one; what is left over is unknown.
+/// Takes the fields of one event one by one; a field that is left over is unknown.
 class EventFields {
  public:
   EventFields(const std::map<std::string, Field>& fields, const Origin& where) : fields_(fields), where_(where) {}
 
-  /// Before any field is missed: a field that is written wrong is named as it is written.
+  /// To be called before a field is reported as missing: a misspelt field is then reported as it is written.
   void all_known() const {
     static constexpr std::array<std::string_view, 10> known = {"at_s", "action", "dsp",      "bus", "joint",
                                                                "axis", "factor", "lasts_ms", "key", "value"};
@@ -111,7 +111,7 @@ class EventFields {
       const Field& field = take(name, "a DSP's number is expected");
       const auto* number = std::get_if<std::int64_t>(&field.value);
       if (number == nullptr || *number < 0 || *number > 15) {
-        refuse(field.origin, "events.dsp", fmt::format("{} is no DSP", show(field.value)),
+        refuse(field.origin, "events.dsp", fmt::format("{} is not a DSP", show(field.value)),
                "an integer from 0 to 15 is expected");
       }
       return static_cast<unsigned>(*number);
@@ -141,7 +141,7 @@ class EventFields {
 
 const TimedAction& action_of(const TimedEvent& event) { return action_named(event.action, event.origin); }
 
-/// Which slots hold a board, as the events come and go.
+/// The slots that hold a board, updated event by event.
 class Slots {
  public:
   explicit Slots(const Config& config) : config_(config) {
@@ -154,7 +154,7 @@ class Slots {
       refuse(event.origin, "events.dsp", fmt::format("there is no slot {}", event.number),
              fmt::format("the slots are 0 to {}; machine.slots makes more", slots - 1));
     }
-    if (event.action == "break_link" || event.action == "repair_link") return;  // of the slot, with or without a board
+    if (event.action == "break_link" || event.action == "repair_link") return;  // for the slot, with or without a board
     bool& plugged = plugged_.at(event.number);
     const bool wanted = event.action != "plug";
     if (plugged != wanted) {
@@ -203,8 +203,7 @@ std::span<const TimedAction> timed_actions() {
       if (!one.undo.empty()) rows.push_back({one.undo, row.target, row.amount, one.undo_meaning, &one});
     }
     rows.push_back({"set", "", "",
-                    "the operator sets `key` to `value`; the keys marked \"live\" may change while a run is on",
-                    nullptr});
+                    "the operator sets `key` to `value`; the keys marked \"live\" may change during a run", nullptr});
     return rows;
   }();
   return all;

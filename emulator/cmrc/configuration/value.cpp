@@ -12,7 +12,7 @@ std::string quoted(std::string_view word) {
     const auto byte = static_cast<unsigned char>(c);
     const unsigned next = i + 1 < word.size() ? static_cast<unsigned char>(word[i + 1]) : 0;
     if (byte == 0xC2 && next >= 0x80 && next < 0xA0)
-      text += fmt::format("\\u{:04x}", next), ++i;  // U+0080 to U+009F: controls, too
+      text += fmt::format("\\u{:04x}", next), ++i;  // U+0080 to U+009F are control characters, too
     else if (c == '"' || c == '\\')
       text += fmt::format("\\{}", c);
     else if (byte < 0x20 || byte == 0x7F)

@@ -1,5 +1,5 @@
 #pragma once
-// Values as the user gives them, where they were given, and the error for what is wrong with them.
+// Values from the user, the places where they were given, and the error for a wrong value.
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -11,7 +11,7 @@ namespace cmrc {
 
 using Value = std::variant<bool, std::int64_t, double, std::string>;
 
-/// Where a value was given: a file with line and column, or the name of a flag or an argument.
+/// The place of a value: a file with line and column, or the name of a flag or an argument.
 struct Origin {
   std::string name;
   std::int64_t line = 0;
@@ -19,16 +19,16 @@ struct Origin {
   std::string text() const;
 };
 
-/// "FILE:line:column: key: what is wrong; what would be right" (line and column only where there are any).
+/// "FILE:line:column: key: what is wrong; what would be right" (line and column only if known).
 class ConfigError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// \throws ConfigError in the form above
+/// \throws ConfigError in this form
 [[noreturn]] void refuse(const Origin& origin, std::string_view key, std::string_view what, std::string_view right);
 
-/// The value as TOML would have it.
+/// The value as TOML.
 std::string show(const Value& value);
 /// "a boolean", "an integer", "a number", "a string"
 std::string_view noun(const Value& value);

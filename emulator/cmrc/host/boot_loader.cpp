@@ -10,7 +10,7 @@
 namespace cmrc {
 namespace {
 
-/// Words in a FIFO, by its field of the status, in which 15 says that it is full.
+/// Number of words in a FIFO, from its field of the status; there, 15 means full.
 std::size_t level(Word status, const c40::Field& field) {
   return std::min<std::size_t>(field.of(status), c40::Fifo::depth);
 }
@@ -43,7 +43,7 @@ bool BootLoader::step(Time now, machine::HostPort& port) {
       return true;
     }
     if (boot.stream.empty() && boot.progress + limit_ <= now)
-      end("it never asked for its program");
+      end("it never requested its program");
     else
       std::rotate(boots_.begin(), boots_.begin() + 1, boots_.end());
   }

@@ -1,10 +1,10 @@
 #pragma once
-// Booting DSPs, as the host does it between its refreshes: it learns from LINK_REQUEST who waits, and writes each one's
-// boot stream into its port of the link adapter, as many words at a time as the port's FIFO has room for, until the DSP
-// answers with its slot + 1.
+// The host's boot loader, which works between refreshes. LINK_REQUEST tells which DSPs wait. The host writes each one's
+// boot stream into the DSP's port of the link adapter, as many words at a time as fit into the port's FIFO, until the
+// DSP answers with its slot + 1.
 //
-// Several are booted at once, in turn. One that takes no word for the limit, or answers something else, is given up
-// until it is reset.
+// Several DSPs are booted at once, in turn. A DSP that takes no word for the limit, or answers something else, is given
+// up until its next reset.
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -25,28 +25,28 @@ using machine::Time;
 
 class BootLoader {
  public:
-  /// \param stream what a slot's DSP is to be sent
-  /// \param pause between two looks at the same port
+  /// \param stream the boot stream of a slot's DSP
+  /// \param pause between two accesses to the same port
   BootLoader(const Words& words, std::function<std::vector<Word>(unsigned slot)> stream, Time limit, Time pause);
 
-  /// At power-on: this one will ask.
+  /// At power-on: this DSP will request its program.
   void expect(unsigned slot, Time now);
   /// LINK_REQUEST has a bit set.
   void requested() { requested_ = true; }
-  /// Nobody is being booted, or expected to ask.
+  /// No DSP is being booted, or expected to request its program.
   bool done() const { return !requested_ && boots_.empty(); }
-  /// When the host should take the next step; never if nothing is to be done.
+  /// When the host should take the next step; never if there is nothing to do.
   Time next() const;
-  /// Makes the next access. True: it is a read, whose answer belongs to answer().
+  /// Makes the next access. True: the access is a read; pass its answer to answer().
   bool step(Time now, machine::HostPort& port);
-  /// As step().
+  /// Returns the same as step().
   bool answer(Word word, Time now, machine::HostPort& port);
 
   struct Ended {
     unsigned slot;
     std::string failure;  ///< empty: its program runs
   };
-  /// Since this was last asked.
+  /// The boots that have ended since the last call.
   std::vector<Ended> take_ended();
   void list_state(state::Visitor& list);
 
@@ -54,10 +54,10 @@ class BootLoader {
   enum class Asked : std::uint8_t { request, status, answer };
   struct Boot {
     unsigned slot;
-    Time due;       // of the next look
-    Time progress;  // the last word went, or it was first expected
+    Time due;       // time of the next access
+    Time progress;  // when the last word was sent, or the request was first expected
     std::size_t sent = 0;
-    std::vector<Word> stream;  // empty: it has not asked yet
+    std::vector<Word> stream;  // empty: the DSP has not requested it yet
   };
 
   void begin(Word slots, Time now, machine::HostPort& port);
@@ -70,7 +70,7 @@ class BootLoader {
   Time limit_, pause_;
   bool requested_ = false;
   Asked asked_ = Asked::request;
-  std::deque<Boot> boots_;  // whose turn it is comes first
+  std::deque<Boot> boots_;  // the one whose turn it is comes first
   std::vector<Ended> ended_;
 };
 

@@ -65,7 +65,7 @@ Host::Host(const Config& config, const Words& words, const CraneJob& crane, cons
   rest();
 }
 
-// The DSPs that were there at power-on have booted or been given up.
+// The DSPs plugged in at power-on have booted or been given up.
 void Host::start() {
   constexpr Time grid = std::chrono::milliseconds{1};
   const Time ready = (now_ + grid - Time{1}) / grid * grid;
@@ -78,8 +78,7 @@ void Host::start() {
   for (unsigned slot = 0; slot < static_cast<unsigned>(config_.machine.dsps); ++slot) liveness_.sign(slot, looks());
 }
 
-// ---- the steps
-// ---------------------------------------------------------------------------------------------------------
+// ---- the steps ----
 
 void Host::wake(Time now, machine::HostPort& port) {
   now_ = now;
@@ -142,7 +141,7 @@ void Host::read_done(std::uint32_t, std::span<const machine::Word> words, Time n
       if (passed_read(words[0])) relink();
       break;
     case Step::doorbell: ring(words[0]); break;
-    default: throw std::logic_error("Host: an answer that nobody asked for");
+    default: throw std::logic_error("Host: an answer without a request");
   }
   port_ = nullptr;
 }
@@ -292,7 +291,7 @@ void Host::semaphore_read(Word taken) {
       port_->read(words_.list_work_pointer, 1, 0);
       return;
     }
-    // The pointer cannot be trusted: look at every block that might have been claimed.
+    // The pointer may be wrong: reads the flag of every block that might have been claimed.
     flags_.clear();
     std::ranges::copy_if(linked_, std::back_inserter(flags_), [this](std::size_t index) { return waits(index); });
     if (flags_.empty()) return relink();
@@ -307,7 +306,7 @@ void Host::semaphore_read(Word taken) {
   port_->read(words_.semaphore_held + words_.semaphore_list - words_.semaphore, 1, 0);
 }
 
-// With a constant pause the host could fall into step with DSPs that poll, and never find the list free.
+// With a constant pause the host could stay in step with polling DSPs, and never find the list free.
 void Host::try_again() {
   dither_ ^= dither_ << 13, dither_ ^= dither_ >> 17, dither_ ^= dither_ << 5;
   step_ = Step::retry;
@@ -348,8 +347,8 @@ void Host::relink() {
        {static_cast<std::uint32_t>(tick_), static_cast<std::uint32_t>(order.size()),
         static_cast<std::uint32_t>(linked_.size()), first, static_cast<std::uint32_t>(elapsed_ - 1)});
   if (config_.machine.idle_policy != IdlePolicy::doorbell) return end_refresh();
-  // With nothing to be done nobody is rung; who is idle is still looked at before his silence could be taken for a
-  // failure.
+  // If no block is eligible, the host skips the doorbells. It still reads the mask of idle DSPs before a DSP's silence
+  // would count as a failure.
   const bool ask = silence_limit() > 0 && liveness_.doubtful(looks(), silence_limit() / 2);
   if (eligible_ == 0 && !ask) return end_refresh();
   step_ = Step::doorbell;
@@ -364,8 +363,7 @@ void Host::end_refresh() {
   rest();
 }
 
-// ---- what is told
-// ------------------------------------------------------------------------------------------------------
+// ---- reports ----
 
 void Host::process(unsigned number, bool started, Robot robot) {
   cycles_.process(config_.processes.find(number)->account, started, robot, now_);

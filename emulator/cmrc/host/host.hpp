@@ -2,28 +2,26 @@
 // The host's software: refreshes the task-block list at f_s, every access a transaction on bus A (ruling 20), and runs
 // the processes.
 //
-// One refresh, as steps between answers of the bus:
-//   pointer    read the work pointer: what stood before it has been claimed since the last refresh
-//   passed     where blocks are linked that are for one DSP alone: read the flags of those behind the pointer, up to
-//              the first that waits for anybody
-//   flags      read the flag of every block that is taken; of those that are done the result and notify words, of those
-//   that are not and have
-//              a heartbeat that word. Of those that the watchdog finds too old read the owner, fence it off, and read
-//              the flag again: now it cannot change any more
-//   field      read what the AGVs' range sensors see in their way, where a sub-process is released by it
-//   (docs/processes.md) thinking   the host's own work, for a modelled time; then finished blocks are out, successors
-//   in, t, J and order are computed;
-//              new blocks and changed words of the job areas are written, not yet linked
+// One refresh has these steps, between answers of the bus:
+//   pointer    read the work pointer: the blocks before it have been claimed since the last refresh
+//   passed     only if blocks for one DSP alone are linked: read the flags of the blocks after the pointer, up to the
+//              first one that any DSP may claim
+//   flags      read the flag of every claimed block; for finished blocks the result and notify words, for unfinished
+//              ones with a heartbeat that word. For blocks that are too old for the watchdog: read the owner, fence it
+//              off, and read the flag again, which can no longer change
+//   field      read the AGVs' range sensors, if a sub-process is released by them (docs/processes.md)
+//   thinking   the host's own work, for a modelled time; then finished blocks are out, successors are in, t, J and
+//              the order are computed; new blocks and changed words of the job areas are written, not yet linked
 //   semaphore  acquire the list
-//   relink     read the work pointer (and flags) again: a block may have been claimed since; write t, J, links, the
-//   work pointer; release doorbell   read the mask of idle DSPs, ring one per eligible block, lowest slot first; for
-//   one that is for one DSP
-//              alone, that one
+//   relink     read the work pointer (and flags) again, because a block may have been claimed since; write t, J,
+//              links and the work pointer; release the list
+//   doorbell   read the mask of idle DSPs, ring one doorbell per eligible block, lowest slot first; for a block for
+//              one DSP alone, that DSP's
 //
-// Between refreshes it boots the DSPs that ask for it (boot_loader.hpp); at power-on all of them before the first
-// refresh.
+// Between refreshes the host boots the DSPs that request it (boot_loader.hpp); at power-on it boots all of them before
+// the first refresh.
 //
-// A refresh that is late leaves out the ticks it has missed: they are counted, and t advances by all of them.
+// A late refresh leaves out the ticks that it has missed: they are counted, and t grows by all of them.
 #include <array>
 #include <cstdint>
 #include <deque>
@@ -49,7 +47,7 @@
 
 namespace cmrc {
 
-/// What the host says of itself while it runs.
+/// Reports of the host during a run.
 class HostListener {
  public:
   virtual ~HostListener() = default;
@@ -59,13 +57,13 @@ class HostListener {
 
 class Host : public machine::HostProgram, private HostServices, private ErrorActions {
  public:
-  /// \param boot_stream what a slot's DSP is to be sent; asked while the machine runs
+  /// \param boot_stream the boot stream of a slot's DSP; called while the machine runs
   Host(const Config& config, const Words& words, const CraneJob& crane, const FleetJob& fleet, Ledger& ledger,
        HostListener& listener, std::function<std::vector<Word>(unsigned slot)> boot_stream);
 
-  /// A checked event "set", for the first refresh at or after `at`.
+  /// A checked event "set", executed at the first refresh at or after `at`.
   void change(Time at, const TimedEvent& event) { changes_.emplace(at, event); }
-  /// Tells it of processes, milestones and servoing. Before the run.
+  /// Reports processes, milestones and servoing to `course`. To be called before the run.
   void set_course(Course* course) { course_ = course; }
   /// Torque compensation and PID are released at every tick.
   bool servoing() const { return servoing_; }
@@ -77,9 +75,9 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   void boot_requested(Time now) override;
   void read_done(std::uint32_t tag, std::span<const machine::Word> words, Time now, machine::HostPort& port) override;
 
-  /// Counts; the times of the semaphore are the observer's to add.
+  /// The host's counts; the observer adds the times of the semaphore.
   report::HostReport report() const;
-  /// What waited for less wind.
+  /// Adds the waits for less wind.
   void add_wind(report::WindReport& wind) const;
   const ContainerCycles& cycles() const { return cycles_; }
   const Errors& errors() const { return errors_; }
@@ -116,13 +114,13 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   struct Servo {
     Task task;
     JobKind job;
-    unsigned subprocess;  // the row by which it is released
+    unsigned subprocess;  // the row that releases it
     std::int64_t next;    // nominal tick to be released next
-    bool out = false;     // a block of it is in the list
+    bool out = false;     // one of its blocks is in the list
     std::size_t block = 0;
-    std::int64_t last_t = 0;  // t of the last block when it was found done
+    std::int64_t last_t = 0;  // t of the last block when it was found finished
     bool stopped = false;     // given up
-    bool waits = false;       // its block was given up, and an error block is to decide what follows
+    bool waits = false;       // its block was given up, and an error block has to decide what follows
     void list_state(state::Visitor& list);
   };
   struct Done {
@@ -131,11 +129,11 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   };
   struct Hung {
     std::size_t block;
-    std::optional<unsigned> slot;  // its owner, fenced off; none when the claim broke off before it was written
+    std::optional<unsigned> slot;  // its owner, fenced off; none if the claim broke off before the owner was written
     std::int64_t age;              // refreshes
   };
 
-  // Desk
+  // HostServices
   std::int64_t tick() const override { return tick_; }
   void load(const Task& task, std::optional<std::int64_t> deadline) override;
   void drop(const Task& task, std::int64_t due, std::int64_t deadline) override;
@@ -183,10 +181,10 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   void owner_read(Word owner);
   void verdict_read(Word flag);
   void after_flags();
-  std::int64_t silence_limit() const;  // refreshes; 0: none
+  std::int64_t silence_limit() const;  // in refreshes; 0: no limit
   void next_field();
   void field_read(Word millimetres);
-  /// Refreshes made: while the host is away nobody can show it a sign of life.
+  /// Number of refreshes made: while the host is paused, it can see no sign of life.
   std::int64_t looks() const { return static_cast<std::int64_t>(counts_.refreshes); }
   void begin_thinking();
   void sign_read(Word owner);
@@ -198,11 +196,11 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   void give_up(std::size_t block);
   void fence_off(unsigned slot);
   void renew(unsigned slot);
-  /// \param on servoing is on; ticks at which it is not are nobody's
+  /// \param on servoing is on; ticks without servoing are not counted
   void refresh_servo(Servo& servo, bool on);
   void load_servo(Servo& servo);
   void drop_tick(Servo& servo);
-  /// An experiment leaves this nominal tick out (scheduling.servo_loss_share, servo_served_every).
+  /// An experiment leaves out this nominal tick (scheduling.servo_loss_share, servo_served_every).
   bool left_out(std::int64_t tick) const;
   std::size_t load_block(const Task& task, JobKind job, Time released, std::optional<Time> deadline,
                          std::optional<std::int64_t> tick);
@@ -235,7 +233,7 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   const Words words_;
   ImportanceParameters parameters_;
   const Intervals intervals_;
-  std::multimap<Time, TimedEvent> changes_;  // still to come
+  std::multimap<Time, TimedEvent> changes_;  // future ones
   machine::Clock clock_;
   Ledger& ledger_;
   HostListener& listener_;
@@ -255,37 +253,37 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   Time wake_at_;
   Time refresh_at_ = machine::never;  // the next one
   Time now_{};
-  machine::HostPort* port_ = nullptr;  // during a call only
+  machine::HostPort* port_ = nullptr;  // only during a call
   std::int64_t tick_ = 0;
   std::int64_t elapsed_ = 0;         // refreshes since the last one
-  std::int64_t grown_ = 0;           // by which t grows at this one
-  std::vector<std::size_t> linked_;  // blocks from the work pointer on as shared memory links them: they wait, or were
-                                     // claimed past those for one DSP alone
+  std::int64_t grown_ = 0;           // growth of t at this refresh
+  std::vector<std::size_t> linked_;  // blocks from the work pointer on, in the order of the links in shared memory:
+                                     // they wait, or were claimed past blocks for one DSP alone
   bool own_linked_ = false;          // some of them are for one DSP alone
-  std::deque<std::size_t> passed_;   // of them, those whose flags are still to be read
+  std::deque<std::size_t> passed_;   // those of them whose flags are still to be read
   std::deque<std::size_t> flags_;    // blocks whose flags are still to be read
   std::deque<unsigned> fields_;      // AGVs whose sensors are still to be read at this refresh
-  std::deque<std::size_t> signs_;    // blocks that were out at this refresh, whose owners are alive
+  std::deque<std::size_t> signs_;    // blocks that were claimed at this refresh, whose owners are alive
   std::vector<Done> done_;
   std::vector<Hung> hung_;
-  bool pointer_in_doubt_ = false;  // a semaphore was freed: a claim may have broken off
+  bool pointer_in_doubt_ = false;  // a semaphore was released by force: a claim may have broken off
   Time refused_since_{};
   bool refused_ = false;
-  Word held_for_ = 0;         // us, the list's semaphore
+  Word held_for_ = 0;         // us for which the list's semaphore is held
   std::uint32_t dither_ = 1;  // state of the generator that varies the pause before the next try
   std::uint64_t eligible_ = 0;
   Word fence_ = 0xFFFFFFFF;
-  std::array<std::int64_t, 32> renewed_{};  // refresh at which a slot was last reset by the host
+  std::array<std::int64_t, 32> renewed_{};  // refresh of the host's last reset of a slot
   std::optional<unsigned> suspect_;         // owner of the block whose flag is being read again
-  std::optional<unsigned> holder_;          // of the list, fenced off, from which it is being taken
+  std::optional<unsigned> holder_;          // owner of the list, fenced off, from which the host takes it
   Liveness liveness_;
   BootLoader boots_;
-  Time pid_ended_{};  // a block of PID was last found done
+  Time pid_ended_{};  // when a block of PID was last found finished
   std::uint64_t pid_runs_ = 0;
-  std::map<std::pair<Word, Robot>, std::int64_t> drops_;  // of a kind and robot, in a row
-  std::map<JobKind, std::int64_t> longest_;               // longest runs in refreshes, at least as configured
+  std::map<std::pair<Word, Robot>, std::int64_t> drops_;  // drops in a row, by kind and robot
+  std::map<JobKind, std::int64_t> longest_;               // longest runs in refreshes, at least the configured ones
   std::map<JobKind, std::int64_t>
-      gaps_;  // longest between two beats in refreshes, at least as configured; of kinds that have a heartbeat
+      gaps_;  // longest gap between two beats in refreshes, at least the configured one; for kinds with a heartbeat
 
   report::HostReport counts_;
   struct {

@@ -56,7 +56,7 @@ void Host::write_new_blocks() {
     if (const auto own = own_slot(index)) words[words_.owner] = *own + 1;
     words[words_.generation] = block.generation;
     words[words_.slice] = block.task.slice;
-    // The word of the slice only where a task is or was split.
+    // The word of the slice is written only if a task is or was split.
     const bool split = std::exchange(block.written_slice, block.task.slice) != block.task.slice;
     port_->write(words_.block(index), std::span(words).first((split ? words_.slice : words_.notify) + 1));
   }
@@ -79,13 +79,13 @@ bool Host::is_long(const TaskBlock& block) const {
   return 2 * longest_.at(job_kind(block.task.kind, words_)) > intervals_.servo;
 }
 
-// Those beyond the cap are not to be run yet: J = 0, until one that is out is done (plant-and-bus.md 4.6 item 4). A
-// block that is for one DSP alone may wait for that one for ever: it neither counts nor is held back.
+// Long blocks beyond the limit must not run yet: J = 0, until another long block is finished (plant-and-bus.md 4.6 item
+// 4). A block for one DSP alone may wait for that DSP forever: it is neither counted nor held back.
 void Host::hold_back_long_blocks() {
   std::int64_t room = config_.scheduling.long_blocks_max;
   if (room == 0) return;
   bool held = false;
-  for (const std::size_t index : list_.order()) {  // taken ones come first
+  for (const std::size_t index : list_.order()) {  // claimed blocks come first
     TaskBlock& block = list_[index];
     if (own_slot(index) || !is_long(block) || block.importance == 0 || --room >= 0 || block.flag != Flag::waiting)
       continue;
@@ -100,7 +100,7 @@ void Host::take_out(const Done& done) {
   const Task task = block.task;
   const JobKind job = job_kind(task.kind, words_);
   const std::int64_t t = block.t + grown_;
-  // What is certain: a pause of the host between two looks may have come after the end.
+  // Only the certain part: a pause of the host between two refreshes may have come after the end.
   longest_[job] = std::max(longest_[job], block.seen < 0 ? 1 : block.running - block.seen + 2);
   note(EventKind::remove, {words_.block(done.block), task.kind, block.generation, 0, 0});
   drops_.erase({task.kind, task.robot});
@@ -129,7 +129,7 @@ void Host::take_out(const Done& done) {
   }
 }
 
-// The same job goes on in a block of its own.
+// The same job continues in a block of its own.
 void Host::load_next_part(std::size_t done, const Task& task, std::uint32_t own_x) {
   Task next = task;
   next.x = own_x;
@@ -140,8 +140,7 @@ void Host::load_next_part(std::size_t done, const Task& task, std::uint32_t own_
   note(EventKind::load, {words_.block(index), next.kind, next.area, next.tick, list_[index].generation});
 }
 
-// ---- the servo
-// ---------------------------------------------------------------------------------------------------------
+// ---- the servo ----
 
 void Host::refresh_servo(Servo& servo, bool on) {
   if (!on) {
@@ -159,7 +158,7 @@ void Host::load_servo(Servo& servo) {
   Task task = servo.task;
   std::int64_t due = servo.next;
   if (config_.scheduling.servo_reload == ServoReload::locked) {
-    task.t = tick_ - grown_ - (due - intervals_.servo);  // the refresh adds what has elapsed
+    task.t = tick_ - grown_ - (due - intervals_.servo);  // the refresh adds the elapsed refreshes
   } else {
     task.t = servo.last_t - grown_;
     due = std::max(tick_, tick_ + intervals_.servo - gamma - servo.last_t) + gamma;
@@ -171,7 +170,7 @@ void Host::load_servo(Servo& servo) {
   servo.next = due + intervals_.servo;
 }
 
-// A draw for each row of so many ticks, by the seed and the row's number alone: the same ticks with any number of DSPs.
+// One draw for each group of ticks, from the seed and the group's number alone: the same ticks for any number of DSPs.
 bool Host::left_out(std::int64_t tick) const {
   const Config::Scheduling& s = config_.scheduling;
   const std::int64_t number = tick / intervals_.servo;
@@ -190,8 +189,8 @@ void Host::drop_tick(Servo& servo) {
 }
 
 bool Host::servo_resting() const {
-  // A waiting block whose J in shared memory is 0 cannot be claimed before the coming relink, which follows all writes
-  // made now.
+  // A waiting block whose J in shared memory is 0 cannot be claimed before the next relink, which comes after all
+  // writes of this refresh.
   const auto rests = [this](const Servo& servo) {
     return !servo.out || (list_[servo.block].flag == Flag::waiting && list_[servo.block].importance == 0);
   };

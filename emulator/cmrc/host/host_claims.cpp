@@ -1,4 +1,4 @@
-// The host's software and the claims of the DSPs: which blocks they have taken, and which DSP is rung for which block.
+// The host and the claims of the DSPs: finds the claimed blocks, and chooses the DSP to ring for each waiting block.
 #include <algorithm>
 #include <bit>
 #include <iterator>
@@ -26,7 +26,7 @@ void Host::claimed_before(Word pointer) {
   const auto at_pointer = [&](std::size_t index) { return words_.block(index) == pointer; };
   const auto first = std::find_if(linked_.begin(), linked_.end(), at_pointer);
   if (first == linked_.end() && pointer != 0) {
-    pointer_in_doubt_ = true;  // a DSP that has run wild wrote here
+    pointer_in_doubt_ = true;  // a DSP that runs wild has written here
     return;
   }
   std::for_each(linked_.begin(), first, [this](std::size_t index) {
@@ -35,8 +35,8 @@ void Host::claimed_before(Word pointer) {
   linked_.erase(linked_.begin(), first);
 }
 
-// DSPs pass over a block that is for another one alone, and take what stands behind it (claim_own.asm); they stop at
-// the first block that waits for anybody. \returns false if no flag has to be read
+// DSPs pass over a block that is for another DSP alone, and claim one behind it (claim_own.asm); they stop at the first
+// block that any DSP may claim. \returns false if no flag has to be read
 bool Host::look_past(Step step) {
   passed_.clear();
   if (!own_linked_ || pointer_in_doubt_) return false;
@@ -47,7 +47,7 @@ bool Host::look_past(Step step) {
   return true;
 }
 
-// \returns whether that was the last one
+// \returns whether it was the last one
 bool Host::passed_read(Word flag) {
   const std::size_t index = passed_.front();
   passed_.pop_front();
@@ -60,15 +60,15 @@ bool Host::passed_read(Word flag) {
   return false;
 }
 
-// Its flag says that it is taken, though it may stand behind the work pointer, where DSPs go on by its link.
+// Its flag says that the block is claimed, though it may be behind the work pointer, where DSPs follow its link.
 void Host::taken_at_last(std::size_t index) {
   list_.take(index);
   list_[index].passed_through = true;
 }
 
-// For each block that may be run, by falling J, one idle DSP: for a block that is for one DSP alone that one; for
-// another block the lowest for which no block of its own waits, or else the lowest. So a DSP is left to its own work
-// where another can do what stands before it: who is rung later comes to the list later.
+// Chooses one idle DSP for each eligible block, by falling J: for a block for one DSP alone that DSP; for another block
+// the lowest for which no block of its own waits, or else the lowest. So a DSP stays free for its own work if another
+// one can do the blocks before it: a DSP that is rung later comes to the list later.
 void Host::ring(Word idle) {
   liveness_.signs(idle, looks());
   Word wanted = 0;  // slots for which a block of their own waits

@@ -1,4 +1,4 @@
-// The host as the hands of Errors, and what it says of missed landings and given-up blocks.
+// Carries out the orders of Errors, and reports missed landings and blocks that were given up.
 #include <fmt/format.h>
 
 #include "cmrc/host/host.hpp"
@@ -11,8 +11,8 @@ void Host::error(Word number, Word what, Robot robot, Word phase, Word response)
   note(EventKind::error, {number, what, robot, phase, response});
 }
 
-// PID takes the pose, waits for torque compensation and enables the drives: from its third run on they wait for its
-// codes.
+// In its first runs PID reads the pose, waits for torque compensation and enables the drives. From its third run on the
+// drives wait for its codes.
 bool Host::drives_wait_too_long() const {
   const double limit = config_.dock.drive_timeout_ms;
   return limit > 0 && pid_runs_ >= 3 && servoing_ && static_cast<double>((now_ - pid_ended_).count()) * 1e-9 > limit;

@@ -1,4 +1,4 @@
-// The host's software when something fails: the watchdog, fencing, blocks put back or given up, a list that is not
+// The host's software for failures: the watchdog, fencing, blocks that are put back or given up, a list that is not
 // released.
 #include <fmt/format.h>
 
@@ -19,8 +19,8 @@ std::int64_t Host::watchdog_limit(JobKind job) const {
                   static_cast<std::int64_t>(std::ceil(config_.watchdog.factor * longest)));
 }
 
-// Refreshes since the last sign of a block that is taken: since its heartbeat was first read as it is, or since it was
-// first seen taken. So one that was claimed while the host was away has age 0, whatever its t.
+// Refreshes since the last sign of life of a claimed block: since its present heartbeat was first read, or since it was
+// first seen claimed. So a block that was claimed while the host was paused has age 0, whatever its t.
 std::int64_t Host::age(const TaskBlock& block) const {
   return tick_ - (block.beat_seen < 0 ? block.seen : block.beat_seen);
 }
@@ -28,7 +28,7 @@ std::int64_t Host::age(const TaskBlock& block) const {
 void Host::alive_read(Word beat) {
   TaskBlock& block = list_[flags_.front()];
   if (block.beat_seen < 0 || beat != block.beat) {
-    // Only what is certain counts as a gap: a late look says nothing of the time before it.
+    // Only the certain part counts as a gap: a late look says nothing about the time before it.
     if (std::int64_t& longest = gaps_.at(job_of(flags_.front())); block.beat_seen >= 0)
       longest = std::max(longest, block.running - block.beat_seen + 1);
     block.beat = beat;
@@ -49,10 +49,10 @@ void Host::judge() {
   }
 }
 
-// A read follows all writes before it: the flag that comes back is the last word of a DSP that is fenced off. One that
-// was reset after its block had been seen taken works on something else, and is left alone. A block first seen taken at
-// the refresh after the reset may have been claimed before it or after it: there the reset is repeated, for a DSP left
-// alone would go on with a block that is somebody else's.
+// A read comes after all writes before it: the flag that it returns is the last word of a DSP that is fenced off. A DSP
+// that was reset after its block had been seen claimed works on another block, and is left alone. A block first seen
+// claimed at the refresh after the reset may have been claimed before or after it. Then the reset is repeated, because
+// a DSP left alone might continue with a block that has another owner now.
 void Host::owner_read(Word owner) {
   const std::size_t index = flags_.front();
   suspect_.reset();
@@ -66,8 +66,8 @@ void Host::owner_read(Word owner) {
 }
 
 void Host::verdict_read(Word flag) {
-  if (flag == words_.flag_done) {    // late, but in time
-    if (suspect_) renew(*suspect_);  // it may have begun its next claim, and words of that were refused
+  if (flag == words_.flag_done) {    // late, but before the watchdog acted
+    if (suspect_) renew(*suspect_);  // it may have begun its next claim, of which words were refused
     step_ = Step::result;
     port_->read(words_.block(flags_.front()) + words_.result, 2, 0);
     return;
@@ -98,8 +98,7 @@ void Host::recompute(const Hung& hung) {
   if (hung.slot) renew(*hung.slot);
 }
 
-// ---- signs of life
-// -----------------------------------------------------------------------------------------------------
+// ---- signs of life ----
 
 std::int64_t Host::silence_limit() const {
   return static_cast<std::int64_t>(std::ceil(config_.watchdog.silence_ms * 1e-3 * config_.rates.refresh_frequency_hz));
@@ -128,15 +127,14 @@ void Host::judge_silence() {
     const bool silent = verdict == Liveness::Verdict::silent;
     listener_.failure({now_, slot, "silent",
                        silent ? fmt::format("no sign of life for {} ms: it is reset", config_.watchdog.silence_ms)
-                              : fmt::format("no sign of life for {} ms after its reset: it is taken for dead",
+                              : fmt::format("no sign of life for {} ms after its reset: it is considered dead",
                                             config_.watchdog.silence_ms)});
     if (silent) renew(slot);
   }
   next_field();
 }
 
-// ---- blocks that are given up
-// ------------------------------------------------------------------------------------------
+// ---- blocks that are given up ----
 
 void Host::give_up(std::size_t index) {
   const Task task = list_[index].task;
@@ -160,7 +158,7 @@ void Host::fence_off(unsigned slot) {
 }
 
 void Host::renew(unsigned slot) {
-  // Reset kills what the DSP was doing and what its bridge still held; after that it may write again.
+  // A reset ends the DSP's work and drops the words in its bridge; afterwards it may write again.
   port_->write(words_.reset_dsp, Word{slot});
   fence_ |= Word{1} << slot;
   port_->write(words_.fence_mask, fence_);
@@ -170,7 +168,7 @@ void Host::renew(unsigned slot) {
 
 // ---- the list's semaphore ----
 
-// Others may have taken turns all this time; only one that holds on is taken for dead.
+// Different DSPs may have held the list during this time; only one that keeps it counts as dead.
 void Host::held_read(Word microseconds) {
   refused_since_ = now_;
   if (static_cast<double>(microseconds) < config_.watchdog.semaphore_limit_us) return try_again();
@@ -179,10 +177,10 @@ void Host::held_read(Word microseconds) {
   port_->read(words_.semaphore_owner + words_.semaphore_list - words_.semaphore, 1, 0);
 }
 
-// The holder is fenced off; then the host gets the list, unless it has just been released to another, and resets whom
-// it has fenced off: that one must not go on with its claim when it wakes.
+// The holder is fenced off. Then the host acquires the list, unless it has just been released to another DSP, and
+// resets the DSP that it has fenced off: this DSP must not continue its claim when it wakes.
 void Host::holder_read(Word owner) {
-  if (owner < 1 || owner > renewed_.size()) return try_again();  // released meanwhile
+  if (owner < 1 || owner > renewed_.size()) return try_again();  // it was released meanwhile
   holder_ = owner - 1;
   fence_off(*holder_);
   acquire();
@@ -196,7 +194,7 @@ void Host::take_from_holder(bool taken) {
   pointer_in_doubt_ = true;
   note(EventKind::semaphore, {0, 2, slot + 1, 0, 0});
   listener_.failure(
-      {now_, slot, "semaphore", fmt::format("the list was held for {} us and was freed by the host", held_for_)});
+      {now_, slot, "semaphore", fmt::format("the list was held for {} us; the host released it", held_for_)});
 }
 
 }  // namespace cmrc

@@ -1,12 +1,12 @@
 #pragma once
-// Which DSPs give a sign of life (idle policy "doorbell" only: a DSP that polls the list gives none).
+// Which DSPs show a sign of life (only with idle policy "doorbell": a DSP that polls the list shows none).
 //
-// Time is counted in refreshes that the host has made: while it is away nobody can show it a sign.
+// Time is counted in refreshes of the host: while the host is paused, it can see no sign.
 //
-// A sign is a set bit in the mask of idle DSPs, or being the owner of a block that is taken or was just found done. A
-// slot that has given none for `limit` refreshes is looked for among the owners; one that is not there either is
-// silent, and is reset. If it is silent for as long again it is taken for dead, until its idle bit is seen: a board
-// that was put in.
+// A sign is a set bit in the mask of idle DSPs, or being the owner of a block that is claimed or was just found
+// finished. A slot without a sign for `limit` refreshes is looked for among the owners; if it is not there either, it
+// is silent, and is reset. If it is silent for the same time again, it counts as dead until its idle bit is seen: a new
+// board was plugged in.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -24,11 +24,11 @@ class Liveness {
 
   void sign(unsigned slot, std::int64_t refresh);
   void signs(std::uint32_t mask, std::int64_t refresh);
-  /// The host has reset it for another reason: it has time to come back.
+  /// The host has reset the DSP for another reason: it gets time to come back.
   void renewed(unsigned slot, std::int64_t refresh);
-  /// Some slot has been quiet for so long that the owners of the taken blocks have to be read.
+  /// A slot has been silent for so long that the owners of the claimed blocks have to be read.
   bool doubtful(std::int64_t refresh, std::int64_t limit) const;
-  /// After they were: what is to be done with whom.
+  /// The result after the owners were read: what to do with which slot.
   struct Finding {
     unsigned slot;
     Verdict verdict;

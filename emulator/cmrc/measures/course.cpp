@@ -46,7 +46,7 @@ void Course::latch(const plant::Dock& dock, Time time) {
   ++size_;
 }
 
-// Of rows 1, 2, 3, ... each second one stays.
+// Removes every second one of rows 1, 2, 3, ...
 void Course::thin_rows() {
   every_ *= 2;
   size_ /= 2;
@@ -77,8 +77,8 @@ void Course::leg_begun(Robot robot, std::int64_t first, Time interval, Time at) 
   milestone(robot, Milestone::Kind::leg_begun, 0, at);
 }
 
-// A key: process, how many the robot has begun, kind, leg within the process, number within the leg or of its kind
-// within the process.
+// A key: process, how many processes the robot has begun, kind, leg within the process, and number within the leg or of
+// its kind within the process.
 void Course::milestone(Robot robot, Milestone::Kind kind, std::int64_t number, Time at) {
   Place& place = places_[robot];
   std::uint64_t within = place.counts[static_cast<std::size_t>(kind)]++;

@@ -1,7 +1,7 @@
 #pragma once
-// The course of a run: where crane, load and vehicles were at each latch of the drives, and how far each robot's work
-// had come. Two courses, a run's and its ideal run's, are what errors, lag and demand are measured from
-// (docs/report.md, Errors).
+// The course of a run: the places of crane, load and vehicles at each latch of the drives, and the progress of each
+// robot's work. Errors, lag and demand are measured from two courses, the run's and its ideal run's (docs/report.md,
+// Errors).
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -24,8 +24,8 @@ using Robot = unsigned;
 /// Rows of doubles, in memory that a child process shares with its parent.
 class SharedRows {
  public:
-  /// Room for `rows` rows; pages are taken from the system as rows are written. \throws std::runtime_error when there
-  /// is no room
+  /// Room for `rows` rows; the system gives pages when rows are written. \throws std::runtime_error without enough
+  /// memory
   SharedRows(std::size_t rows, std::size_t width);
   ~SharedRows();
   SharedRows(const SharedRows&) = delete;
@@ -48,7 +48,8 @@ class SharedRows {
 inline constexpr std::size_t load_column = plant::joint_count, sway_column = load_column + 3,
                              agv_column = sway_column + 2;
 
-/// What a robot has done, in the order in which it did it. A key tells the same deed in another run of the same work.
+/// A step of a robot's work; milestones are in the order of time. The key identifies the same step in another run of
+/// the same work.
 struct Milestone {
   enum class Kind : std::uint8_t { leg_begun, point, leg_ended, ramp_begun, ramp_ended, locked, opened, process_ended };
   Robot robot = 0;
@@ -64,38 +65,38 @@ struct JobTimes {
 };
 using JobsByRobot = std::map<std::pair<std::size_t, Robot>, JobTimes>;  ///< by kind and robot
 
-/// Records one course while its run goes on. Its memory is bounded: where a run is long, only each second, fourth, ...
-/// latch has a row, and only each second, fourth, ... point of a leg is a milestone.
+/// Records one course during its run. Its memory is limited: in a long run only every second, fourth, ... latch has a
+/// row, and only every second, fourth, ... point of a leg is a milestone.
 class Course {
  public:
   static constexpr std::size_t milestones_max = 1 << 18;
-  /// Of a metre or a radian: rows are kept to a nanometre. What is finer is the integrators' noise, of which a long
-  /// run's snapshot would be full.
+  /// Parts of a metre or radian: rows are rounded to a nanometre. Finer digits are the integrators' noise, and would
+  /// make the snapshots of long runs large.
   static constexpr double parts = 1 << 30;
   static double to_grid(double value) { return std::floor(value * parts + 0.5) / parts; }
 
-  /// \param rows at most. 0: no rows, only milestones
+  /// \param rows limit of rows; 0: no rows, only milestones
   Course(std::size_t rows, int agvs);
 
   void latch(const plant::Dock& dock, Time time);
-  /// A robot begins a process: the following milestones are of it.
+  /// A robot begins a process, to which the next milestones belong.
   void process_begun(Robot robot, unsigned number);
   /// A leg begins: its points are numbered from `first`, one `interval` apart.
   void leg_begun(Robot robot, std::int64_t first, Time interval, Time at);
-  /// \param number of a point: its number within the run; of anything else 0
+  /// \param number of a point: its number within the run; for other kinds 0
   void milestone(Robot robot, Milestone::Kind kind, std::int64_t number, Time at);
-  /// PID and torque compensation are released from now on, or are not any more.
+  /// From now on PID and torque compensation are released, or not released.
   void servo(bool on, Time at);
 
   bool recorded() const { return rows_.room() > 0; }
   std::size_t size() const { return size_; }
-  /// Of its rows.
+  /// Memory of its rows.
   std::size_t bytes() const { return size_ * (agv_column + 2 * static_cast<std::size_t>(agvs_)) * sizeof(double); }
-  /// From a row to the next: row i is the latch at (i + 1) steps.
+  /// The time from row to row: row i is the latch at (i + 1) steps.
   Time step() const { return every_ * plant::latch_period; }
   /// The instant of the last row.
   Time end() const { return static_cast<std::int64_t>(size_) * step(); }
-  /// The row at `time` or the last one before it; before the first one, that.
+  /// The row at `time` or the last one before it; before the first row, the first row.
   std::span<const double> at(Time time) const;
   /// A column at any instant, linear between rows.
   double at(Time time, std::size_t column) const;
@@ -104,27 +105,27 @@ class Course {
   const std::vector<Time>& leg_intervals() const { return leg_intervals_; }
   /// Instants at which servoing began and ended, in turn.
   const std::vector<Time>& servo_times() const { return servo_; }
-  /// Whole point intervals inside legs in which a robot consumed no new point, until `end`: a gap of g intervals counts
+  /// Whole point intervals inside legs in which a robot used no new point, until `end`: a gap of g intervals counts
   /// floor(g) - 1. By robot.
   std::map<Robot, std::uint64_t> starved_intervals(Time end) const;
 
   void list_state(state::Visitor& list);
-  /// Everything but the rows, for a process that shares these.
+  /// Everything except the rows, for a process that shares the rows.
   void list_all_but_rows(state::Visitor& list);
 
  private:
-  /// Where a robot stands, as far as its milestones' keys need it.
+  /// A robot's place in its work, as needed for the keys of its milestones.
   struct Place {
-    std::uint64_t process = 0, begun = 0;   // number of the process, and how many the robot has begun
-    std::uint64_t legs = 0;                 // begun within the process
+    std::uint64_t process = 0, begun = 0;   // number of the process, and how many processes the robot has begun
+    std::uint64_t legs = 0;                 // legs begun within the process
     std::int64_t first_point = 0;           // of the leg
     std::array<std::uint64_t, 8> counts{};  // of each kind within the process
   };
-  /// The leg of a robot, as far as its starving needs it.
+  /// A robot's leg, as needed to count intervals without points.
   struct Leg {
-    Time last{}, interval{1};  // when it consumed a point, or the leg began
+    Time last{}, interval{1};  // when it used a point, or the leg began
     bool open = false;
-    std::uint64_t starved = 0;  // intervals, in all legs so far
+    std::uint64_t starved = 0;  // intervals without points, in all legs so far
     std::uint64_t starved_at(Time time) const;
   };
 
@@ -133,8 +134,8 @@ class Course {
 
   SharedRows rows_;
   std::size_t size_ = 0;
-  std::int64_t every_ = 1;          // latch of which has a row
-  std::uint64_t points_every_ = 1;  // point of a leg is a milestone
+  std::int64_t every_ = 1;          // every so many latches there is a row
+  std::uint64_t points_every_ = 1;  // every so many points of a leg there is a milestone
   std::map<Robot, Leg> legs_;
   int agvs_;
   std::map<Robot, Place> places_;

@@ -17,7 +17,7 @@ struct Interval {
   Time from, to;
 };
 
-/// When planning was demanded for a robot: its legs.
+/// The times of a robot's legs, in which planning is demanded.
 std::vector<Interval> legs(const Course& course, Robot robot, Time end) {
   std::vector<Interval> all;
   bool open = false;
@@ -46,7 +46,7 @@ std::vector<Interval> servoing(const Course& course, Time end) {
   return all;
 }
 
-/// Time in which something is demanded, without the gaps between: how much of it has passed at `time`.
+/// The demanded time that has passed at `time`: the time in which something is demanded, without the gaps.
 Time demanded_until(const std::vector<Interval>& when, Time time) {
   Time sum{};
   for (const Interval& interval : when)
@@ -54,12 +54,12 @@ Time demanded_until(const std::vector<Interval>& when, Time time) {
   return sum;
 }
 
-/// Fewest finishes in any window of one second of the time in which they are demanded, per second; a shorter time is
+/// The fewest finishes per second in any window of one second of the time in which they are demanded; a shorter time is
 /// one window.
 /// \param finished in demanded time, in order
 double worst_rate(const std::vector<EventTimes::Group>& finished, Time whole) {
   constexpr Time window = std::chrono::seconds{1};
-  std::vector<std::uint64_t> before{0};  // finishes before each
+  std::vector<std::uint64_t> before{0};  // number of finishes before each
   for (const EventTimes::Group& some : finished) before.push_back(before.back() + some.count);
   const auto after = [&](Time time) {
     return static_cast<std::size_t>(std::ranges::upper_bound(finished, time, {}, &EventTimes::Group::time) -
@@ -77,7 +77,7 @@ double worst_rate(const std::vector<EventTimes::Group>& finished, Time whole) {
   return worst;
 }
 
-/// What f_p, f_t and f_a are the rates of.
+/// The kinds whose rates f_p, f_t and f_a are.
 struct RateKinds {
   const char* name;
   JobKind first, second;
@@ -129,7 +129,7 @@ class DemandOf {
   }
 
  private:
-  /// \returns the time in which the kind is demanded of that robot, s; 0 for a kind without a rate
+  /// \returns the time in s in which the kind is demanded of that robot; 0 for a kind without a rate
   double add_rate(std::size_t kind, Robot robot, const JobTimes& jobs, report::Demand& all) const {
     const auto is = [kind](JobKind other) { return kind == static_cast<std::size_t>(other); };
     std::vector<Interval> when;

@@ -7,8 +7,8 @@
 namespace cmrc {
 namespace {
 
-// A change of a DSP's state is told within a millisecond of its time; what held it up longer ago belongs to the state
-// that is known.
+// A change of a DSP's state is reported within a millisecond of its time; a delay that is older belongs to the known
+// state.
 constexpr Time told_within = std::chrono::milliseconds{1};
 
 }  // namespace
@@ -19,7 +19,7 @@ DspIntervals::Lane& DspIntervals::lane(unsigned slot) {
   return lanes_[slot];
 }
 
-// The present stretch ends.
+// Ends the present interval.
 void DspIntervals::close(Lane& lane, Time at) {
   if (!std::exchange(lane.begun, true)) return;
   book_waits(lane, at);
@@ -41,7 +41,7 @@ void DspIntervals::slot_is(unsigned slot, SlotState state, Time at) {
   Lane& of = lane(slot);
   const bool runs = of.begun && of.now.doing == SlotState::busy;
   if (state == SlotState::awake) {
-    // One that runs a block, or stands still, may be rung all the same.
+    // A DSP that runs a block, or is halted, may still get a doorbell.
     if (!runs && !(of.begun && of.now.doing == SlotState::off)) next(slot, state, at);
     return;
   }
@@ -75,7 +75,7 @@ void DspIntervals::left(unsigned slot, report::Run::End end, Time at, const std:
   next(slot, SlotState::awake, at);
 }
 
-// Its run comes to nothing: from its DSP's failure on, or, where none is known, now.
+// Its run is lost: from its DSP's failure on or, if that is not known, from now on.
 void DspIntervals::lose_block(Lane& of, report::Run::End end, Time at) {
   of.now.end = of.failed ? report::Run::End::failed : end;
   const bool off = of.failed.has_value();
@@ -84,14 +84,14 @@ void DspIntervals::lose_block(Lane& of, report::Run::End end, Time at) {
 
 void DspIntervals::wait(Lane& of, const Wait& wait) {
   if (wait.from >= wait.to || !of.begun) return;
-  // Bounded: a long block may wait a million times.
+  // Limits memory: a long block may wait a million times.
   if (of.waits.size() > 4096) book_waits(of, wait.from - told_within);
   of.waits.push_back(wait);
 }
 
 void DspIntervals::held_up(unsigned slot, machine::Window window, Time from, Time to) {
   Lane& of = lane(slot);
-  // What it does while it asks for the list again and again is the list's.
+  // Its accesses while it asks for the list again and again count as waiting for the list.
   if (of.refused) to = std::min(to, *of.refused);
   wait(of, {std::max(from, of.lists), to, window == machine::Window::a ? HeldUpBy::window_a : HeldUpBy::window_b});
 }

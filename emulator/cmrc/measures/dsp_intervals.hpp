@@ -1,10 +1,10 @@
 #pragma once
-// The time of each DSP cut into stretches: off, asleep, in its executive, running a block; and what held it up in them.
+// The time of each DSP, divided into intervals: off, asleep, in its executive, running a block; and the delays in each.
 //
-// A DSP runs a block from the instant at which its program issues the write of 0Fh to that of FFh, as in the report
-// (`dsps`, `tasks`): so the stretches of a DSP and a task kind sum to what the report says, to the picosecond. The
-// other instants: it is asleep from the arrival of its idle bit to the interrupt that wakes it, off from a failure or a
-// reset to the first word of its program.
+// A DSP runs a block from the instant at which its program issues the write of 0Fh to the write of FFh, as in the
+// report (`dsps`, `tasks`): so the intervals of a DSP and a task kind add up to the report's values, to the picosecond.
+// A DSP is asleep from the arrival of its idle bit to the interrupt that wakes it, and off from a failure or a reset to
+// the first word of its program.
 //
 //     DspIntervals intervals(listener);  // a DspIntervalListener
 //     simulation.watch(intervals);       // before the run, or after restore()
@@ -22,28 +22,27 @@
 
 namespace cmrc {
 
-/// What holds a DSP up: an access through window A or B; the list's semaphore, which somebody else has: from the first
-/// refusal to the answer that gives it, its accesses in between included.
+/// What delays a DSP: an access through window A or B; or the list's semaphore, which another master has: from the
+/// first refusal to the answer that grants it, including the DSP's accesses in between.
 enum class HeldUpBy : std::uint8_t { window_a, window_b, list };
 inline constexpr std::size_t held_up_count = 3;
 
-/// What a DSP did from `from` to `to`.
+/// The state of a DSP from `from` to `to`.
 struct DspInterval {
   unsigned slot = 0;
-  SlotState doing = SlotState::off;  ///< awake: in its executive; busy: it ran a block
+  SlotState doing = SlotState::off;  ///< awake: in its executive; busy: running a block
   Time from{}, to{};
-  std::array<std::int64_t, held_up_count> held_up{};  ///< ps of it, by HeldUpBy; they do not overlap
-  // Where it ran a block:
+  std::array<std::int64_t, held_up_count> held_up{};  ///< ps of the interval, by HeldUpBy; they do not overlap
+  // If it ran a block:
   TakenBlock block{};
   report::Run::End end = report::Run::End::running;
-  std::vector<std::int64_t> cycles{};  ///< by cause, the ledger's; empty: not known
+  std::vector<std::int64_t> cycles{};  ///< by cause, from the ledger; empty: not known
 };
 
 class DspIntervalListener {
  public:
   virtual ~DspIntervalListener() = default;
-  /// Of each DSP one after the other, each beginning where the one before ended: none is left out, none is empty but
-  /// perhaps a block's.
+  /// Intervals of each DSP follow each other without gaps; none is empty, except possibly that of a block.
   virtual void interval(const DspInterval& interval) = 0;
 };
 
@@ -58,7 +57,7 @@ class DspIntervals final : public RunWatcher {
   void held_up(unsigned slot, machine::Window window, Time from, Time to) override;
   void refused(unsigned slot, Time at) override;
   void list(unsigned owner, Time at) override;
-  /// The stretches that go on are cut here; a block then ends as `running`.
+  /// Ends the intervals under way here; a block's then ends as `running`.
   void finish(Time now);
 
  private:
@@ -68,11 +67,11 @@ class DspIntervals final : public RunWatcher {
   };
   struct Lane {
     bool begun = false;
-    DspInterval now{};           // as far as it is known: without its end
-    std::optional<Time> failed;  // the DSP was given up while it ran a block; it may come back with that
-    std::deque<Wait> waits;      // of the present stretch and of what follows, in order
+    DspInterval now{};           // as far as known: without its end
+    std::optional<Time> failed;  // the DSP was given up while it ran a block; it may still finish the block
+    std::deque<Wait> waits;      // of the present interval and the following ones, in order
     std::optional<Time> refused;
-    Time lists{};  // until here the list was waited for
+    Time lists{};  // until here the DSP waited for the list
   };
 
   Lane& lane(unsigned slot);

@@ -11,7 +11,7 @@ using Place = std::array<double, 3>;
 
 double distance(const Place& a, const Place& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
 
-/// Where the load, or an AGV, was at each recorded instant.
+/// The place of the load, or of an AGV, at each recorded instant.
 class RecordedPath {
  public:
   RecordedPath(const plant::Dock& dock, Robot robot) {
@@ -51,9 +51,9 @@ class RecordedPath {
 };
 
 constexpr std::array<std::string_view, 6> joints = {"travel", "slew",   "luff",
-                                                    "hoist",  "rotate", "trolley"};  // as timed events number them
+                                                    "hoist",  "rotate", "trolley"};  // numbered as in timed events
 
-/// The joint behind a channel of the drives, as timed events number them.
+/// The joint of a drives' channel, numbered as in timed events.
 unsigned joint_of(unsigned channel, bool gantry) {
   static constexpr std::array<unsigned, 5> of_gantry = {slew_joint, 0, trolley_joint, 3, 4};
   return gantry ? of_gantry.at(channel) : channel;
@@ -87,7 +87,7 @@ std::string_view name(Response response) {
   return "";
 }
 
-/// Timed events that can be behind an error of a joint or axis.
+/// Timed events that can cause an error of a joint or axis.
 std::vector<std::string_view> causes(const ErrorEntry& entry) {
   switch (entry.origin) {
     case ErrorOrigin::fault: return {"fail_drive"};
@@ -98,7 +98,7 @@ std::vector<std::string_view> causes(const ErrorEntry& entry) {
   }
 }
 
-/// The dock's event is the trip of one of the error's joints.
+/// The dock's event is a trip of one of the error's joints.
 bool trips(const ErrorEntry& entry, bool gantry, const plant::Event& event) {
   const auto channels = plant::drive_channels(gantry ? plant::CraneKind::gantry : plant::CraneKind::slewing);
   const auto channel = static_cast<unsigned>(std::ranges::find(channels, event.index) - channels.begin());

@@ -1,6 +1,6 @@
 #pragma once
-// From the errors that the host has dealt with, the timed events and the plant's record to what the report says of
-// them.
+// Makes the report's account of errors from the errors that the host has handled, the timed events and the plant's
+// record.
 #include <span>
 #include <vector>
 
@@ -10,7 +10,7 @@
 
 namespace cmrc {
 
-/// \param dock its recorded signals say how far things have moved: between two rows, on the straight line
+/// \param dock its recorded signals give the distances moved; between two rows, interpolated linearly
 /// \param block_name the name of a block's kind
 std::vector<report::HandledError> handled_errors(std::span<const ErrorEntry> entries, const Config& config,
                                                  const plant::Dock& dock, Time end,

@@ -1,5 +1,5 @@
 #pragma once
-// When something happened, again and again, in bounded memory.
+// The times of a repeated event, in limited memory.
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -14,8 +14,8 @@ namespace cmrc {
 
 using machine::Time;
 
-/// Instants, each kept as it is as long as there are few. Later they are counted in bins of equal length, which doubles
-/// as the run grows.
+/// While there are few instants, each is kept exactly. Later they are counted in bins of equal length, which doubles as
+/// the run grows.
 class EventTimes {
  public:
   explicit EventTimes(std::size_t kept_max = 1 << 18, std::size_t bins_max = 1 << 19)
@@ -25,12 +25,12 @@ class EventTimes {
   void add(Time time);
 
   std::uint64_t count() const { return count_; }
-  /// Those not after `end`; of a bin that `end` cuts, those by the share of it.
+  /// Number of instants not after `end`; if `end` lies within a bin, the same share of the bin's count.
   std::uint64_t until(Time end) const;
-  /// Length of a bin; 0: each instant is known as it is.
+  /// Length of a bin; 0: each instant is exact.
   Time bin() const { return bin_; }
 
-  /// So many, all at `time`: within bin() after it those of one bin.
+  /// A number of instants at `time`: within bin() after it, those of one bin.
   struct Group {
     Time time;
     std::uint64_t count;
@@ -45,7 +45,7 @@ class EventTimes {
 
   std::size_t kept_max_, bins_max_;
   std::uint64_t count_ = 0;
-  Time last_{};  // the latest of all
+  Time last_{};  // the latest of all instants
   Time bin_{};
   std::vector<Time> kept_;
   std::vector<std::uint32_t> bins_;

@@ -1,5 +1,5 @@
 #pragma once
-// An unstable loop, told from its drive's codes: they swing from one end of their range to the other and back, again
+// Detects an unstable loop by its drive's codes: they swing from one end of their range to the other and back, again
 // and again.
 #include <array>
 #include <cstdint>
@@ -23,7 +23,8 @@ class Instability {
     double frequency_hz;  ///< of the oscillation
   };
 
-  /// The codes of a latch. A joint is told once, when it has begun to swing; again after a second without a swing.
+  /// The codes of a latch. A joint is reported once, when it has begun to swing; and again after a second without a
+  /// swing.
   std::optional<Found> latch(std::int64_t number, std::span<const int> codes) {
     std::optional<Found> found;
     for (std::size_t j = 0; j < codes.size() && j < joints_.size(); ++j) {
@@ -49,9 +50,10 @@ class Instability {
 
  private:
   static constexpr int far = (4 * plant::largest_torque_code + 2) /
-                             5;  // four fifths of the range: no motion that is planned asks for that both ways
-  static constexpr std::size_t enough = 6;  // swings: three whole oscillations
-  static constexpr std::int64_t window = std::chrono::seconds{1} / plant::latch_period;  // latches in which they come
+                             5;             // four fifths of the range: no planned motion needs that in both directions
+  static constexpr std::size_t enough = 6;  // number of swings: three whole oscillations
+  static constexpr std::int64_t window =
+      std::chrono::seconds{1} / plant::latch_period;  // latches within which they come
   struct Joint {
     int side = 0;
     std::deque<std::int64_t> swings;

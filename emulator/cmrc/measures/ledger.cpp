@@ -30,7 +30,7 @@ std::vector<Time> periods(Time servo, std::size_t user_tasks) {
   return all;
 }
 
-/// A chain's causes: the chips', a clock that was slowed, and runs whose counters are not known.
+/// The causes of a chain: those of the chips, a slowed clock, and runs whose counters are not known.
 std::vector<std::string> chain_causes(std::vector<std::string> causes) {
   causes.insert(causes.end(), {"slow_clock", "unknown"});
   return causes;
@@ -43,7 +43,7 @@ CauseTimes minus(const CauseTimes& later, const CauseTimes& earlier) {
   return difference;
 }
 
-/// Sum by cause; an empty one is nothing.
+/// The sum by cause; an empty list counts as zero.
 std::vector<std::int64_t> plus(std::vector<std::int64_t> one, const std::vector<std::int64_t>& other) {
   if (one.empty()) return other;
   for (std::size_t i = 0; i < one.size() && i < other.size(); ++i) one[i] += other[i];
@@ -52,7 +52,7 @@ std::vector<std::int64_t> plus(std::vector<std::int64_t> one, const std::vector<
 
 __extension__ using Wide = __int128;
 
-/// Cycles to picoseconds so that the parts sum to the whole exactly: each cumulative sum is rounded down, not each
+/// Cycles to picoseconds such that the parts add up to the whole exactly: each cumulative sum is rounded down, not each
 /// part.
 std::vector<std::int64_t> in_picoseconds(const CauseTimes& cycles, std::int64_t whole) {
   const std::int64_t total = std::accumulate(cycles.begin(), cycles.end(), std::int64_t{0});
@@ -67,7 +67,7 @@ std::vector<std::int64_t> in_picoseconds(const CauseTimes& cycles, std::int64_t 
   return parts;
 }
 
-/// The same with the cycles at their nominal length, and what a slowed clock made of them. (One picosecond is the
+/// The same with the nominal length of cycles, and the additional time of a slowed clock. (One picosecond is the
 /// clock's rounding.)
 std::vector<std::int64_t> with_clock(const CauseTimes& cycles, std::int64_t whole, const machine::Clock& clock) {
   const std::int64_t total = std::accumulate(cycles.begin(), cycles.end(), std::int64_t{0});
@@ -98,8 +98,7 @@ Ledger::Slot& Ledger::slot(unsigned number) {
   return slots_[number];
 }
 
-// ---- a job's life
-// --------------------------------------------------------------------------------------------------------
+// ---- a job's life ----
 
 void Ledger::release(std::size_t block, JobKind kind, Time released, std::optional<Time> deadline,
                      std::optional<std::int64_t> tick, std::uint32_t robot) {
@@ -157,7 +156,7 @@ void Ledger::claimed(std::size_t block, unsigned number, Time at, const CauseTim
   Open& open = found->second;
   if (const auto own = own_slots_.at(static_cast<std::size_t>(open.kind))) {
     audit_.require(number == *own, at, [&] {
-      return fmt::format("block {}: DSP {} claimed what is for DSP {} alone", block, number, *own);
+      return fmt::format("block {}: DSP {} claimed a block for DSP {} alone", block, number, *own);
     });
   }
   ++slot(number).claims;
@@ -188,7 +187,8 @@ bool Ledger::finished(std::size_t block, unsigned number, Time at, const CauseTi
   if (found == open_.end() || found->second.slot != number || found->second.finished) return false;
   Open& open = found->second;
   open.failed = false;
-  open.tries.back().run->end = report::Run::End::running;  // whatever was said of its DSP: here is its word
+  open.tries.back().run->end =
+      report::Run::End::running;  // the DSP finished after it was reported failed: clears that report
   open.spent = minus(causes, open.at_claim);
   leave(open, at, part ? report::Run::End::part : report::Run::End::done);
   const std::int64_t whole = (at - open.claimed()).count();
@@ -204,7 +204,7 @@ bool Ledger::finished(std::size_t block, unsigned number, Time at, const CauseTi
   return true;
 }
 
-// From here the job waits for the block of its next part: for the host to see the end of this one, and then in the
+// From here the job waits for the block of its next part: until the host has seen the end of this part, and then in the
 // list.
 void Ledger::part_done(Open& open, Time at, std::int64_t whole) {
   const bool known = !open.spent.empty() && (open.parts.count == 0 || !open.parts.cycles.empty());
@@ -230,7 +230,7 @@ void Ledger::continued(std::size_t block, std::size_t next, Time at) {
   open_.insert(std::move(moved));
 }
 
-// Its picoseconds by a chain's causes, summing to the whole.
+// The run's picoseconds by a chain's causes; they add up to the whole.
 std::vector<std::int64_t> Ledger::chain_of(const CauseTimes& spent, std::int64_t whole, bool ended) const {
   std::vector<std::int64_t> chain = ended ? with_clock(spent, whole, chip_clock_) : in_picoseconds(spent, whole);
   chain.resize(cause_names_.size() + 2, 0);
@@ -252,7 +252,7 @@ void Ledger::put_back(std::size_t block, Time at) {
   open.tries.back().first_refresh = at;
 }
 
-// The account has one name for what the chains tell by bus.
+// The account has one name for causes that the chains distinguish by bus.
 std::vector<std::int64_t> Ledger::booked(const std::vector<std::int64_t>& amounts) const {
   if (booked_as_.empty() || amounts.empty()) return amounts;
   std::vector<std::int64_t> all(booked_.size(), 0);
@@ -362,11 +362,10 @@ void Ledger::slot_failed(unsigned number, Time at) {
   }
 }
 
-// ---- the host's refresh
-// ----------------------------------------------------------------------------------------------------
+// ---- the host's refresh ----
 
 void Ledger::refresh_began(Time at) {
-  if (open_.empty()) timeline_.forget(at);  // nobody will ask; a crane that has done its work may stand for hours
+  if (open_.empty()) timeline_.forget(at);  // no query will need it; a crane that has done its work may wait for hours
   refresh_ = {at, at, at, at};
   for (auto& [block, open] : open_) {
     Try& attempt = open.tries.back();
@@ -387,8 +386,7 @@ void Ledger::list_freed(Time at) {
   offered_.clear();
 }
 
-// ---- what is told
-// --------------------------------------------------------------------------------------------------------------
+// ---- reports ----
 
 void Ledger::book_open(Time now, const std::function<CauseTimes(unsigned)>& causes) {
   for (auto& [block, open] : open_) {

@@ -1,9 +1,9 @@
 #pragma once
-// Every job from its release to its end: who ran it, when, and what its DSP's cycles went into (rulings 16 to 18).
+// Every job from its release to its end: which DSP ran it, when, and the causes of its cycles (rulings 16 to 18).
 //
-// A job is one release of a task. A block in the list stands for one job at a time; a recomputed block goes on being
-// the same job, and so do the blocks of a task in parts, one after the other. Claims and ends are seen at the DSPs' own
-// writes to the block's flag; the host only says what is released and what is given up.
+// A job is one release of a task. A block in the list belongs to one job at a time; a recomputed block still belongs to
+// the same job, and so do the blocks of a task in parts, one after the other. The ledger sees claims and ends at the
+// DSPs' own writes to the block's flag; the host only reports what is released and what is given up.
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -24,17 +24,17 @@ namespace cmrc {
 
 using CauseTimes = std::vector<std::int64_t>;  ///< cycles of one chip by cause
 
-/// What the ledger has to know of the run.
+/// What the ledger has to know about the run.
 struct LedgerConfig {
   std::vector<std::string> causes;      ///< of the jobs' cycles
-  std::vector<std::string> booked;      ///< of the account's; empty: the same
-  std::vector<std::size_t> booked_as;   ///< of each of the jobs' causes, the account's
+  std::vector<std::string> booked;      ///< of the account's cycles; empty: the same
+  std::vector<std::size_t> booked_as;   ///< for each of the jobs' causes, the account's
   Time servo_period{};                  ///< of PID and torque compensation
   std::vector<std::string> user_tasks;  ///< their names, kinds from JobKind::user on
   std::vector<std::optional<unsigned>> user_slots =
-      {};  ///< of each the slot that alone may claim it, if it has one; empty: none has
+      {};  ///< by kind: the slot whose DSP alone may claim it, if there is one; empty: no kind has one
   machine::Clock chip_clock{25'000'000};
-  std::size_t misses_kept = 1000;  ///< chains of causes told one by one
+  std::size_t misses_kept = 1000;  ///< chains of causes that are kept one by one
   std::size_t samples_max = report::Distribution::usual_samples_max;
 };
 
@@ -42,16 +42,16 @@ class Ledger {
  public:
   explicit Ledger(LedgerConfig config);
 
-  /// A job exists from now on: it is released at `released` (a servo block may be loaded before its tick).
+  /// A job begins: it is released at `released` (a servo block may be loaded before its tick).
   void release(std::size_t block, JobKind kind, Time released, std::optional<Time> deadline,
                std::optional<std::int64_t> tick, std::uint32_t robot = 0);
-  /// A nominal tick for which no block could be released, as the host found at `found`.
-  /// \param tick number of the nominal tick; none: of a kind without ticks, counted on with its jobs
+  /// A nominal tick for which no block could be released; the host found this at `found`.
+  /// \param tick number of the nominal tick; none: for a kind without ticks, counted together with its jobs
   void skipped(JobKind kind, Time released, Time deadline, std::optional<std::int64_t> tick, Time found,
                std::uint32_t robot = 0);
 
-  // The host's refresh: it begins, wants the list, has it, has offered these blocks with J > 0, and the list is free
-  // again.
+  // The host's refresh: it begins, requests the list, has the list, has offered these blocks with J > 0, and has
+  // released the list.
   void refresh_began(Time at);
   void list_wanted(Time at) { refresh_.wanted = at; }
   void list_held(Time at) { refresh_.held = at; }
@@ -60,32 +60,32 @@ class Ledger {
   void refresh_ended(Time at, std::size_t blocks) const {
     if (watcher_ != nullptr) watcher_->refreshed(refresh_, at, blocks);
   }
-  /// What the DSPs and the list's semaphore do.
+  /// The states of the DSPs and of the list's semaphore.
   Timeline& timeline() { return timeline_; }
-  /// It hears what happens from now on; null: nobody. Not a part of the state.
+  /// The watcher is called for everything from now on; null: none. Not part of the state.
   void watch(RunWatcher* watcher) { watcher_ = watcher, timeline_.watch(watcher); }
-  /// What the DSPs are and do now, and the jobs that are open. \param generation of a block, by its place in the pool
+  /// Reports the DSPs' present states and the open jobs. \param generation of a block, by its place in the pool
   void introduce(RunWatcher& watcher, const std::function<Word(std::size_t)>& generation) const;
-  /// The jobs that are open at `now`, as tell() books them; a watcher that is to hear of those.
+  /// Reports the jobs that are open at `now`, as tell() counts them, to a watcher.
   void close(Time now, const std::function<CauseTimes(unsigned)>& causes, RunWatcher& watcher) const;
 
   /// A DSP has marked the block 0Fh / FFh. Times are those at which the program issued the write.
   void claimed(std::size_t block, unsigned slot, Time at, const CauseTimes& causes, Word generation = 0);
-  /// \param part the task is not done: a block that continues it will follow \returns whether it was this DSP's to
-  /// finish.
+  /// \param part the task is not finished: a block that continues it will follow \returns whether this DSP was the one
+  /// to finish it.
   bool finished(std::size_t block, unsigned slot, Time at, const CauseTimes& causes, bool part = false);
-  /// The host has seen that a part is done and put up the block of the next one: the same job goes on.
+  /// The host has seen that a part is finished and has loaded the block of the next one: the same job continues.
   void continued(std::size_t block, std::size_t next, Time at);
   /// The block's DSP was given up; the block waits again.
   void put_back(std::size_t block, Time at);
   /// The block was given up for good (ruling 24).
   void dropped(std::size_t block, Time at);
-  /// The host has seen FFh and taken the block out. \returns what became of the job.
+  /// The host has seen FFh and removed the block. \returns the outcome of the job.
   report::Outcome removed(std::size_t block);
-  /// A DSP has died, hung, been pulled or reset; what it was running is lost unless it is recomputed.
+  /// A DSP has failed, hung, been pulled out or reset; the block that it was running is lost unless it is recomputed.
   void slot_failed(unsigned slot, Time at);
 
-  /// Statistics, chains of causes, and the audit, with the jobs that are still open booked as they stand at `now`.
+  /// Statistics, chains of causes, and the audit; jobs that are still open are counted with their state at `now`.
   struct Report {
     std::vector<report::TaskReport> tasks;
     std::vector<report::MissReport> misses;
@@ -96,7 +96,7 @@ class Ledger {
   /// \param causes a slot's cycles by cause so far, for the jobs that are still running
   Report tell(Time now, const std::function<CauseTimes(unsigned)>& causes) const;
   std::uint64_t claims(unsigned slot) const;
-  /// Jobs that have ended late or were dropped so far.
+  /// Jobs that have ended late or were dropped, so far.
   std::uint64_t misses() const { return misses_; }
   /// Picoseconds that a DSP was occupied, by job kind.
   std::vector<report::Share> occupied(unsigned slot, Time now) const;
@@ -108,8 +108,8 @@ class Ledger {
  private:
   struct Parts {
     unsigned count = 0;
-    Time time{};                      // that they ran
-    CauseTimes cycles;                // by cause; empty when not known of each
+    Time time{};                      // time that they ran
+    CauseTimes cycles;                // by cause; empty unless known for each
     std::vector<std::int64_t> chain;  // ps, by a chain's causes
   };
   struct Open {
@@ -118,14 +118,14 @@ class Ledger {
     Time released{};
     std::optional<Time> deadline;
     std::optional<std::int64_t> tick;
-    std::optional<unsigned> slot;  // running on it
-    bool failed = false;           // its DSP is dead
+    std::optional<unsigned> slot;  // the DSP that runs it
+    bool failed = false;           // its DSP has failed
     std::optional<Time> finished;
     CauseTimes at_claim;
-    CauseTimes spent;  // cycles of the run by cause, when it has ended
+    CauseTimes spent;  // cycles of the run by cause, after its end
     std::vector<Try> tries;
-    Time first_claim{};  // of its whole run: of its first part, if it is in parts
-    Parts parts;         // that are done
+    Time first_claim{};  // first claim of the whole run: of its first part, if it has parts
+    Parts parts;         // finished parts
     Time claimed() const { return tries.back().run ? tries.back().run->claimed : Time{}; }
   };
   struct Slot {
@@ -156,10 +156,10 @@ class Ledger {
   WhyLate why_;
   std::map<std::size_t, Open> open_;
   std::vector<Slot> slots_;
-  std::vector<std::int64_t> released_;  // jobs so far, by kind
+  std::vector<std::int64_t> released_;  // number of jobs so far, by kind
   JobsByRobot jobs_;
   RefreshTimes refresh_;                                       // the present one
-  std::vector<std::pair<std::size_t, RefreshTimes>> offered_;  // blocks whose refresh has not freed the list yet
+  std::vector<std::pair<std::size_t, RefreshTimes>> offered_;  // blocks whose refresh has not released the list yet
   std::uint64_t misses_ = 0;
   RunWatcher* watcher_ = nullptr;
 };

@@ -9,11 +9,11 @@
 namespace cmrc {
 namespace {
 
-constexpr double residual_seconds = 12;  // after an arrival, in which the load's swing is looked at
+constexpr double residual_seconds = 12;  // time after an arrival in which the load's swing is measured
 
 using report::seconds;
 
-/// Mean square, peak and last value of something sampled.
+/// Mean square, peak and last value of a sampled quantity.
 class Sampled {
  public:
   void add(double value) {
@@ -72,7 +72,7 @@ report::Errors measure(const Measured& run, const Course& ideal, const JobsByRob
   }
   std::size_t arrival = 0;
   double weighed = 0;
-  // Where both courses have a row.
+  // Instants at which both courses have a row.
   const Time step = std::max(run.course.step(), ideal.step());
   const bool both = run.course.size() > 0 && ideal.size() > 0;
   for (Time time = (from + step - Time{1}) / step * step; both && time < run.to; time += step) {

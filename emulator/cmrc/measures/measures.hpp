@@ -1,5 +1,5 @@
 #pragma once
-// A run's course beside its ideal run's: errors, lag, demand and rates (docs/report.md, Errors).
+// Compares a run's course with its ideal run's: errors, lag, demand and rates (docs/report.md, Errors).
 #include <array>
 
 #include "cmrc/configuration/config.hpp"
@@ -10,24 +10,24 @@
 
 namespace cmrc {
 
-/// By how much one unit of each joint moves the spreader at the jib's full reach, m; of the rotator, half a container's
+/// How far one unit of each joint moves the spreader at the jib's full reach, m; for the rotator, half a container's
 /// length.
 std::array<double, plant::joint_count> levers(const plant::CraneParameters& crane);
 
-/// What an ideal run leaves for the runs that are measured against it.
+/// The part of an ideal run that is kept for the runs measured against it.
 struct Reference {
   Reference(std::size_t rows, int agvs) : course(rows, agvs) {}
-  std::string key;  ///< reference_key of the runs that it serves
+  std::string key;  ///< reference_key of the runs for which it is valid
   Course course;
   JobsByRobot jobs;
-  std::vector<std::optional<double>> metrics;  ///< of its own report, as report::metrics has them
+  std::vector<std::optional<double>> metrics;  ///< of its own report, in the order of report::metrics
   double elapsed_s = 0;
 };
 
 /// Rows of a course of the configured duration.
 std::size_t rows_of(const Config& config);
 
-/// A run, as far as it is measured.
+/// The part of a run that is measured.
 struct Measured {
   const Config& config;
   const plant::DockConfig& dock;
@@ -37,8 +37,8 @@ struct Measured {
   Time to{};                       ///< end of the window
 };
 
-/// The errors of a run against its ideal run's course, and its jobs against those that the ideal run released. Courses
-/// that are shorter than the window stay at their last row.
+/// The errors of a run against its ideal run's course, and its jobs compared with those that the ideal run released. A
+/// course that is shorter than the window keeps its last row.
 report::Errors measure(const Measured& run, const Course& ideal, const JobsByRobot& demanded);
 
 }  // namespace cmrc

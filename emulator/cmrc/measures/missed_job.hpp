@@ -1,5 +1,5 @@
 #pragma once
-// A missed job as the ledger knows it: what its chain of causes is made from.
+// The ledger's record of a missed job, from which its chain of causes is made.
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -11,20 +11,20 @@ namespace cmrc {
 
 using report::Time;
 
-/// The host's way through one refresh, to the instant at which the list was free again.
+/// The times of one refresh of the host, until it has released the list.
 struct RefreshTimes {
   Time began{}, wanted{}, held{}, free{};
 };
 
-/// One wait in the list and the run that followed it, if any: a recomputed job has several, and one in parts.
+/// One wait in the list and the run that followed it, if any. A recomputed job, and a job in parts, has several.
 struct Try {
   Time waits_from{};
-  std::optional<Time> first_refresh;   ///< the first one that began while it waited
+  std::optional<Time> first_refresh;   ///< the first refresh that began while it waited
   std::optional<RefreshTimes> put_up;  ///< the refresh after which it could be claimed
   std::optional<report::Run> run;
 };
 
-/// All that is known of a missed job.
+/// Everything known of a missed job.
 struct MissedJob {
   report::JobName name;
   report::Outcome outcome{};
@@ -33,8 +33,8 @@ struct MissedJob {
   Time end{};
   std::vector<Try> tries;
   std::vector<std::int64_t>
-      execution;                 ///< ps of its last run, of all parts, by cause; empty when it has none that counts
-  std::optional<Time> given_up;  ///< no run could follow from then on
+      execution;                 ///< ps of its last run, of all parts, by cause; empty if it has no run that counts
+  std::optional<Time> given_up;  ///< after this time no run could follow
   std::optional<std::int64_t> previous;
 };
 

@@ -19,14 +19,15 @@ void accumulate(Causes& to, const Causes& causes, int sign = 1) {
   for (std::size_t i = 0; i < to.size(); ++i) to[i] += sign * causes[i];
 }
 
-/// Takes one cause out of `from`.
+/// Removes one cause from `from`.
 Causes take(Causes& from, Cause cause) {
   Causes out{};
   std::swap(out[static_cast<std::size_t>(cause)], from[static_cast<std::size_t>(cause)]);
   return out;
 }
 
-/// Which of the code between jobs claims and which waits. An image may lack these labels: then all is the executive's.
+/// The code between jobs that claims, and the code that waits. An image may lack these labels: then all counts as the
+/// executive.
 struct Executive {
   explicit Executive(const toolchain::Image& image) {
     const auto find = [&image](std::string_view name) -> c40::Address {
@@ -38,7 +39,7 @@ struct Executive {
     starts = {image.entry, find("exec_next"), claim, idle};
     starts.erase(0);
   }
-  /// The executive's own, claim, idle: by the routine that an address lies in; and the boot ROM's.
+  /// The executive, claim, idle: by the routine that contains the address; and the boot ROM.
   std::array<ProfileCounts, 4> split(const ProfileCounts& counts, const std::set<c40::Address>& all_starts) const {
     std::array<ProfileCounts, 4> parts;
     const auto part = [&](c40::Address address) -> ProfileCounts& {
@@ -71,7 +72,7 @@ RunProfile::RunProfile(machine::Machine& machine) : machine_(machine) {
   }
 }
 
-// A job's counts are made apart from its kind's, for it may never finish. Their memory is used again.
+// A job's counts are separate from its kind's, because it may never finish. Their memory is reused.
 std::unique_ptr<RunProfile::Span> RunProfile::fresh() {
   if (spare_.empty()) return std::make_unique<Span>();
   auto span = std::move(spare_.back());
@@ -144,7 +145,7 @@ report::Profile RunProfile::report(const std::vector<report::TaskReport>& tasks,
   learn(executive_);
 
   report::Profile profile = machine::empty_profile();
-  Causes rest{};  // cycles of no instruction that are in no group yet
+  Causes rest{};  // cycles outside all instructions that no group has yet
   for (unsigned slot = 0; slot < machine_.slots(); ++slot) accumulate(rest, machine_.chip(slot).causes());
   accumulate(rest, executive_.total().causes, -1);
   const auto add_group = [&](std::string name, std::uint64_t jobs, const ProfileCounts& counts, const Causes& outside) {
@@ -178,7 +179,7 @@ report::Profile RunProfile::report(const std::vector<report::TaskReport>& tasks,
   return profile;
 }
 
-// A DSP that is at a job now, and an end whose write has not landed, too.
+// Includes the job of each DSP's present run, and ends whose write has not landed.
 RunProfile::Kind RunProfile::unfinished_now() const {
   Kind all;
   const auto include = [&all](std::uint64_t jobs, const ProfileCounts& counts, const Causes& outside) {

@@ -1,9 +1,9 @@
 #pragma once
-// Where the DSPs' cycles of a run went: by task kind, and by instruction within each.
+// The cycles of the DSPs in a run: by task kind, and by instruction within each.
 //
-// A DSP works on a job from the instruction that writes 0Fh into the block's flag up to, not including, the one that
-// writes FFh: the same two instants between which the ledger takes a job's cycles. What lies between jobs is the
-// executive's.
+// A DSP works on a job from the instruction that writes 0Fh into the block's flag up to, not including, the instruction
+// that writes FFh: the same two instants between which the ledger counts a job's cycles. The cycles between jobs are
+// the executive's.
 #include <deque>
 #include <functional>
 #include <memory>
@@ -23,29 +23,29 @@ namespace cmrc {
 
 class RunProfile {
  public:
-  /// \param machine of the run, which must outlive this; no chip has executed anything yet
+  /// \param machine of the run; must outlive this object; no chip has executed anything yet
   explicit RunProfile(machine::Machine& machine);
 
-  /// Null to hear no more; otherwise it hears everything that the DSP does.
+  /// The sink gets everything that the DSP does; null removes it.
   void trace(unsigned slot, c40::TraceSink* sink) { slots_.at(slot)->stream.hand_on_to(sink); }
 
-  /// The DSP issues the write that takes a block (0Fh) or says that it is done (FFh).
+  /// The DSP issues the write that claims a block (0Fh) or ends it (FFh).
   void taken(unsigned slot);
   void done(unsigned slot, machine::Offset offset, Time issued);
-  /// What became of a write of FFh: the job that has ended by it, or none.
+  /// The result of a write of FFh: the job that it has ended, or none.
   void landed(unsigned slot, machine::Offset offset, Time issued, std::optional<JobKind> job);
-  /// Whatever the DSP was at is over.
+  /// Ends the DSP's present job.
   void reset(unsigned slot);
 
-  /// Groups in the order of `tasks` (those with finished jobs), then "not finished" (jobs that were running at the end,
-  /// lost or given up), "executive", "claim", "idle" and "halted". Their sum is the sum of the DSPs' cycles, cause by
+  /// Groups in the order of `tasks` (kinds with finished jobs), then "not finished" (jobs that were running at the end,
+  /// lost or given up), "executive", "claim", "idle" and "halted". Their sum is the sum of the DSPs' cycles, for each
   /// cause.
-  /// \param tasks the run's; \throws std::logic_error if a kind's cycles are not those that its report has
+  /// \param tasks the run's; \throws std::logic_error if a kind's cycles differ from those of its report
   report::Profile report(const std::vector<report::TaskReport>& tasks, const toolchain::Image& image,
                          const toolchain::Image& rom) const;
 
  private:
-  /// A job's cycles, and those of them that belong to no instruction.
+  /// A job's cycles, and the part of them outside all instructions.
   struct Span {
     c40::ProfileCounts counts;
     c40::Causes outside{};
@@ -57,9 +57,9 @@ class RunProfile {
   };
   struct Slot {
     c40::Profile stream;
-    std::unique_ptr<Span> job;  // what it works on; null: the executive's
-    c40::Causes at_start{};     // the chip's, when the job was taken
-    std::deque<Ended> ended{};  // writes of FFh on their way
+    std::unique_ptr<Span> job;  // the present job; null: the executive
+    c40::Causes at_start{};     // the chip's counters when the job was claimed
+    std::deque<Ended> ended{};  // writes of FFh under way
   };
   struct Kind {
     std::uint64_t jobs = 0;

@@ -1,5 +1,5 @@
 #pragma once
-// Several watchers of a run as one.
+// Combines several watchers of a run into one.
 #include <vector>
 
 #include "cmrc/measures/run_watcher.hpp"

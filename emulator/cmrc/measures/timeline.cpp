@@ -7,7 +7,7 @@ namespace {
 
 using report::Wait;
 
-/// The entry that holds at `time`, or the first if all begin later.
+/// The entry valid at `time`, or the first one if all begin later.
 template <class List>
 auto at_time(const List& list, Time time) {
   const auto after =
@@ -62,7 +62,7 @@ void Timeline::introduce(RunWatcher& watcher) const {
 void Timeline::window(unsigned number, machine::Window window, Time from, Time to) {
   if (watcher_ != nullptr) watcher_->held_up(number, window, from, to);
   if (from >= to || number >= slots_.size() || slots_[number].states.empty()) return;
-  if (slots_[number].states.back().state == SlotState::busy) return;  // counted by the chip, for the job
+  if (slots_[number].states.back().state == SlotState::busy) return;  // the chip counts this for the job
   slots_[number].waits.push_back({from, to, window});
 }
 
@@ -74,7 +74,7 @@ void Timeline::forget(Time before) {
   drop_before(holders_, before);
 }
 
-// From `from` to `to` nothing but this free and wakeful DSP could have claimed the block.
+// From `from` to `to` only this free DSP, which was awake, could have claimed the block.
 void Timeline::wait_for_free(Time from, Time to, unsigned number, report::WaitTimes& times) const {
   auto holder = at_time(holders_, from);
   const auto& waits = slots_[number].waits;
@@ -104,10 +104,10 @@ Waiting Timeline::explain(Time from, Time to, unsigned claimer, std::optional<un
   Waiting waiting;
   std::vector<std::deque<State>::const_iterator> states;
   for (const Slot& slot : slots_) states.push_back(at_time(slot.states, from));
-  std::vector<unsigned> in_the_way;  // slots whose blocks the waiting one waits for
+  std::vector<unsigned> in_the_way;  // slots whose blocks are in the waiting block's way
   for (Time at = from; at < to;) {
     Time next = to;
-    unsigned awake = 32;  // the free DSP that is looked at: the claimer, or the first
+    unsigned awake = 32;  // the free DSP that is considered: the claimer, or the first
     bool asleep = false, overtaken = false;
     in_the_way.clear();
     for (unsigned i = 0; i < states.size(); ++i) {

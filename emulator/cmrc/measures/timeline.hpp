@@ -1,9 +1,9 @@
 #pragma once
-// What every DSP and the list's semaphore were doing, as far back as an open job was released; and from it, what a
-// block waited for that could have been claimed.
+// The states of every DSP and of the list's semaphore, as far back as an open job was released; and from these, what a
+// claimable block waited for.
 //
-// At any instant a block that may be claimed waits for one thing (docs/report.md, Why late): for a DSP that is free to
-// wake up, for a free DSP to go through its claim, or for the blocks that every living DSP runs.
+// At any instant a block that may be claimed waits for one thing (docs/report.md, Why late): for a free DSP to wake up,
+// for a free DSP to do its claim, or for the blocks that all working DSPs run.
 #include <array>
 #include <cstdint>
 #include <deque>
@@ -20,38 +20,37 @@ class Visitor;
 
 namespace cmrc {
 
-/// Waiting, split without a remainder.
+/// A wait, split without a remainder.
 struct Waiting {
   report::WaitTimes times{};
   std::vector<report::BlockingJob>
-      behind;  ///< blocks that kept all DSPs busy that may claim it; shares sum to blocked + behind_list
+      behind;  ///< blocks that kept all DSPs busy that may claim it; shares add up to blocked + behind_list
 };
 
 class Timeline {
  public:
   static constexpr unsigned nobody = 0;
 
-  /// A DSP's state from `at` on. Calls for one slot come in the order of time; one that comes late counts from the
-  /// last.
+  /// A DSP's state from `at` on. Calls for one slot come in the order of time; a late call counts from the time of the
+  /// last one.
   void slot(unsigned slot, SlotState state, Time at);
-  /// It runs this job from `at` on.
+  /// The DSP runs this job from `at` on.
   void took(unsigned slot, const report::JobName& job, Time at);
-  /// It is done with it, or the job was taken from it; no change where it runs none.
+  /// The DSP has finished the job, or lost it; no change if it runs none.
   void left(unsigned slot, Time at);
-  /// The list's semaphore belongs to `owner` (DSP slot + 1, machine::host_owner) from `at` on, or to nobody.
+  /// The list's semaphore belongs to `owner` (DSP slot + 1, machine::host_owner) from `at` on, or is free.
   void list(unsigned owner, Time at);
-  /// A DSP waited for an access through a window; asked of those without a block.
+  /// A DSP waited for an access through a window; called for DSPs without a block.
   void window(unsigned slot, machine::Window window, Time from, Time to);
-  /// Tells it whatever it is told itself; null: nobody.
+  /// Passes all calls on to `watcher`; null: none.
   void watch(RunWatcher* watcher) { watcher_ = watcher; }
-  /// What the DSPs that run no block are now.
+  /// Reports the present states of the DSPs that run no block.
   void introduce(RunWatcher& watcher) const;
-  /// Nothing before this will be asked for again.
+  /// No query will need anything before this time.
   void forget(Time before);
 
-  /// What a block waited for that could be claimed from `from` on and that slot `claimer` claimed at `to` (32: nobody
-  /// did).
-  /// \param only the slot whose DSP alone may claim it: nobody else counts
+  /// The wait of a block that could be claimed from `from` on and that slot `claimer` claimed at `to` (32: no DSP did).
+  /// \param only the slot whose DSP alone may claim it: no other DSP counts
   Waiting explain(Time from, Time to, unsigned claimer, std::optional<unsigned> only = {}) const;
   void list_state(state::Visitor& list);
 

@@ -10,11 +10,11 @@ namespace {
 
 using report::Wait;
 
-/// Cuts time into stretches that follow one another, so that no picosecond is counted twice or left out.
+/// Divides time into intervals that follow one another, so that no picosecond is counted twice or left out.
 class Cutter {
  public:
   Cutter(Time from, Time end, report::WaitTimes& times) : at_(from), end_(std::max(from, end)), times_(times) {}
-  /// Up to `to`, as far as that is after what has been cut and before the end, it was `wait`.
+  /// The time up to `to` was `wait`, as far as it is after the last call's time and before the end.
   void until(Time to, Wait wait) {
     const Time next = std::clamp(to, at_, end_);
     times_[static_cast<std::size_t>(wait)] += (next - at_).count();
@@ -39,14 +39,14 @@ std::int64_t sum(const std::vector<std::int64_t>& times) {
   return std::accumulate(times.begin(), times.end(), std::int64_t{0});
 }
 
-/// It has not come to nothing: it ended well, the job's whole run or a part of it, or has not ended.
+/// Whether the run counts: it ended well (the job's whole run or a part of it), or has not ended.
 bool counts(const report::Run& run) {
   return run.end == report::Run::End::done || run.end == report::Run::End::part || run.end == report::Run::End::running;
 }
 
 /// The first instant at which now + the shortest remaining time is past the deadline (ruling 18). While the job waits,
-/// or its run has come to nothing, the shortest remaining time is the usual run; once it is claimed, what the usual run
-/// would have left. Parts that are done are off it.
+/// or its run is lost, the shortest remaining time is the usual run; once it is claimed, the rest of the usual run.
+/// Finished parts are subtracted.
 std::optional<Time> unavoidable_from(const MissedJob& job, Time usual) {
   if (!job.deadline) return std::nullopt;
   const Time tick{1};
@@ -220,7 +220,8 @@ report::WhyLate WhyLate::summary(std::size_t kind, BlockAudit& audit) const {
   for (std::size_t i = 0; i < kinds_.size(); ++i) {
     if (sums.behind[i] != 0) told.behind.push_back({kinds_[i], sums.behind[i]});
   }
-  told.lateness -= (chains - with_deadline) * shortest;  // those without a deadline: beyond the usual run
+  told.lateness -=
+      (chains - with_deadline) * shortest;  // jobs without a deadline count as late by what exceeds the usual run
   std::int64_t total = 0;
   for (const auto& part : told.parts) total += part.amount;
   audit.require(total == told.lateness, Time{}, [&] {

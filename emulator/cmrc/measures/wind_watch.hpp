@@ -1,6 +1,6 @@
 #pragma once
-// How long the mean of the wind over 3 s is above a limit: counted beside the controller, which may be too late to
-// look.
+// How long the wind's mean over 3 s is above a limit. Measured independently of the controller, which may read the wind
+// too late.
 #include <cmath>
 #include <cstdint>
 
@@ -17,7 +17,7 @@ class WindWatch {
  public:
   WindWatch(const plant::WindParameters& wind, double limit_m_s) : wind_(wind), limit_(limit_m_s) {}
 
-  /// Time has come to `now`, which never goes back.
+  /// Time has advanced to `now`; it never goes back.
   void at(plant::Time now) {
     for (; next_ <= now; next_ += period) {
       const double t = static_cast<double>(next_.count()) * 1e-12;
@@ -25,7 +25,7 @@ class WindWatch {
       ++samples_;
     }
   }
-  /// Until now, to within a period.
+  /// The watched time until now, to within a period.
   plant::Time watched() const { return samples_ * period; }
   plant::Time above() const { return samples_above_ * period; }
   void list_state(state::Visitor& list);

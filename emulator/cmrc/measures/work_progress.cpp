@@ -11,7 +11,7 @@ using report::seconds;
 
 namespace {
 
-/// The milestones of one robot within the window, in order, each not before the one before it.
+/// The milestones of one robot within the window, in order; none comes before an earlier one.
 std::vector<Milestone> milestones_of(const Course& course, Robot robot, Time from, Time to) {
   std::vector<Milestone> all;
   Time last = from;
@@ -44,7 +44,7 @@ Time WorkProgress::ideal_time(Time time) {
   if (itself_) return time;
   while (next_ < knots_.size() && knots_[next_].at <= time) ++next_;
   const Knot& last = knots_[next_ - 1];
-  // Nothing is left to do: what the run was late by at the end, it stays late by.
+  // Nothing is left to do: the run keeps the lag that it had at the end.
   if (last.done >= way_.back().done) return time - (last.at - way_.back().at);
   double done = last.done;
   if (next_ < knots_.size()) {
@@ -60,7 +60,7 @@ report::Lag WorkProgress::lag(std::string name) const {
   report::Lag lag{std::move(name), 0, 0};
   WorkProgress again = *this;
   again.next_ = 1;
-  // Between two knots the lag has its extremes at their ends.
+  // Between two knots the lag has its extremes at the ends.
   const auto look = [&](Time time) {
     lag.end_s = seconds(time - again.ideal_time(time));
     lag.peak_s = std::max(lag.peak_s, lag.end_s);

@@ -1,5 +1,5 @@
 #pragma once
-// How far a robot's work had come, told by the milestones of the ideal run (docs/report.md, Errors: lag).
+// The progress of a robot's work, measured by the milestones of the ideal run (docs/report.md, Errors: lag).
 #include <string>
 #include <vector>
 
@@ -8,7 +8,7 @@
 
 namespace cmrc {
 
-/// Where a run's robot stood on the ideal run's way, and when the ideal run stood there.
+/// The progress of a run's robot along the ideal run's work, and the time of this progress in the ideal run.
 class WorkProgress {
  public:
   /// \param from, to the window that is measured
@@ -17,21 +17,22 @@ class WorkProgress {
   /// The robot does something in the ideal run.
   bool any() const { return way_.size() > 1; }
 
-  /// The instant at which the ideal run had come as far as the run at `time`. Calls come in nondecreasing time.
+  /// The instant at which the ideal run had the progress that the run has at `time`. `time` must not decrease between
+  /// calls.
   Time ideal_time(Time time);
 
   report::Lag lag(std::string name) const;
 
  private:
-  /// At `at`, `done` milestones of the ideal run are behind the robot. Linear in between.
+  /// At `at`, the robot has passed `done` milestones of the ideal run. Linear in between.
   struct Knot {
     Time at;
     double done;
   };
 
   Time to_;
-  bool itself_;              // the ideal run beside itself: no rounding
-  std::vector<Knot> way_;    // the ideal run's
+  bool itself_;              // the ideal run's
+  std::vector<Knot> way_;    // the run's
   std::vector<Knot> knots_;  // the run's
   std::size_t next_ = 1;
 };

@@ -1,10 +1,10 @@
 #pragma once
 // May-load as tokens (plant-and-bus.md 4.4, items 13 to 16): a process starts when every process that has to consent
-// has.
+// has consented.
 //
-// A consent is a one-place token, taken away when its target starts. Those that an AGV's process gives are kept per
-// AGV. One that the crane's or nobody's process gives to an AGV's process holds for every AGV ("the job is done", 1 to
-// 8), and stays until it is cleared.
+// A consent is a token for one place, removed when its target starts. Consents of an AGV's process are kept per AGV. A
+// consent of the crane's process, or of a process without a robot, to an AGV's process is valid for every AGV ("the job
+// is done", 1 to 8), and stays until it is cleared.
 #include <cstdint>
 #include <vector>
 
@@ -23,9 +23,10 @@ class Consents {
   void give(unsigned source, unsigned target, unsigned agv = 0) { token(source, target, agv) = 1; }
   void clear(unsigned source, unsigned target, unsigned agv = 0) { token(source, target, agv) = 0; }
   bool given(unsigned source, unsigned target, unsigned agv = 0) const;
-  /// There is a process that has to consent, and every one has (to AGV `agv`, where it matters).
+  /// Some process has to consent to `target`, and every such process has consented (for AGV `agv`, if the target is an
+  /// AGV's).
   bool all(unsigned target, unsigned agv = 0) const;
-  /// Takes the consents of all sources away: the process starts.
+  /// Removes the consents of all sources: the process starts.
   void consume(unsigned target, unsigned agv = 0);
   void list_state(state::Visitor& list);
 
@@ -39,7 +40,7 @@ class Consents {
 
   std::vector<bool> of_agv_;
   std::vector<std::vector<unsigned>> sources_;  // [target]
-  std::vector<std::uint8_t> tokens_;            // [agv][source][target]; of those that are not an AGV's at agv 0
+  std::vector<std::uint8_t> tokens_;            // [agv][source][target]; sources without an AGV use agv 0
 };
 
 }  // namespace cmrc

@@ -53,7 +53,7 @@ void ContainerCycles::process(Account account, bool started, unsigned robot, Tim
       } else {
         Agv& agv = agvs_[robot - 1];
         if (!agv.waits_since) agv.waits_since = now;
-        if (auto* cycle = of_agv(robot - 1)) {  // else it comes back from an empty round
+        if (auto* cycle = of_agv(robot - 1)) {  // else the AGV comes back from an empty round
           cycle->t6 = lasted() - agv.waited;
           ++completed_;
         }
@@ -65,8 +65,8 @@ void ContainerCycles::process(Account account, bool started, unsigned robot, Tim
 void ContainerCycles::loading_begins(unsigned number, Time now) {
   Agv& agv = agvs_[number];
   agv.before = std::exchange(agv.cycle, std::nullopt);
-  const auto since = std::exchange(agv.waits_since, std::nullopt);  // none: it was there at the start
-  if (!grabbed_) return;                                            // nothing is accounted as t_3
+  const auto since = std::exchange(agv.waits_since, std::nullopt);  // none: the AGV was there at the start
+  if (!grabbed_) return;                                            // no process is accounted as t_3
   report::CycleReport& cycle = cycles_.back();
   cycle.t_v = now - *grabbed_;
   cycle.agv = number;

@@ -1,12 +1,12 @@
 #pragma once
-// Times of the processes, cycle by cycle (equations 2 to 4), and learning of N^_a from them (plant-and-bus.md 4.7).
-// Which process counts as t_3, t_4, t_5 or t_6 its row says (`account`).
+// Times of the processes, cycle by cycle (equations 2 to 4), and learning of N^_a from these times (plant-and-bus.md
+// 4.7). The row of a process says whether it counts as t_3, t_4, t_5 or t_6 (`account`).
 //
 // The crane waits for an AGV (t_v) from the end of t_3, above the loading spot, to the start of t_4. An AGV waits from
 // leaving the lane, at its first stop in a slot or the spot, to the end of the t_4 that loads it again; moving up is
 // t_6. So t_wait = t_w + that t_4, and
 //     T_g = t_3 + t_4 + t_v,    T_a = t_5 + t_6 + t_wait
-// are the whole way from one beginning of t_3, and from one end of t_4, to the next.
+// are the times from one beginning of t_3, and from one end of t_4, to the next.
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -21,41 +21,41 @@ class Visitor;
 
 namespace cmrc {
 
-/// What an AGV knows when it is loaded again: how long it drove, and who waited for whom.
+/// Times of an AGV's cycle, known when the AGV is loaded again.
 struct AgvCycle {
   unsigned agv = 0;
   report::Time driving{};  ///< t_5 + t_6
-  report::Time t_w{};      ///< it waited for the crane
-  report::Time t_v{};      ///< the crane waited for it
+  report::Time t_w{};      ///< the AGV waited for the crane
+  report::Time t_v{};      ///< the crane waited for the AGV
   report::Time T_g{};
 };
 
-/// Notes when processes start and end. Cycle n is container n's way, from the n-th start of t_3.
+/// Records the starts and ends of processes. Cycle n belongs to container n, and begins at the n-th start of t_3.
 class ContainerCycles {
  public:
-  /// robot: 0 crane, n AGV n - 1; of t_4 the AGV that is loaded.
+  /// robot: 0 crane, n AGV n - 1; for t_4 the AGV that is loaded.
   void process(Account account, bool started, unsigned robot, report::Time now);
-  /// A landing of the present cycle has been missed.
+  /// A landing of the present cycle was missed.
   void landing_missed() {
     if (!cycles_.empty()) ++cycles_.back().landings_missed;
   }
-  /// An AGV has come to its slot of the queue or to the loading spot, or drives on from its slot.
+  /// An AGV has reached its slot of the queue or the loading spot, or leaves its slot.
   void agv_waits(unsigned agv, bool waits, report::Time now);
-  /// N^_a of the way that an AGV begins.
+  /// N^_a of the cycle that an AGV begins.
   void sent(unsigned agv, std::int64_t interval);
   const std::vector<report::CycleReport>& cycles() const { return cycles_; }
-  /// Cycles of which t_6 has ended.
+  /// Number of cycles whose t_6 has ended.
   unsigned completed() const { return completed_; }
-  /// The cycle that has just closed (its AGV is being loaded again); each is given once.
+  /// The cycle that has just ended (its AGV is being loaded again); each is returned once.
   std::optional<AgvCycle> take_closed();
   void list_state(state::Visitor& list);
 
  private:
   struct Agv {
-    std::optional<std::size_t> cycle;         // its present one
-    std::optional<std::size_t> before;        // the one whose wait its present t_4 ends
+    std::optional<std::size_t> cycle;         // the AGV's present cycle
+    std::optional<std::size_t> before;        // the cycle whose wait ends with the present t_4
     std::optional<report::Time> waits_since;  // in a slot or the spot
-    report::Time waited{};                    // in slots that it has left, within the present t_6
+    report::Time waited{};                    // in slots that the AGV has left, within the present t_6
   };
 
   report::CycleReport* of_agv(unsigned agv);

@@ -11,21 +11,21 @@
 namespace cmrc {
 namespace {
 
-constexpr double probe = 0.1;        // m, by which lowering is prolonged when nothing was met
+constexpr double probe = 0.1;        // m, by which lowering is prolonged if the load touched nothing
 constexpr double probe_after = 1.0;  // s after a ramp's end
 constexpr int most_probes = 5;
-// What has met something and stands on no corner switch is jammed between guides or cones, held by friction: its weight
-// is taken off by and by, so that they can push it, and put on again.
+// If the load has touched something but closed no corner switch, it is jammed between guides or cones, held by
+// friction. Its weight is then taken off in small steps, so that guides and cones can push it, and put on again.
 constexpr double ease = 0.05;        // m
-constexpr double ease_slower = 0.5;  // so that the load does not bounce on the rope, which it does with some 0.6 s
-constexpr double ease_after = 0.15;  // s after a ramp's end: by then the load cell tells
+constexpr double ease_slower = 0.5;  // so that the load does not bounce on the rope; its period there is some 0.6 s
+constexpr double ease_after = 0.15;  // s after a ramp's end: by then the load cell shows the load
 constexpr double most_eased = 0.3;   // m
-constexpr double hangs = 0.9;        // of what the rope carried before
-// In wind the load is let down in two ramps. Between them it hangs where the guides (0.3 m high) already catch it,
-// until it is over its place.
+constexpr double hangs = 0.9;        // share of the rope's earlier load
+// In wind the load is lowered in two ramps. In between it hangs at a height at which the guides (0.3 m high) already
+// catch it, until it is above its place.
 constexpr double hover = 0.2;            // m above the surface
 constexpr double steady_for = 0.25;      // s
-constexpr double touching_slower = 0.8;  // the second one meets the surface where it is fastest
+constexpr double touching_slower = 0.8;  // the second ramp reaches the surface at its greatest speed
 
 }  // namespace
 
@@ -45,8 +45,7 @@ std::int64_t CraneSteps::ticks(double seconds) const {
   return static_cast<std::int64_t>(std::ceil(seconds * job_.refresh_frequency));
 }
 
-// ---- steps
-// -------------------------------------------------------------------------------------------------------------
+// ---- steps ----
 
 void CraneSteps::enter(const Step& step, std::optional<unsigned> agv, HostServices& services) {
   retrying_ = false;
@@ -56,7 +55,7 @@ void CraneSteps::enter(const Step& step, std::optional<unsigned> agv, HostServic
       services.write(words_.cr_base + words_.cr_agv, words_.agv_unit + agv.value() * words_.agv_unit_words);
       begin_leg(words_.leg_align, services);
       break;
-    case Step::Kind::settle: since_ = services.tick() + interval_; break;  // the last segment is still being followed
+    case Step::Kind::settle: since_ = services.tick() + interval_; break;  // the robot still follows the last segment
     case Step::Kind::lower:
       ramp_pending_ = true;
       phase_ = Phase::down;
@@ -128,7 +127,7 @@ bool CraneSteps::ramp(double delta, HostServices& services) {
   services.write(words_.cr_base + words_.cr_ramp_start, words);
   ramp_offset_ += delta;
   ramp_end_ = begin + duration;
-  // A ramp in two parts is one to whoever compares runs.
+  // For comparisons of runs a ramp in two parts is one ramp.
   ramp_told_ = hovering_;
   if (!low_) services.milestone(0, Milestone::Kind::ramp_begun, 0, services.tick() + 2 * job_.servo_interval);
   return true;
@@ -200,7 +199,8 @@ bool CraneSteps::down(HostServices& services) {
   return false;
 }
 
-// Up by and by until the switches have closed or the rope carries the load; then down again by as much.
+// Upwards in small steps until the switches have closed or the rope carries the load; then downwards by the same
+// distance.
 void CraneSteps::ease_or_lower(HostServices& services) {
   if (services.path(pid_.tick) <= ramp_end_ + ticks(ease_after)) return;
   if (freed_ || eased_ >= most_eased) {
@@ -210,7 +210,8 @@ void CraneSteps::ease_or_lower(HostServices& services) {
   }
 }
 
-// The rest of the way takes a second and a half: so long a load that is over its place and hardly moves stays there.
+// The rest of the way takes a second and a half: a load that is above its place and hardly moves stays there for this
+// time.
 bool CraneSteps::hovered(const HostServices& services) {
   const std::int64_t reached = services.path(pid_.tick) - ramp_end_;
   if (!pid_.steady || reached < ticks(steady_for)) unsteady_ = services.path(pid_.tick);
@@ -229,8 +230,8 @@ void CraneSteps::landing_missed(HostServices& services) {
   services.landing_missed(++missed_ > job_.landing_retries);
 }
 
-// Over the ship the container is looked for again and the way to it planned; over an AGV its pose is measured again.
-// Where the table has led elsewhere the load only comes to rest.
+// Above the ship the container is looked for again and the way to it is planned; above an AGV its pose is measured
+// again. In other places of the table the load only comes to rest.
 void CraneSteps::aim_again(HostServices& services) {
   asked_ = false;
   since_ = services.tick() + interval_;
@@ -266,8 +267,7 @@ bool CraneSteps::raised(HostServices& services) {
   return false;
 }
 
-// ---- blocks that have ended
-// --------------------------------------------------------------------------------------------
+// ---- finished blocks ----
 
 void CraneSteps::finished(const Task& done, Word result, Word notify, HostServices& services) {
   if (done.kind == words_.kind_pid)
@@ -313,11 +313,11 @@ void CraneSteps::pid_finished(const Task& done, Word result, HostServices& servi
     ramp_told_ = true;
     services.milestone(0, Milestone::Kind::ramp_ended, 0, pid_.tick);
   }
-  // The count is 16 bits wide; the host keeps the rest.
+  // The count is 16 bits wide; the host has the upper bits.
   const std::int64_t step = static_cast<std::int64_t>((result - static_cast<Word>(consumed_)) & 0xFFFF);
   if (step == 0 || step > 0x8000) return;
   consumed_ += step;
-  // Where the path has a clock of its own (path_clock.hpp), its segments are not N_t refreshes long.
+  // If the path has its own clock (path_clock.hpp), its segments are not N_t refreshes long.
   const bool now = (result & words_.pid_began) != 0 || services.path(pid_.tick) != pid_.tick;
   segment_start_ = now ? pid_.tick : segment_start_ + interval_ * step;
   chain_.consumed(consumed_, segment_start_);

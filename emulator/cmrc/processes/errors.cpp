@@ -9,7 +9,7 @@ namespace cmrc {
 namespace {
 
 constexpr Word five = 0x1F;
-constexpr Word noticed = 0, decided_now = 1, done_now = 2, cleared_now = 3;  // of the trace's event
+constexpr Word noticed = 0, decided_now = 1, done_now = 2, cleared_now = 3;  // phases in the trace's event
 
 }  // namespace
 
@@ -33,12 +33,11 @@ void Errors::tell(const ErrorEntry& entry, Word phase, HostServices& services) c
                  entry.robot, phase, static_cast<Word>(entry.response));
 }
 
-// ---- what is noticed
-// ---------------------------------------------------------------------------------------------------
+// ---- noticing errors ----
 
 void Errors::notice(ErrorEntry entry, Time now, HostServices& services) {
   entry.noticed = now;
-  entry.stands = true;  // until it is decided otherwise
+  entry.stands = true;  // until a decision says otherwise
   known(entry.origin) |= entry.of;
   Word what = static_cast<Word>(entry.origin) | entry.of << words_.error_of;
   if (entry.tries) what |= words_.error_tries;
@@ -57,7 +56,7 @@ void Errors::notice(ErrorEntry entry, Time now, HostServices& services) {
                 std::nullopt);
 }
 
-// Drives that fail together for several reasons have a fault: none of them is told as the one.
+// Drives that fail together for different reasons have the origin "fault", which names none of the reasons.
 ErrorOrigin Errors::trip_of(Word errors) const {
   switch (errors >> words_.pide_trip & 7) {
     case 1: return ErrorOrigin::overspeed;
@@ -103,11 +102,10 @@ void Errors::landing_missed(bool tries, Time now, HostServices& services) {
 void Errors::given_up(const Task& lost, bool tries, Time now, HostServices& services) {
   notice({.origin = ErrorOrigin::block, .of = lost.kind, .robot = lost.robot, .lost = lost, .tries = tries}, now,
          services);
-  known(ErrorOrigin::block) = 0;  // each is one of its own
+  known(ErrorOrigin::block) = 0;  // each is an error of its own
 }
 
-// ---- what is decided
-// ---------------------------------------------------------------------------------------------------
+// ---- decisions ----
 
 void Errors::decided(const Task& block, Word result, Time now, HostServices& services) {
   ErrorEntry& entry = entries_.at(block.error - 1);
@@ -169,8 +167,8 @@ void Errors::carry_out(ErrorEntry& entry, Time now, HostServices& services) {
         entry.stands = false;
         return finish(entry, now, services);
       }
-      // The drives have come back with PID's codes; the crane stands, and its set-point waits until the joints are back
-      // on their path.
+      // The drives work again with PID's codes. The crane does not move, and its set-point waits until the joints are
+      // back on their path.
       ++timeouts_;
       late_after_ = services.tick();
       hands_.hold_crane(true);
@@ -193,8 +191,7 @@ void Errors::finish(ErrorEntry& entry, Time now, HostServices& services) {
   tell(entry, done_now, services);
 }
 
-// ---- going on
-// ----------------------------------------------------------------------------------------------------------
+// ---- continuing ----
 
 void Errors::refresh(Time now, HostServices& services) {
   if (go_on_at_ && services.tick() >= *go_on_at_) {
@@ -250,7 +247,7 @@ void Errors::clear(Time now, HostServices& services) {
     hands_.stop_servo(false);
     servo_stopped_ = false;
     late_after_ = services.tick() +
-                  2 * servo_interval_;  // the drives have timed out meanwhile, and come back with the first codes
+                  2 * servo_interval_;  // the drives have timed out meanwhile, and work again from the first codes on
     crane = true;
   }
   if (!crane) return;

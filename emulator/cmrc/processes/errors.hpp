@@ -1,7 +1,7 @@
 #pragma once
-// Errors (x = 1) as the host deals with them (docs/controller.md, Errors): PID, the crane or the watchdog notices one;
-// an error block on a DSP decides what is to be done (c40_programs/kernels/error.asm); the host carries it out; the
-// operator clears what it has stopped.
+// Errors (x = 1) in the host (docs/controller.md, Errors): PID, the crane or the watchdog notices an error; an error
+// block on a DSP decides the response (c40_programs/kernels/error.asm); the host carries it out; the operator clears
+// the error.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -16,7 +16,7 @@ namespace cmrc {
 
 using report::Time;
 
-/// ERROR_* and RESPOND_* of task_block.inc, which are checked against these.
+/// Must equal ERROR_* and RESPOND_* of task_block.inc; this is checked.
 enum class ErrorOrigin : std::uint8_t {
   following = 1,
   fault,
@@ -29,41 +29,42 @@ enum class ErrorOrigin : std::uint8_t {
   saturation,
   heat
 };
-/// A drive is out of order: it has failed, or tripped.
+/// The origin is a faulty drive: failed or tripped.
 constexpr bool is_fault(ErrorOrigin origin) { return origin == ErrorOrigin::fault || origin >= ErrorOrigin::overspeed; }
 enum class Response : std::uint8_t { none, stop, hold, set_down, retry, second_sensor };
 
-/// One error, from the instant at which it was noticed on.
+/// One error from the instant at which it was noticed.
 struct ErrorEntry {
   ErrorOrigin origin{};
-  Word of = 0;  ///< bit j: channel j of the drives, or axis j of the sway sensor; of a block given up its kind
+  Word of = 0;  ///< bit j: channel j of the drives, or axis j of the sway sensor; for a block given up, its kind
   Robot robot = 0;
   Task lost = {};      ///< the block that was given up
-  Word sensor = 0;     ///< of the sway: which sensor was in use
-  bool tries = false;  ///< tries were left
+  Word sensor = 0;     ///< for sway: the sensor in use
+  bool tries = false;  ///< there are tries left
   Time noticed{};
   std::optional<Time> decided = std::nullopt, done = std::nullopt, cleared = std::nullopt;
   Response response = Response::none;
   bool stands = false;  ///< its robot waits for the operator because of it
 };
 
-/// What the host does at the word of Errors.
+/// The host's actions for Errors.
 class ErrorActions {
  public:
   virtual ~ErrorActions() = default;
-  /// The crane's steps stand still, or go on.
+  /// The crane's steps stop, or continue.
   virtual void hold_crane(bool held) = 0;
-  /// It lowers on until the load stands, and waits then; or that is called off.
+  /// Lowering continues until the load stands, and then waits; or this is cancelled.
   virtual void set_crane_down(bool asked) = 0;
   virtual bool crane_is_down() const = 0;
   virtual bool crane_lowers() const = 0;
   virtual void landing_decided(bool again) = 0;
   virtual void landing_again() = 0;
-  /// What a block that was given up was for is asked for again, or stops, or goes on after it had stopped.
+  /// The work of a block that was given up is requested again, or stops, or continues after a stop.
   virtual void ask_again(const Task& lost) = 0;
   virtual void stop_work(const Task& lost) = 0;
   virtual void resume_work(const Task& lost) = 0;
-  /// Torque compensation and PID are released no more, so that the drives brake by their time-out; or again.
+  /// Torque compensation and PID are no longer released, so that the drives' time-out brakes; or they are released
+  /// again.
   virtual void stop_servo(bool stopped) = 0;
 };
 
@@ -71,23 +72,23 @@ class Errors {
  public:
   Errors(const Config& config, const Words& words, ErrorActions& hands);
 
-  /// What PID said in its TB_NOTIFY. \param tick of that block
+  /// PID's TB_NOTIFY. \param tick of that block
   void pid_says(Word errors, std::uint32_t tick, Time now, HostServices& services);
-  /// PID has not run for longer than the drives wait for a code: they have timed out.
+  /// PID has not run for longer than the drives wait for a code: the drives have timed out.
   void pid_silent(Time now, HostServices& services);
   void landing_missed(bool tries, Time now, HostServices& services);
   void given_up(const Task& lost, bool tries, Time now, HostServices& services);
-  /// An error block has ended, or has been given up itself.
+  /// An error block has finished, or was itself given up.
   void decided(const Task& block, Word result, Time now, HostServices& services);
   void undecided(const Task& block, Time now);
-  /// The operator's order.
+  /// The operator clears all errors.
   void clear(Time now, HostServices& services);
-  /// Goes on with what has to wait for the servo or the crane.
+  /// Continues actions that have to wait for the servo or the crane.
   void refresh(Time now, HostServices& services);
 
   const PathClock& path() const { return path_; }
   const std::vector<ErrorEntry>& entries() const { return entries_; }
-  /// Some robot stands because of an error that nobody has cleared.
+  /// Some robot waits because of an error that has not been cleared.
   bool standing() const;
   void list_state(state::Visitor& list);
 
@@ -95,7 +96,7 @@ class Errors {
   void notice(ErrorEntry entry, Time now, HostServices& services);
   void carry_out(ErrorEntry& entry, Time now, HostServices& services);
   void finish(ErrorEntry& entry, Time now, HostServices& services);
-  /// The path's clock is to go to this rate; it is written when the servo rests.
+  /// The path's clock has to change to this rate; the change is written when the servo rests.
   void go_to_rate(double rate, double seconds);
   bool wanted_is_written() const { return !wanted_; }
   void tell(const ErrorEntry& entry, Word phase, HostServices& services) const;
@@ -116,19 +117,19 @@ class Errors {
     double seconds;
   };
   std::optional<Wanted> wanted_;
-  Word drives_ = 0x1F;  // that are to be on
+  Word drives_ = 0x1F;  // drives that have to be on
   bool drives_changed_ = false;
-  std::array<Word, 11> known_{};  // by origin: joints or axes of errors that are not over; of trips as of faults
+  std::array<Word, 11> known_{};  // by origin: joints or axes of open errors; trips are counted as faults
   Word& known(ErrorOrigin origin) {
     return known_.at(static_cast<std::size_t>(is_fault(origin) ? ErrorOrigin::fault : origin));
   }
-  /// The origin of faults of which PID says why they tripped.
+  /// The origin of faults whose reason PID reports.
   ErrorOrigin trip_of(Word errors) const;
-  Word sensor_ = 0;                       // the sway sensor in use
-  std::int64_t sway_after_ = 0;           // PID's word on the sway counts from this tick on: it used the present sensor
-  std::int64_t late_after_ = 0;           // the same for time-outs
-  bool servo_stopped_ = false;            // by an error
-  std::int64_t timeouts_ = 0;             // after which the crane has gone on by itself
+  Word sensor_ = 0;              // the sway sensor in use
+  std::int64_t sway_after_ = 0;  // PID's report on sway counts from this tick on: from here PID used the present sensor
+  std::int64_t late_after_ = 0;  // the same for time-outs
+  bool servo_stopped_ = false;   // by an error
+  std::int64_t timeouts_ = 0;    // time-outs after which the crane has continued by itself
   std::optional<std::int64_t> go_on_at_;  // after a time-out
 };
 

@@ -12,7 +12,7 @@
 namespace cmrc {
 namespace {
 
-constexpr double taken_margin = 0.5;  // s, the AGV stands a little later than its planner thinks
+constexpr double taken_margin = 0.5;  // s: the AGV stops a little later than its planner assumes
 constexpr Word segment_words = 8, leg_words = 64;
 
 /// The lanes without their last `length` metres.
@@ -73,8 +73,7 @@ void Fleet::send_round(unsigned index, HostServices& services) {
   agvs_[index].moving = true;
 }
 
-// ---- steps
-// -------------------------------------------------------------------------------------------------------------
+// ---- steps ----
 
 void Fleet::enter(unsigned index, const Step& step, HostServices& services) {
   Agv& agv = agvs_[index];
@@ -83,7 +82,7 @@ void Fleet::enter(unsigned index, const Step& step, HostServices& services) {
   };
   switch (step.kind) {
     case Step::Kind::task:
-      // Home is a place in the queue. The block cuts off what of the lane lies behind the AGV.
+      // Home is a place in the queue. The block cuts off the part of the lane behind the AGV.
       if (step.task != "home.agv") break;
       if (agv.away) take_slot(index);
       write_leg(index, 3, lanes_to_slot(agv.slot), services);
@@ -146,7 +145,7 @@ void Fleet::write_leg(unsigned index, Word leg, std::span<const Lane> lanes, Hos
   services.write(area + words_.ag_segment_count + leg, static_cast<Word>(count));
   const std::array<Word, 2> period = {static_cast<Word>(agv.interval), static_cast<Word>(std::lround(period_us))};
   services.write(area + words_.ag_point_ticks, period);
-  // Nothing of what avoidance and the shift were at on the leg before.
+  // Clears what avoidance and the shift kept from the leg before.
   services.write(area + words_.ag_avoid_limit, std::vector<Word>(words_.ag_avoid_beside + 1 - words_.ag_avoid_limit));
   const std::array<Word, 2> start = {leg, 0};  // AG_LEG, AG_PRODUCED
   services.write(area + words_.ag_leg, start);
@@ -166,7 +165,7 @@ bool Fleet::slot_taken(unsigned slot) const {
 }
 
 unsigned Fleet::first_free_slot() const {
-  // The queue has no gaps to overtake into: behind the last one.
+  // The queue has no gaps to overtake into: behind its last AGV.
   unsigned slot = 0;
   for (const Agv& agv : agvs_) {
     if (!agv.away) slot = std::max(slot, agv.slot + 1);
@@ -195,8 +194,7 @@ void Fleet::move_up(unsigned index, HostServices& services) {
   agv.moving = true;
 }
 
-// ---- blocks that have ended
-// --------------------------------------------------------------------------------------------
+// ---- finished blocks ----
 
 void Fleet::finished(const Task& done, Word result, Word notify, HostServices& services) {
   PointChain& chain = agvs_.at(done.robot - 1).chain;

@@ -1,8 +1,8 @@
 #pragma once
-// The AGVs as the steps of their processes see them: legs, the queue at the dock, and who stands where (ruling 11).
+// The AGVs' steps of processes: legs, the queue at the dock, and the place of each AGV (ruling 11).
 //
-// One-way traffic: the loading spot under the crane is slot 0, slots 1.. wait behind it. The step "queue" ends in the
-// loading spot; an AGV that has to wait in a slot moves up as slots become free, which belongs to it.
+// One-way traffic: the loading spot under the crane is slot 0, slots 1.. are the queue behind it. The step "queue" ends
+// in the loading spot; an AGV in a slot moves up as slots become free, as part of this step.
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -30,29 +30,29 @@ struct FleetJob {
   double refresh_frequency = 8000;
   std::int64_t interval = 160;  ///< N^_a at the start
   std::int64_t buffer_points = 2;
-  bool driving = false;               ///< all begin with an empty round
-  bool parked = false;                ///< avoidance is loaded for vehicles that stand, too
-  bool avoidance = false;             ///< obstacle avoidance is loaded at all
-  std::int64_t avoidance_cycles = 0;  ///< what a synthetic one is told
+  bool driving = false;               ///< all AGVs begin with an empty round
+  bool parked = false;                ///< avoidance is also loaded for vehicles that stand
+  bool avoidance = false;             ///< obstacle avoidance is loaded
+  std::int64_t avoidance_cycles = 0;  ///< length of a synthetic one
 };
 
-/// Pieces of lane that one leg may have.
+/// Greatest number of lane pieces in one leg.
 inline constexpr std::size_t most_segments = 8;
-/// The empty round of the vehicle that stands in `slot`, as one leg.
+/// The empty round of the vehicle in `slot`, as one leg.
 std::vector<Lane> round_from(const FleetJob& job, unsigned slot);
 
 class Fleet {
  public:
   Fleet(const FleetJob& job, const Words& words);
 
-  /// The AGVs stand in slots 0, 1, ...
+  /// The AGVs start in slots 0, 1, ...
   void start(HostServices& services);
-  /// Sends one off from its slot, past the warehouse and back: at the speed of the slowest lane, so that vehicles keep
+  /// Sends an AGV from its slot past the warehouse and back, at the speed of the slowest lane, so that vehicles keep
   /// their distances.
   void send_round(unsigned agv, HostServices& services);
-  /// Begins a step; "task" only prepares what its block reads.
+  /// Begins a step; for "task" it only prepares what the block reads.
   void enter(unsigned agv, const Step& step, HostServices& services);
-  /// Goes on with the step that was entered last: true when it is done.
+  /// Continues the step that was entered last: true when it is finished.
   bool done(unsigned agv, const Step& step, HostServices& services);
   /// A block of sub-processes 1 and 2 has ended.
   void finished(const Task& task, Word result, Word notify, HostServices& services);
@@ -61,14 +61,14 @@ class Fleet {
   void resume(unsigned agv) { agvs_.at(agv).chain.resume(); }
   void refresh(unsigned agv, HostServices& services) { agvs_.at(agv).chain.refresh(services); }
 
-  /// It is in a slot of the queue, or on its way there.
+  /// The AGV is in a slot of the queue, or on its way to one.
   bool queued(unsigned agv) const { return !agvs_.at(agv).away; }
   unsigned slot(unsigned agv) const { return agvs_.at(agv).slot; }
   bool on_leg(unsigned agv, std::int64_t tick) const { return agvs_.at(agv).chain.under_way(tick); }
   bool moving_up(unsigned agv) const { return agvs_.at(agv).moving; }
   unsigned size() const { return static_cast<unsigned>(agvs_.size()); }
   const FleetJob& job() const { return job_; }
-  /// N^_a of an AGV, adapted by learning from its next leg on.
+  /// N^_a of an AGV; learning changes it from the AGV's next leg on.
   std::int64_t interval(unsigned agv) const { return agvs_.at(agv).interval; }
   void set_interval(unsigned agv, std::int64_t interval) { agvs_.at(agv).next_interval = interval; }
   void list_state(state::Visitor& list);
@@ -76,12 +76,12 @@ class Fleet {
  private:
   struct Agv {
     PointChain chain;
-    unsigned slot = 0;    // where it stands or is going; meaningless while away
+    unsigned slot = 0;    // its slot or destination; without meaning while away
     bool away = false;    // it has left the queue
     bool moving = false;  // within the step "queue": on its way to its slot
     std::int64_t interval = 160;
     std::int64_t next_interval = 160;
-    std::int64_t until = 0;  // refresh at which the present step has held long enough
+    std::int64_t until = 0;  // refresh at which the present step has lasted long enough
   };
 
   void write_leg(unsigned agv, Word leg, std::span<const Lane> lanes, HostServices& services);

@@ -1,5 +1,5 @@
 #pragma once
-// What the processes ask of the host in a refresh.
+// The host's services for the processes during a refresh.
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -15,31 +15,32 @@ class HostServices {
   virtual ~HostServices() = default;
   /// The number of the present refresh.
   virtual std::int64_t tick() const = 0;
-  /// Puts a block in the list. \param deadline refresh number, none: never late
+  /// Loads a block into the list. \param deadline refresh number; none: never late
   virtual void load(const Task& task, std::optional<std::int64_t> deadline) = 0;
-  /// A block was due at refresh `due`, but could not be loaded: the one before it was still out. It is dropped, and
-  /// counts as missed.
+  /// A block was due at refresh `due`, but could not be loaded, because the block before it was not finished. It is
+  /// dropped, and counts as missed.
   virtual void drop(const Task& task, std::int64_t due, std::int64_t deadline) = 0;
-  /// Writes words of a job area; they are there before a block loaded in the same refresh can be claimed.
+  /// Writes words of a job area; they arrive before a block loaded in the same refresh can be claimed.
   virtual void write(Word offset, std::span<const Word> words) = 0;
   void write(Word offset, Word word) { write(offset, std::span<const Word>(&word, 1)); }
-  /// Neither torque compensation nor PID is running: several words that they read may change together.
+  /// Neither torque compensation nor PID is running: several words that they read may be changed together.
   virtual bool servo_resting() const = 0;
-  /// What the path's clock shows at a refresh: hoist ramps go by it.
+  /// The path's clock at a refresh; hoist ramps use this clock.
   virtual std::int64_t path(std::int64_t refresh) const = 0;
-  /// An error was noticed (phase 0), decided (1), what was decided has been done (2), it was cleared (3).
+  /// An error was noticed (phase 0), decided (1), its response was carried out (2), it was cleared (3).
   virtual void error(Word number, Word what, Robot robot, Word phase, Word response) = 0;
-  /// The servo's parameters have a new generation: the channels whose rows are new, bit 5: the words against sway.
+  /// The servo's parameters have a new generation. `changed`: the channels with new rows; bit 5: the words against
+  /// sway.
   virtual void control(Word generation, Word changed) = 0;
-  /// A process has started or ended. Of process 4 the robot is the AGV that is loaded.
+  /// A process has started or ended. For process 4 the robot is the AGV that is loaded.
   virtual void process(unsigned number, bool started, Robot robot) = 0;
-  /// The corner switches have not all closed: the load is lifted, and lowered again unless this was the last try.
+  /// Not all corner switches have closed: the load is lifted, and lowered again unless this was the last try.
   virtual void landing_missed(bool last) = 0;
-  /// An AGV has come to its slot of the queue or to the loading spot, or drives on from its slot.
+  /// An AGV has reached its slot of the queue or the loading spot, or leaves its slot.
   virtual void agv_waits(unsigned agv, bool waits) = 0;
-  /// An AGV sets out for the warehouse with this N^_a.
+  /// An AGV starts to the warehouse with this N^_a.
   virtual void agv_sent(unsigned agv, std::int64_t interval) = 0;
-  /// A robot has begun a process (Course::process_begun), or has come as far as this at refresh `at`
+  /// A robot has begun a process (Course::process_begun), or has reached this milestone at refresh `at`
   /// (Course::milestone).
   virtual void robot_begins(Robot robot, unsigned process) = 0;
   /// A leg has begun at refresh `at`: its points are numbered from `first`, `interval` refreshes apart.

@@ -1,7 +1,7 @@
 #pragma once
-// The clock by which the crane's set-points go (c40_programs/kernels/crane_servo.asm, servo_path): the number of the
-// refresh until the crane is first stopped on its path; from then on its rate can be 1, 0, or on a straight way from
-// one to the other.
+// The clock of the crane's set-points (c40_programs/kernels/crane_servo.asm, servo_path). Until the crane is first
+// stopped on its path it is the number of the refresh; from then on its rate can be 1, 0, or change linearly from one
+// to the other.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace cmrc {
 
 class PathClock {
  public:
-  /// What it shows at a refresh that is not before the last change.
+  /// The clock's value at a refresh not before the last change.
   double at(std::int64_t refresh) const {
     if (!used_) return static_cast<double>(refresh);
     const double whole = static_cast<double>(refresh > begin_ ? refresh - begin_ : 0);
@@ -28,7 +28,7 @@ class PathClock {
     return refresh >= begin_ + ticks_ ? to_
                                       : from_ + change_ * static_cast<double>(refresh > begin_ ? refresh - begin_ : 0);
   }
-  /// From `refresh` on its rate goes to `to`, in `ticks` refreshes.
+  /// From `refresh` on the rate changes to `to` in `ticks` refreshes.
   void change(std::int64_t refresh, double to, std::int64_t ticks) {
     const double shown = at(refresh), rate_now = rate(refresh);
     base_ = shown, from_ = rate_now, to_ = to, begin_ = refresh, ticks_ = ticks, used_ = true;
@@ -36,9 +36,9 @@ class PathClock {
   }
   void list_state(state::Visitor& list);
   double target() const { return used_ ? to_ : 1; }
-  /// The refresh at which its rate has come to the target.
+  /// The refresh at which the rate reaches the target.
   std::int64_t reached() const { return begin_ + ticks_; }
-  /// The words from CR_PATH on. \param drives bit j: drive j is to be on
+  /// The words from CR_PATH on. \param drives bit j: drive j has to be on
   std::array<std::uint32_t, 8> words(std::uint32_t drives) const {
     const double whole = std::floor(base_);
     return {static_cast<std::uint32_t>(begin_),

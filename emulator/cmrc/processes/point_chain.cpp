@@ -41,7 +41,7 @@ void PointChain::pushed(std::int64_t tick) {
 
 std::int64_t PointChain::consumed_by(std::int64_t tick) const {
   if (!drive_buffer_ || !anchored_) return consumed_;
-  // The drive holds the point that ends at base_ and those waiting behind the one it holds now.
+  // The drive holds the point that ends at base_, and further ones wait behind it.
   const std::int64_t unfinished = tick >= base_ ? 0 : (base_ - tick + interval_ - 1) / interval_;
   return joint_ - std::max<std::int64_t>(0, unfinished - 1);
 }

@@ -18,7 +18,7 @@ constexpr std::int64_t most_processes = 15;
 struct StepName {
   std::string_view word;
   Step::Kind kind;
-  std::string_view argument;  // what follows the word
+  std::string_view argument;  // the argument after the word
 };
 constexpr std::array<StepName, 11> step_names = {{{"task", Step::Kind::task, "a task's name"},
                                                   {"leg", Step::Kind::leg, "1, 2 or 3"},
@@ -53,14 +53,14 @@ std::string list_of(const std::array<std::string_view, n>& names) {
   return quoted_list({names.begin(), names.end()});
 }
 
-/// The fields of one row, taken by name.
+/// The fields of one row, by name.
 class Row {
  public:
   Row(const toml::table& table, std::string kind, std::string file)
       : table_(table), kind_(std::move(kind)), file_(std::move(file)) {}
 
   Origin where() const { return place(table_); }
-  /// Before any field is missed: a field that is written wrong is named as it is written.
+  /// To be called before a field is reported as missing: a misspelt field is then reported as it is written.
   void all_known(std::span<const std::string_view> known) const {
     for (const auto& [field, node] : table_)
       if (std::find(known.begin(), known.end(), field.str()) == known.end())
@@ -71,7 +71,7 @@ class Row {
     const toml::node* node = take(field);
     if (node == nullptr && otherwise) return *otherwise;
     if (node == nullptr) refuse(where(), key(field), "is missing", right);
-    if (!node->is_string()) refuse(place(*node), key(field), "is no string", right);
+    if (!node->is_string()) refuse(place(*node), key(field), "is not a string", right);
     return node->as_string()->get();
   }
   template <std::size_t n>
@@ -87,7 +87,7 @@ class Row {
   bool flag(std::string_view field) {
     const toml::node* node = take(field);
     if (node != nullptr && !node->is_boolean())
-      refuse(place(*node), key(field), "is no boolean", "true or false is expected");
+      refuse(place(*node), key(field), "is not a boolean", "true or false is expected");
     return node != nullptr && node->as_boolean()->get();
   }
   unsigned number(std::string_view field) {
@@ -132,14 +132,15 @@ class Row {
   static std::string right_number() { return fmt::format("an integer from 1 to {} is expected", most_processes); }
   unsigned number_in(const toml::node& node, std::string_view field) const {
     const auto value = node.is_integer() ? node.as_integer()->get() : 0;
-    if (value < 1 || value > most_processes) refuse(place(node), key(field), "is no number of a row", right_number());
+    if (value < 1 || value > most_processes)
+      refuse(place(node), key(field), "is not a number of a row", right_number());
     return static_cast<unsigned>(value);
   }
   template <typename Use>
   void for_each(std::string_view field, std::string_view right, Use use) {
     const toml::node* node = take(field);
     if (node == nullptr) return;
-    if (!node->is_array()) refuse(place(*node), key(field), "is no list", right);
+    if (!node->is_array()) refuse(place(*node), key(field), "is not a list", right);
     for (const toml::node& element : *node->as_array()) use(element);
   }
   Step step_of(const toml::node& node, const std::string& key) const {
@@ -153,7 +154,7 @@ class Row {
     if (known == step_names.end()) {
       std::vector<std::string> words;
       for (const StepName& name : step_names) words.emplace_back(name.word);
-      refuse(place(node), key, fmt::format("\"{}\" is no step", text), quoted_list(words) + " is expected");
+      refuse(place(node), key, fmt::format("\"{}\" is not a step", text), quoted_list(words) + " is expected");
     }
     Step step{.kind = known->kind, .task = std::string(argument)};
     bool fits = argument.empty() == known->argument.empty();
@@ -166,7 +167,7 @@ class Row {
     }
     if (step.kind != Step::Kind::task) step.task.clear();
     if (!fits) {
-      refuse(place(node), key, fmt::format("\"{}\" has not what \"{}\" needs", text, word),
+      refuse(place(node), key, fmt::format("\"{}\" has the wrong argument for \"{}\"", text, word),
              known->argument.empty() ? "nothing is expected after it"
                                      : fmt::format("{} is expected after it", known->argument));
     }
@@ -183,15 +184,14 @@ void for_each_row(const toml::node& node, const std::string& kind, const std::st
   if (rows == nullptr || (!rows->empty() && !rows->is_homogeneous<toml::table>())) {
     const auto& begin = node.source().begin;
     refuse({file, static_cast<std::int64_t>(begin.line), static_cast<std::int64_t>(begin.column)}, kind,
-           "is no list of tables", fmt::format("[[{}]] begins each of them", kind));
+           "is not a list of tables", fmt::format("[[{}]] begins each of them", kind));
   }
   std::vector<unsigned> seen;
   for (const toml::node& row : *rows) {
     Row fields(*row.as_table(), kind, file);
     const auto read = use(fields);
     if (std::find(seen.begin(), seen.end(), read) != seen.end()) {
-      refuse(fields.where(), kind + ".number", fmt::format("{} is there twice", read),
-             "each row has a number of its own");
+      refuse(fields.where(), kind + ".number", fmt::format("{} is given twice", read), "each row needs its own number");
     }
     seen.push_back(read);
   }

@@ -1,5 +1,5 @@
 #pragma once
-// Reading rows of [[processes]] and [[subprocesses]]; for the files that know TOML.
+// Reads rows of [[processes]] and [[subprocesses]]; for the files that use TOML.
 #include <toml++/toml.h>
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace cmrc {
 
-/// Lays the rows over those of the same number in `table`. \param name of the file \throws ConfigError
+/// Replaces the rows of the same numbers in `table`. \param name of the file \throws ConfigError
 void read_processes(const toml::node& rows, const std::string& name, ProcessTable& table);
 void read_subprocesses(const toml::node& rows, const std::string& name, ProcessTable& table);
 

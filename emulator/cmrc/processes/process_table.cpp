@@ -42,7 +42,7 @@ class Checker {
                       std::any_of(table_.subprocesses.begin(), table_.subprocesses.end(),
                                   [&](const Subprocess& row) { return row.crane == name || row.agv == name; });
     if (own.period_ms == 0 && !used) {
-      refuse(own.origin, "tasks.period_ms", fmt::format("nobody releases \"{}\"", own.name),
+      refuse(own.origin, "tasks.period_ms", fmt::format("nothing releases \"{}\"", own.name),
              "a period above 0, or a row of [[processes]] or [[subprocesses]] that names it, is expected");
     }
   }
@@ -64,8 +64,8 @@ class Checker {
              right);
     };
     if (const Subprocess* own = built_in_processes().find_subprocess(row.number); own != nullptr && row.number <= 4) {
-      // The host's own: their release is not a matter of configuration beyond this.
-      const bool demands = row.must == own->must || row.number == 1;  // of sub-process 1 they are the row's matter
+      // The host's own sub-processes: nothing else of their release can be configured.
+      const bool demands = row.must == own->must || row.number == 1;  // for sub-process 1 the row decides
       if (row.crane != own->crane || row.agv != own->agv || row.release != own->release || !demands ||
           (row.release == Subprocess::Release::point && row.between_processes) || row.on_legs) {
         refuse_row("number", "only the name, of 1 `must`, and of 3 and 4 between_processes, can be changed",
@@ -78,7 +78,7 @@ class Checker {
       return;
     }
     if (!row.by_interval() && !row.by_event()) {
-      refuse_row("release", "is bound to sub-processes 1 to 4",
+      refuse_row("release", "cannot be changed for sub-processes 1 to 4",
                  "\"interval\", \"event\" or \"interval_and_event\" is expected");
     }
     if (row.by_event() && !row.crane.empty()) {
@@ -92,10 +92,10 @@ class Checker {
     if (row.crane.empty() && row.agv.empty()) refuse_row("crane", "no task of any robot", "`crane` or `agv` names one");
     if (!row.must.empty()) refuse_row("must", "only sub-process 1 loads others", "no `must` is expected");
     if (!row.crane.empty() && !users(row.crane))
-      refuse_row("crane", fmt::format("\"{}\" is no task for it", row.crane),
+      refuse_row("crane", fmt::format("\"{}\" is not a task for the crane", row.crane),
                  "\"user.NAME\" of a row of [[tasks]] is expected");
     if (!row.agv.empty() && row.agv != "obstacle_avoidance" && !users(row.agv)) {
-      refuse_row("agv", fmt::format("\"{}\" is no task for it", row.agv),
+      refuse_row("agv", fmt::format("\"{}\" is not a task for an AGV", row.agv),
                  "\"obstacle_avoidance\" or \"user.NAME\" of a row of [[tasks]] is expected");
     }
   }
@@ -134,7 +134,7 @@ class Checker {
       const auto needs = [&](const std::set<Kind>& kinds, unsigned a, unsigned b) {
         require(!kinds.contains(step.kind) || (has(process.subprocesses, a) && has(process.subprocesses, b)), process,
                 "subprocesses", fmt::format("\"{}\" needs sub-processes {} and {}", text, a, b),
-                "they belong into the list");
+                "both are expected in the list");
       };
       needs(points, 1, 2);
       const Subprocess& planning = *table_.find_subprocess(1);
@@ -157,7 +157,7 @@ class Checker {
     const bool agvs = process.robot == Robots::agv;
     const bool known = name == "identify" || name == "grab_path" ||
                        (process.robot == Robots::crane && name == "home.crane") || (agvs && name == "home.agv");
-    require(known || users(name), process, "steps", fmt::format("\"{}\" is no task for it", name),
+    require(known || users(name), process, "steps", fmt::format("\"{}\" is not a possible task", name),
             agvs ? "home.agv, identify, grab_path or user.NAME of a row of [[tasks]] is expected"
                  : "identify, grab_path, home.crane (of the crane) or user.NAME of a row of [[tasks]] is expected");
   }
@@ -177,7 +177,7 @@ class Checker {
     require(process.replaces.empty() || process.robot == Robots::agv, process, "replaces",
             "only an AGV's process replaces another", "robot = \"agv\", or no `replaces`");
     if (process.notified_by_task) {
-      require(process.steps.back().kind == Step::Kind::task, process, "notify", "its last step is no task",
+      require(process.steps.back().kind == Step::Kind::task, process, "notify", "its last step is not a task",
               "\"host\" is expected");
       for (const unsigned number : process.must)
         require(number <= 8, process, "must", fmt::format("TB_NOTIFY has no bit for process {}", number),
@@ -196,7 +196,7 @@ class Checker {
             "a robot's process begins by consent or demand", "robot = \"none\", or initial consents");
   }
 
-  // t_3 and t_4 are the crane's, t_5 and t_6 an AGV's, and each is the time of one process.
+  // t_3 and t_4 belong to the crane, t_5 and t_6 to an AGV, and each is the time of one process.
   void accounts() const {
     std::map<Account, unsigned> by;
     for (const Process& process : table_.processes) {
@@ -204,12 +204,12 @@ class Checker {
       const auto number = static_cast<unsigned>(process.account) + 2;
       const bool of_crane = process.account == Account::t_3 || process.account == Account::t_4;
       require(process.robot == (of_crane ? Robots::crane : Robots::agv), process, "account",
-              fmt::format("t_{} is not of its robot", number),
+              fmt::format("t_{} does not belong to its robot", number),
               of_crane ? "a process of the crane is expected" : "a process of an AGV is expected");
       require(process.account != Account::t_4 || has_agv(process), process, "account",
               "t_4 without an AGV that is loaded", "a process of the crane to which an AGV's consents is expected");
       const auto [first, alone] = by.emplace(process.account, process.number);
-      require(alone, process, "account", fmt::format("t_{} is the time of process {} already", number, first->second),
+      require(alone, process, "account", fmt::format("t_{} is already the time of process {}", number, first->second),
               "each of t_3 to t_6 in one row");
     }
   }
@@ -222,8 +222,8 @@ class Checker {
            });
   }
 
-  /// A process can start when it is loaded, when one that can start demands it, or when each that must consent has or
-  /// can start.
+  /// A process can start if it is loaded, if one that can start demands it, or if each process that must consent has
+  /// consented or can start.
   void all_start() const {
     std::set<unsigned> can;
     const auto starts = [&](const Process& process) {

@@ -1,6 +1,6 @@
 #pragma once
-// What the dock does, as data: processes and sub-processes, the steps of each, what each demands of and consents to the
-// others when it ends (paper section 3, plant-and-bus.md 4.4 items 13 to 18). The rows built in are
+// The work of the dock as data: processes and sub-processes, the steps of each, and what each demands and consents to
+// when it ends (paper section 3, plant-and-bus.md 4.4 items 13 to 18). The built-in rows are
 // emulator/cmrc/processes/processes.toml; docs/processes.md explains them.
 #include <algorithm>
 #include <cstdint>
@@ -20,17 +20,17 @@ inline bool has(const std::vector<unsigned>& list, unsigned number) {
 }
 
 enum class Robots : std::uint8_t { none, crane, agv };
-/// What a process's time counts as in the account of cycles.
+/// The time in the account of cycles to which a process belongs.
 enum class Account : std::uint8_t { none, t_3, t_4, t_5, t_6 };
 
 struct Step {
   enum class Kind : std::uint8_t { task, leg, settle, lower, lock, open, raise, align, queue, hand_over, hold };
   Kind kind{};
-  std::string task;    ///< of "task": its key in the report
-  unsigned leg = 0;    ///< of "leg"
-  double seconds = 0;  ///< of "hold"
+  std::string task;    ///< for "task": its key in the report
+  unsigned leg = 0;    ///< for "leg"
+  double seconds = 0;  ///< for "hold"
 };
-/// "leg 1", as the row has it.
+/// "leg 1", as in the row.
 std::string to_text(const Step& step);
 
 /// The consent of one process to another.
@@ -45,14 +45,15 @@ struct Process {
   Account account = Account::none;
   std::vector<unsigned> subprocesses;
   std::vector<Step> steps;
-  bool notified_by_task = false;   ///< TB_NOTIFY of its last task picks from `must` and `may`; else all are given
-  std::vector<unsigned> must;      ///< loaded when it ends
-  std::vector<unsigned> may;       ///< consented to when it ends
-  std::vector<unsigned> initial;   ///< whose consents to this process are there at the start
-  std::vector<Consent> clears;     ///< consents taken back when it starts
-  std::vector<unsigned> replaces;  ///< starts in place of these when both may
+  bool notified_by_task =
+      false;                   ///< TB_NOTIFY of its last task selects from `must` and `may`; else all of them are given
+  std::vector<unsigned> must;  ///< loaded when it ends
+  std::vector<unsigned> may;   ///< consented to when it ends
+  std::vector<unsigned> initial;   ///< sources whose consents to this process are given at the start
+  std::vector<Consent> clears;     ///< consents removed when it starts
+  std::vector<unsigned> replaces;  ///< starts instead of these if both may start
   bool loaded = false;             ///< at the start
-  bool final = false;              ///< its robot's work is over when it has ended
+  bool final = false;              ///< its robot's work is finished when it has ended
   Origin origin;
 };
 
@@ -60,15 +61,15 @@ struct Subprocess {
   enum class Release : std::uint8_t { point, tick, interval, event, interval_and_event };
   unsigned number = 0;
   std::string name;
-  std::string crane, agv;  ///< what is loaded for each: a task's key in the report, or nothing
+  std::string crane, agv;  ///< the task loaded for each: its key in the report, or nothing
   Release release{};
   std::vector<unsigned> must;
-  bool between_processes = false;  ///< released while its robot is in no process, too
+  bool between_processes = false;  ///< also released while its robot is in no process
   bool on_legs = false;            ///< released only while a leg of its robot is under way
   Origin origin;
 
   bool by_interval() const { return release == Release::interval || release == Release::interval_and_event; }
-  /// When an object enters the field of an AGV's range sensor.
+  /// Released when an object enters the field of an AGV's range sensor.
   bool by_event() const { return release == Release::event || release == Release::interval_and_event; }
 };
 
@@ -78,18 +79,18 @@ struct ProcessTable {
 
   const Process* find(unsigned number) const;
   const Subprocess* find_subprocess(unsigned number) const;
-  /// The one whose task this is, of the crane or of an AGV.
+  /// The sub-process with this task, of the crane or of an AGV.
   const Subprocess& subprocess_of(std::string_view task) const;
-  /// All that have to consent to `target`.
+  /// All processes that have to consent to `target`.
   std::vector<unsigned> sources(unsigned target) const;
 };
 
-/// The rows built in, and the text they were read from.
+/// The built-in rows, and the text from which they were read.
 const ProcessTable& built_in_processes();
 std::string_view built_in_processes_text();
 
-/// Every number that is named is there, every step fits its robot, every token has a source, every process can start.
-/// \throws ConfigError with the row's place
+/// Checks that every named number exists, every step fits its robot, every token has a source, and every process can
+/// start. \throws ConfigError with the row's place
 void check(const ProcessTable& table, std::span<const UserTask> tasks);
 /// The rows as TOML.
 std::string to_toml(const ProcessTable& table);

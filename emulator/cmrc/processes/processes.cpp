@@ -15,14 +15,14 @@ Robot robot_of(const Process& process, std::optional<unsigned> agv) {
   return process.robot == Robots::agv ? agv.value() + 1 : 0;
 }
 
-/// It takes a container up: in too much wind it does not begin.
+/// The process lifts a container: it does not begin in too much wind.
 bool lifts(const Process& process) {
   return std::ranges::any_of(process.steps, [](const Step& step) { return step.kind == Step::Kind::lock; });
 }
 
 constexpr std::string_view avoidance = "obstacle_avoidance";
 
-/// Avoidance of parked vehicles, too: between processes, in slots and at the hand-over.
+/// Avoidance also for parked vehicles: between processes, in slots and at the hand-over.
 ProcessTable with_parked_load(ProcessTable table) {
   for (Subprocess& row : table.subprocesses) {
     if (row.agv == avoidance) row.between_processes = true, row.on_legs = false;
@@ -66,7 +66,7 @@ void Processes::start(HostServices& services) {
   fleet_.start(services);
   for (const Process& process : table_.processes) {
     for (const unsigned source : process.initial) {
-      // To the crane's process consents the AGV that stands in the spot, to an AGV's own each its own.
+      // For the crane's process the AGV in the spot consents, for an AGV's process this AGV.
       const bool every = process.robot == Robots::agv && table_.find(source)->robot == Robots::agv;
       for (unsigned agv = 0; agv < (every ? fleet_.size() : 1); ++agv) consents_.give(source, process.number, agv);
     }
@@ -75,7 +75,7 @@ void Processes::start(HostServices& services) {
                                     [](const Step& step) { return step.kind == Step::Kind::queue; });
     if (queue == process.steps.end()) continue;
     for (unsigned agv = 0; agv < fleet_.size(); ++agv) {
-      const bool waits = agv > 0 && !fleet_.job().driving;  // the one in the spot is ready
+      const bool waits = agv > 0 && !fleet_.job().driving;  // the AGV in the spot is ready
       if (agv_runs_[agv].process != nullptr || !(waits || fleet_.job().driving)) continue;
       agv_runs_[agv] = {.process = &process,
                         .step = static_cast<std::size_t>(queue - process.steps.begin()),
@@ -90,8 +90,7 @@ void Processes::start(HostServices& services) {
   for (Release& release : releases_) release.rests(services.tick());
 }
 
-// ---- what may start
-// ----------------------------------------------------------------------------------------------------
+// ---- processes that may start ----
 
 bool Processes::takes_agv(const Process& process) const {
   const auto sources = table_.sources(process.number);
@@ -134,7 +133,7 @@ std::optional<unsigned> Processes::agv_in_spot() const {
 void Processes::demand(unsigned target, std::optional<unsigned> agv, HostServices& services) {
   const Process& process = *table_.find(target);
   demands_[target][process.robot == Robots::agv ? agv.value() : 0] = 1;
-  if (process.robot == Robots::none) start_free(services);  // else its robot takes it up when it is free
+  if (process.robot == Robots::none) start_free(services);  // else its robot starts it when it is free
 }
 
 void Processes::start_free(HostServices& services) {
@@ -146,8 +145,7 @@ void Processes::start_free(HostServices& services) {
   }
 }
 
-// ---- from step to step
-// -------------------------------------------------------------------------------------------------
+// ---- from step to step ----
 
 void Processes::begin(Run& run, const Process& process, std::optional<unsigned> agv, HostServices& services) {
   const unsigned one = agv.value_or(0);
@@ -233,8 +231,7 @@ void Processes::load_task(Run& run, HostServices& services) {
   services.load(task_of(run, services), std::nullopt);
 }
 
-// ---- a refresh
-// ---------------------------------------------------------------------------------------------------------
+// ---- a refresh ----
 
 void Processes::refresh(HostServices& services) {
   start_free(services);
@@ -298,15 +295,14 @@ void Processes::move_agv(unsigned agv, HostServices& services) {
   }
   if (!fleet_.done(agv, step, services)) return;
   advance(run, 0, services);
-  // What it demands of itself follows at once.
+  // A process that demands itself starts again at once.
   const bool called = std::any_of(table_.processes.begin(), table_.processes.end(), [&](const Process& process) {
     return process.robot == Robots::agv && demands(process, agv) != 0;
   });
   if (run.process == nullptr && !run.retired && called) start_next();
 }
 
-// ---- sub-processes
-// -----------------------------------------------------------------------------------------------------
+// ---- sub-processes ----
 
 bool Processes::releases(unsigned number, Robot robot) const {
   const Run& run = run_of_robot(robot);
@@ -385,8 +381,7 @@ void Processes::seen(unsigned agv, Word millimetres) {
   }
 }
 
-// ---- blocks that have ended
-// --------------------------------------------------------------------------------------------
+// ---- finished blocks ----
 
 Processes::Run& Processes::run_of(const Task& task) {
   const Process& process = *table_.find(task.process);
@@ -429,12 +424,11 @@ std::string Processes::abandoned(const Task& task) {
   Run& run = task.process != 0 ? run_of(task) : task.robot == 0 ? crane_run_ : agv_runs_.at(task.robot - 1);
   run.stopped = true;
   if (task.process == 0) task.robot == 0 ? crane_.abandon() : fleet_.abandon(task.robot - 1);
-  return run.process == nullptr ? std::string("what moves the robot")
+  return run.process == nullptr ? std::string("the robot's motion")
                                 : fmt::format("process {} ({})", run.process->number, run.process->name);
 }
 
-// ---- errors
-// --------------------------------------------------------------------------------------------------------------
+// ---- errors ----
 
 void Processes::resume(const Task& task) {
   if (task.subprocess != 0) {
@@ -445,7 +439,7 @@ void Processes::resume(const Task& task) {
   Run& run = task.process != 0 ? run_of(task) : task.robot == 0 ? crane_run_ : agv_runs_.at(task.robot - 1);
   run.stopped = false;
   if (task.process == 0) task.robot == 0 ? crane_.resume() : fleet_.resume(task.robot - 1);
-  dropped(task);  // what it was for is asked for again
+  dropped(task);  // the block's work is requested again
 }
 
 bool Processes::crane_lowers() const {

@@ -1,10 +1,10 @@
 #pragma once
-// The processes of the table at work: which one each robot is in, at which step, and what starts next.
+// The running processes of the table: the process and step of each robot, and which process starts next.
 //
-// A process starts when it is demanded, or when all that have to consent have. Those of no robot run beside all others;
-// the crane and each AGV are in one at a time. When several of a robot's may start, the one with the lowest number
-// does, unless another says that it replaces it. A crane's process to which an AGV's consents takes the AGV that stands
-// in the loading spot.
+// A process starts when it is demanded, or when all that have to consent have consented. Processes without a robot run
+// at the same time as all others; the crane and each AGV have one at a time. If several processes of a robot may start,
+// the one with the lowest number does, unless another one replaces it. A crane's process to which an AGV's process
+// consents gets the AGV in the loading spot.
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -28,34 +28,34 @@ class Processes {
             const Words& words);
 
   void start(HostServices& services);
-  /// A block has ended that is a step's, or a sub-process's of a robot.
+  /// A block of a step, or of a robot's sub-process, has finished.
   void finished(const Task& task, Word result, Word notify, HostServices& services);
-  /// A block was dropped after too many recomputations: what it was for is asked for again.
+  /// A block was dropped after too many recomputations: its work is requested again.
   void dropped(const Task& task);
-  /// ... and is not asked for any more: what it was for stops where it is. \returns what stops, for the report
+  /// A dropped block's work is not requested again: it stops. \returns what stops, for the report
   std::string abandoned(const Task& task);
-  /// ... or again, after the operator has cleared the error.
+  /// The work continues after the operator has cleared the error.
   void resume(const Task& task);
-  /// An error has the crane's steps stand still, or go on.
+  /// An error stops the crane's steps, or lets them continue.
   void hold_crane(bool held) { crane_held_ = held; }
-  /// An error has the load set down: the step `lower` ends, and nothing follows. Off: what follows does.
+  /// An error has the load set down: the step `lower` ends, and no step follows. Off: the next step follows.
   void set_crane_down(bool asked);
   bool crane_is_down() const { return crane_down_; }
   bool crane_lowers() const;
-  /// A landing that was given up is tried again.
+  /// Repeats a landing that was given up.
   void landing_again();
-  /// Moves on as far as the last reports allow.
+  /// Advances as far as the last reports allow.
   void refresh(HostServices& services);
 
-  /// Sub-process `number` of a robot is to be released now.
+  /// Sub-process `number` of a robot has to be released now.
   bool releases(unsigned number, Robot robot) const;
-  /// The work of the crane and of every AGV is over (processes 7 and 8 have ended).
+  /// The work of the crane and of every AGV is finished (processes 7 and 8 have ended).
   bool job_done() const;
   /// AGVs whose range sensors the host reads at this refresh.
   std::deque<unsigned> sensors_to_read(std::int64_t tick);
-  /// ... and what it has read: mm to the nearest echo in the vehicle's way.
+  /// A reading: mm to the nearest echo in the vehicle's way.
   void seen(unsigned agv, Word millimetres);
-  /// \param staggered AGVs' interval releases fall on refreshes apart, else on the same
+  /// \param staggered the AGVs' releases by interval come at different refreshes, else at the same one
   void set_releases(const RangeWatch& watch, bool staggered) { watch_ = watch, staggered_ = staggered; }
   /// The crane would begin a lift, and waits for less wind.
   bool waits_for_wind() const;
@@ -66,15 +66,15 @@ class Processes {
   void list_state(state::Visitor& list);
 
  private:
-  /// A process that runs, or where one could.
+  /// A running process, or a place for one.
   struct Run {
     const Process* process = nullptr;
     std::size_t step = 0;
-    std::optional<unsigned> agv = std::nullopt;  // of an AGV's process, or bound to the crane's
-    bool wants_task = false;                     // the step's block is to be loaded
-    bool silent = false;   // it was never told to have started: an AGV that waits in the queue at the beginning
+    std::optional<unsigned> agv = std::nullopt;  // of an AGV's process, or assigned to the crane's
+    bool wants_task = false;                     // the step's block has to be loaded
+    bool silent = false;   // its start was not reported: an AGV that waits in the queue at the beginning
     bool stopped = false;  // given up
-    bool retired = false;  // its robot's work is over
+    bool retired = false;  // its robot's work is finished
   };
   struct RunState;
   std::optional<unsigned> agv_in_spot() const;
@@ -106,22 +106,22 @@ class Processes {
   const ProcessTable table_;
   const std::vector<UserTask> tasks_;
   const Words& words_;
-  Word undemandable_ = 0;  // bits of TB_NOTIFY for what the row of sub-process 1 does not list
+  Word undemandable_ = 0;  // bits of TB_NOTIFY that the row of sub-process 1 does not list
   Consents consents_;
   CraneSteps crane_;
   Fleet fleet_;
-  std::vector<Run> free_runs_;  // processes of no robot, in the table's order
+  std::vector<Run> free_runs_;  // processes without a robot, in the table's order
   Run crane_run_;
   bool start_waits_ = false;  // for less wind: the crane is between two processes
-  bool crane_held_ = false;   // by an error, as are:
+  bool crane_held_ = false;   // by an error, like the following:
   bool crane_sets_down_ = false, crane_down_ = false;
   std::vector<Run> agv_runs_;
-  std::vector<std::vector<unsigned>> demands_;  // [process][agv]: one-place, as consents are
+  std::vector<std::vector<unsigned>> demands_;  // [process][agv]: tokens for one place, like consents
   std::vector<Release> releases_;               // of sub-processes that are released by interval or event
   std::vector<RangeField> fields_;              // of each AGV's range sensor
   RangeWatch watch_;
   bool staggered_ = true;
-  std::int64_t read_until_ = 0;  // refresh up to which the sensors' readings are accounted for
+  std::int64_t read_until_ = 0;  // refresh up to which the sensors' readings are counted
 };
 
 }  // namespace cmrc

@@ -1,6 +1,6 @@
 #pragma once
 // When a sub-process of one robot is released: at refreshes of its interval, and when an object enters the field of its
-// AGV's range sensor. docs/processes.md, Releases.
+// AGV's range sensor (docs/processes.md, Releases).
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -17,50 +17,50 @@ namespace cmrc {
 /// The last refresh up to `tick` that is congruent to `phase` modulo `period`.
 std::int64_t congruent_before(std::int64_t tick, std::int64_t phase, std::int64_t period);
 
-/// How the host watches the field of the AGVs' range sensors.
+/// How the host watches the fields of the AGVs' range sensors.
 struct RangeWatch {
   std::int64_t every = 8;          ///< refreshes between two readings of one sensor
   std::int64_t field_mm = 15'000;  ///< length of the field ahead of the sensor
 };
 
-/// What one AGV's range sensor has shown, reading by reading.
+/// The readings of one AGV's range sensor.
 class RangeField {
  public:
-  /// A reading: mm to the nearest echo in the vehicle's way. True when an object has entered: something is in the
-  /// field, and the reading before showed nothing there, or its nearest echo more than `jump_mm` farther.
+  /// A reading: mm to the nearest echo in the vehicle's way. True if an object has entered: something is in the field,
+  /// and the reading before showed nothing there, or its nearest echo was more than `jump_mm` farther away.
   bool entered(Word millimetres, const RangeWatch& watch);
-  /// Nobody looks any more: the next reading has none before it.
+  /// The sensor is not read any more: the next reading has none before it.
   void forget() { last_.reset(); }
   void list_state(state::Visitor& list);
 
-  /// More than vehicle and object can come closer between two readings 50 ms apart.
+  /// More than the change of distance between vehicle and object in 50 ms, the longest time between two readings.
   static constexpr std::int64_t jump_mm = 600;
 
  private:
   std::optional<std::int64_t> last_;
 };
 
-/// One sub-process of one robot.
+/// The releases of one sub-process of one robot.
 class Release {
  public:
-  /// \param number of the robot among those of its kind; \param count of them: what staggers their refreshes
+  /// \param number of the robot among those of its kind; \param count of these robots: both stagger their refreshes
   Release(const Subprocess& row, unsigned robot, unsigned number, unsigned count)
       : row_(&row), robot_(robot), number_(number), count_(count) {}
 
   const Subprocess& row() const { return *row_; }
   unsigned robot() const { return robot_; }
 
-  /// floor(i N / n), or 0 when all are released together.
+  /// floor(i N / n), or 0 if all are released together.
   std::int64_t phase(std::int64_t period, bool staggered) const { return staggered ? number_ * period / count_ : 0; }
 
   struct Due {
     std::vector<std::int64_t> dropped;  ///< nominal refreshes that have passed without a block
-    bool load = false;                  ///< one is to be loaded now
+    bool load = false;                  ///< a block has to be loaded now
   };
-  /// At a refresh in which the sub-process runs. Nominal refreshes since the refresh before that the host was too late
-  /// for, or that found the block before still out after its deadline, are dropped.
+  /// To be called at a refresh in which the sub-process runs. Dropped are the nominal refreshes since the refresh
+  /// before for which the host was too late, or at which the block before was not finished after its deadline.
   Due due(std::int64_t tick, std::int64_t period, bool staggered);
-  /// ... in which it does not run.
+  /// To be called at a refresh in which it does not run.
   void rests(std::int64_t tick) { seen_ = tick, object_ = false; }
   void object_entered() { object_ = row_->by_event(); }
 
@@ -74,10 +74,10 @@ class Release {
  private:
   const Subprocess* row_;
   unsigned robot_, number_, count_;
-  std::int64_t seen_ = 0;      // refresh up to which nominal refreshes are accounted for
-  std::int64_t deadline_ = 0;  // of the block that is out
+  std::int64_t seen_ = 0;      // refresh up to which nominal refreshes are counted
+  std::int64_t deadline_ = 0;  // of the unfinished block
   bool out_ = false;
-  bool object_ = false;   // has entered the field, and no block was loaded since
+  bool object_ = false;   // an object has entered the field, and no block was loaded since
   bool stopped_ = false;  // given up
 };
 

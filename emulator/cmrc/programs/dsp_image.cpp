@@ -14,7 +14,7 @@
 namespace cmrc {
 namespace {
 
-/// A COFF file and a source map that are built in.
+/// A built-in COFF file and its source map.
 toolchain::Image with_source(std::span<const std::byte> program, std::span<const std::byte> map) {
   toolchain::Image image = toolchain::read_coff(program);
   toolchain::add_source_map(image, {reinterpret_cast<const char*>(map.data()), map.size()});
@@ -39,8 +39,8 @@ toolchain::Image assembled_program(const Config& config) {
   toolchain::Image image = toolchain::assemble_file(source, options);
   if (own && !image.symbols.contains("own_claim")) {
     throw ConfigError(
-        fmt::format("tasks.dsp: the executive in {} knows no blocks for one DSP alone; "
-                    "the files executive.asm, dsp.asm and claim_own.asm of this emulator's programs are expected",
+        fmt::format("tasks.dsp: the executive in {} does not support blocks for one DSP alone; the files "
+                    "executive.asm, dsp.asm and claim_own.asm of this emulator's programs are expected",
                     directory.string()));
   }
   return image;

@@ -5,12 +5,12 @@
 
 namespace cmrc {
 
-/// The DSPs' program: the one built in, or assembled from `machine.programs`/dsp.asm.
-/// \throws toolchain::AssemblyError; ConfigError when the directory holds no dsp.asm
+/// The DSPs' program: the built-in one, or assembled from `machine.programs`/dsp.asm.
+/// \throws toolchain::AssemblyError; ConfigError if the directory has no dsp.asm
 toolchain::Image assembled_program(const Config& config);
-/// The same with what the configuration chooses and says of the plant in place. \throws ConfigError
+/// The same with the configuration's choices and the plant's constants. \throws ConfigError
 toolchain::Image dsp_image(const Config& config);
-/// The boot ROM, as the boards have it.
+/// The boot ROM of the boards.
 toolchain::Image boot_rom_image();
 
 }  // namespace cmrc

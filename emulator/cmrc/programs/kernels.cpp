@@ -20,8 +20,8 @@ toolchain::Word& word_at(toolchain::Image& image, toolchain::Address address) {
       "machine.programs: {:08X}h lies in no loaded section; the tables of dsp.asm are expected there", address));
 }
 
-/// Puts the words of the list at `label` (place on chip, number of words, words; a place of 0 ends it) into the image's
-/// constants.
+/// Writes the words of the list at `label` into the image's constants. Each entry is: place on chip, number of words,
+/// words; a place of 0 ends the list.
 void place_constants(toolchain::Image& image, std::string_view label) {
   const toolchain::Word lift = image.symbol("LIFT");
   for (toolchain::Address at = image.symbol(label); word_at(image, at) != 0;) {
@@ -32,8 +32,8 @@ void place_constants(toolchain::Image& image, std::string_view label) {
   }
 }
 
-/// Limits of PID (errors.*) and of torque compensation (the wind's) into their constants; docs/controller.md, Errors
-/// and Wind.
+/// Writes the limits of PID (errors.*) and of torque compensation (wind) into their constants; docs/controller.md,
+/// Errors and Wind.
 void place_limits(toolchain::Image& image, const Config& config) {
   const Config::Errors& e = config.errors;
   const bool gantry = config.dock.crane == CraneMachine::gantry;
@@ -44,8 +44,8 @@ void place_limits(toolchain::Image& image, const Config& config) {
                                         gantry ? e.following_travel_m : e.following_slew_mrad * milli,
                                         gantry ? e.following_trolley_m : e.following_luff_mrad * milli,
                                         e.following_hoist_m, e.following_rotator_mrad * milli};
-  // The law as printed lags by T_d times the speed while its integral has not caught up: that much at the trajectory's
-  // top speed is no error.
+  // With the law as printed, a joint lags by T_d times its speed until the integral has caught up. This lag at the
+  // trajectory's top speed is not an error.
   const ControlLaw law = control_law(config.control, crane_parameters(config));
   const Config::Control& c = config.control;
   const std::array<double, 5> speed = {0, gantry ? c.travel.speed_limit : c.slew.speed_limit,
@@ -103,7 +103,7 @@ void place_kernels(toolchain::Image& image, const Config& config) {
     constexpr std::string_view key = "dock.crane";
     choose("KIND_TRAJECTORY_CRANE", shaper ? "kernel_trajectory_gantry_shaper" : "kernel_trajectory_gantry", key);
     choose("KIND_INVERSE_CRANE", "kernel_inverse_gantry", key);
-    if (!newton_euler) choose("KIND_TORQUE", "kernel_torque_gantry", key);  // that build goes by its table
+    if (!newton_euler) choose("KIND_TORQUE", "kernel_torque_gantry", key);  // that build uses its table
     choose("KIND_PID", document ? "kernel_pid_gantry_document" : "kernel_pid_gantry", key);
     place_constants(image, "gantry_constants");
   }

@@ -26,7 +26,7 @@ class Placer {
  public:
   explicit Placer(toolchain::Image& image) : image_(image), lift_(image.symbol("LIFT")) {}
 
-  /// Words of a constant that _start copies to on-chip RAM; `label` is its place there.
+  /// Words of a constant that _start copies to on-chip RAM; `label` is its address there.
   void constant(std::string_view label, std::initializer_list<double> values, toolchain::Word offset = 0) {
     put(image_.symbol(label) + lift_ + offset, label, values);
   }
@@ -86,7 +86,7 @@ void place_masses(Placer& to, const CraneParameters& p) {
       {(plant::container_length * plant::container_length + plant::container_width * plant::container_width) / 12.0});
 }
 
-/// The rows of Newton-Euler's table: NE_P, NE_S, NE_MASS and NE_INERTIA of each link.
+/// The rows of the table of Newton-Euler: NE_P, NE_S, NE_MASS and NE_INERTIA of each link.
 void place_links(Placer& to, const CraneParameters& p) {
   const auto at = [&](toolchain::Word link, std::string_view field, toolchain::Word axis, double value) {
     to.constant("K_NE_TABLE", {value}, link * to.symbol("NE_ROW") + to.symbol(field) + axis);

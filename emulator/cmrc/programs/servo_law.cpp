@@ -18,8 +18,8 @@ double integral_time(const Joint& joint) {
   return joint.integral_time_s > 0 ? joint.integral_time_s : 6 / joint.bandwidth_rad_s;
 }
 
-// What a drive has to move above the load's swing, in the terms of ControlLaw::Row::k (docs/control.md): rotor and all
-// that is stiffly behind it.
+// The inertia that a drive moves, without the swinging load, in the terms of ControlLaw::Row::k (docs/control.md): the
+// rotor and everything that is stiffly connected.
 std::array<double, 5> inertia(std::size_t channel, const plant::CraneParameters& p) {
   const bool gantry = p.machine == plant::CraneKind::gantry;
   const plant::DriveParameters& drive =
@@ -38,8 +38,8 @@ std::array<double, 5> inertia(std::size_t channel, const plant::CraneParameters&
       if (gantry) return {rotor + p.jib_mass};
       return {rotor + p.jib_inertia + p.jib_mass * p.jib_centre * p.jib_centre, 0, 0, 0, p.jib * p.jib};
     case 3: return {rotor, 1};
-    // Not the load: near anything it hangs on falls that are soft in skew, and a gain with it is several times too
-    // high.
+    // Without the load: near the ground it hangs on falls that are soft in skew, and a gain that includes the load
+    // would be several times too high.
     default: return {rotor + p.spreader_inertia};
   }
 }
@@ -112,12 +112,12 @@ ControlLaw control_law(const Config::Control& control, const plant::CraneParamet
 
 std::array<Word, 7> speed_words(const Config::Control& c, plant::CraneKind machine) {
   const auto within = [](double v) { return ti_float(1 / v); };
-  // The hoist pays out for luffing beside the load's own way.
+  // For luffing the hoist pays out rope in addition to the load's own way.
   const Word vertical = within(0.8 * c.hoist.speed_limit), yaw = within(c.rotator.speed_limit), none = ti_float(0);
   if (machine == plant::CraneKind::gantry)
     return {within(c.trolley.speed_limit), vertical, yaw, within(c.travel.speed_limit), none, none, none};
-  // 2.3 m/s is 0.12 rad/s of slewing at 19 m, and so much of the rotator, which keeps the box's heading meanwhile; in
-  // plan the load is slower by as much as the tightest of its joints.
+  // 2.3 m/s is 0.12 rad/s of slewing at 19 m; the rotator turns as fast to keep the box's heading. In plan the load is
+  // slower, as the tightest of its joints demands.
   const double plan =
       2.3 * std::min({c.slew.speed_limit / 0.12, c.luff.speed_limit / 0.05, c.rotator.speed_limit / 0.12});
   return {within(plan),
@@ -129,8 +129,7 @@ std::array<Word, 7> speed_words(const Config::Control& c, plant::CraneKind machi
           within(c.hoist.speed_limit)};
 }
 
-// State: place, speed and acceleration of the joint by its motor, then what PID keeps: P, D, the last error. Inertia 1,
-// set-point 0.
+// State: place, speed and acceleration of the joint, then what PID keeps: P, D, the last error. Inertia 1, set-point 0.
 double loop_radius(const Joint& settings, double h, double lag) {
   const double k = settings.bandwidth_rad_s * settings.bandwidth_rad_s, t_d = derivative_time(settings),
                t_i = integral_time(settings);
@@ -146,7 +145,7 @@ double loop_radius(const Joint& settings, double h, double lag) {
     const std::array<double, 6> next = {place, speed, u + gap * decay, p + h * k / t_i * e, d, e};
     for (std::size_t row = 0; row < 6; ++row) a[row][column] = next[row];
   }
-  // The root of the norm of a high power: by squaring, and a common factor taken out each time.
+  // The root of the norm of a high power, computed by squaring; a common factor is taken out each time.
   double exponent = 0, power = 1;
   for (int i = 0; i < 24; ++i) {
     double largest = 0;
@@ -179,13 +178,14 @@ std::optional<ControlFault> control_fault(const Config& config, double period_s)
       return ControlFault{
           table + "bandwidth_rad_s",
           fmt::format("the {}'s loop is unstable without any delay: with {:g} rad/s, damping {:g}, integral time {:g} "
-                      "s, filter {:g} and a servo period of {:g} ms a pole stands at {:.4g}",
+                      "s, filter {:g} and a servo period of {:g} ms a pole has the modulus {:.4g}",
                       joint.name, s.bandwidth_rad_s, s.damping, integral_time(s), s.derivative_filter, period_s * 1e3,
                       radius),
           fmt::format("a bandwidth {}or a higher rates.servo_frequency_hz is expected (docs/control.md)", also)};
     }
     const bool moved =
-        joint.name != "travel" || crane.machine == plant::CraneKind::gantry;  // a slewing crane's stands during a lift
+        joint.name != "travel" ||
+        crane.machine == plant::CraneKind::gantry;  // a slewing crane's travel does not move during a lift
     if (moved && s.speed_limit > joint.drive->rated_joint_speed()) {
       return ControlFault{
           fmt::format("{}speed_limit_{}", table, joint.unit),
@@ -202,8 +202,7 @@ std::optional<ControlFault> control_fault(const Config& config, double period_s)
   return std::nullopt;
 }
 
-// ---- the words in shared memory
-// ----------------------------------------------------------------------------------------
+// ---- the words in shared memory ----
 
 ControlBlock::ControlBlock(const Config& config, const Words& words)
     : words_(words), crane_(crane_parameters(config)), now_(control_law(config.control, crane_)), wanted_(now_) {}
@@ -244,7 +243,7 @@ void ControlBlock::refresh(HostServices& services) {
     }
     for (const Word word : row_words(channel, before)) block.push_back(word);
   }
-  // What the load's sway moves: slew and luff, or travel and trolley.
+  // The joints that the sway terms move: slew and luff, or travel and trolley.
   if ((rests_ & 6U) == 6U && now_.sway != wanted_.sway) now_.sway = wanted_.sway, changed |= 0x20;
   if (changed == 0) return;
   for (const double value : now_.sway) block.push_back(ti_float(value));

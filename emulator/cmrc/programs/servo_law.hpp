@@ -1,6 +1,6 @@
 #pragma once
-// The servo's law as the configuration gives it ([control]; docs/control.md): the words that PID reads, and whether the
-// loops are stable.
+// The servo's law from the configuration ([control]; docs/control.md): the words that PID reads, and whether the loops
+// are stable.
 #include <array>
 #include <cstddef>
 #include <functional>
@@ -23,7 +23,7 @@ inline constexpr std::size_t control_channels = 5;
 inline constexpr std::size_t control_row = 11;  ///< words of one channel, in the order of PC_K to PC_SHARE_BEFORE
 inline constexpr std::size_t control_sway = 4;  ///< words against sway
 
-/// What PID computes with, channel by channel of drives and encoders; SI units.
+/// The values of PID's law by channel of drives and encoders; SI units.
 struct ControlLaw {
   struct Row {
     /// K = k[0] + k[1] m + cos phi (k[2] + cos phi (k[3] + k[4] m)), motor N m per m or rad
@@ -36,41 +36,41 @@ struct ControlLaw {
 };
 ControlLaw control_law(const Config::Control& control, const plant::CraneParameters& crane);
 
-/// The words of CR_SPEED: the limits of a leg's motion, as 1 / v.
+/// The words of CR_SPEED: the speed limits of a leg, as 1 / v.
 std::array<Word, 7> speed_words(const Config::Control& control, plant::CraneKind machine);
 
-/// The crane of a configuration, as its drives and masses are known before the dock is built.
+/// The crane of a configuration: its drives and masses, known before the dock is built.
 plant::CraneParameters crane_parameters(const Config& config);
 
-/// One joint's settings, by the name that its keys have.
+/// One joint's settings, with the name in its keys.
 struct ControlJoint {
   std::string name, unit;  ///< "hoist", "m_s"
   const Config::Control::Joint* settings;
   const plant::DriveParameters* drive;
 };
-/// The joints of a machine, in the order of the channels; without the gantry's spare one.
+/// The joints of a crane in the order of the channels, without the gantry's spare one.
 std::vector<ControlJoint> control_joints(const Config::Control& control, const plant::CraneParameters& crane);
 
 /// The largest modulus of a pole of one joint's sampled loop: PID, code held for `period_s`, torque lag, the joint's
-/// inertia; no delay. It does not depend on the inertia, for the gain goes with it. Below 1: stable.
+/// inertia; no delay. It does not depend on the inertia, because the gain is proportional to it. Below 1: stable.
 double loop_radius(const Config::Control::Joint& settings, double period_s, double torque_lag_s);
 
-/// What cannot work; `key` is the one to be named.
+/// Impossible settings; `key` is the one to name.
 struct ControlFault {
   std::string key, what, right;
 };
 std::optional<ControlFault> control_fault(const Config& config, double period_s);
 
 /// The words of CR_CONTROL_BLOCK in shared memory. A joint's row changes only while the joint rests, and PID's words
-/// only between its runs.
+/// only between PID's runs.
 class ControlBlock {
  public:
   ControlBlock(const Config& config, const Words& words);
-  /// All of the block and its generation, before the run.
+  /// The whole block and its generation, before the run.
   void initial(const std::function<void(Word offset, Word value)>& put) const;
-  /// The operator has changed something.
+  /// The operator has changed a setting.
   void change(const Config& config);
-  /// PID has ended a run: these joints rest.
+  /// PID has finished a run: these joints rest.
   void pid_ended(Word rests) { rests_ = rests, seen_ = true; }
   /// Writes what may be written now.
   void refresh(HostServices& services);

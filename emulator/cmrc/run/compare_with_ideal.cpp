@@ -4,7 +4,7 @@
 namespace cmrc {
 report::Comparison compare_with_ideal(const Config& given, const std::function<bool(const Progress&)>& on_progress) {
   if (given.run.ideal)
-    throw ConfigError("run.ideal: the run itself is ideal; false is expected where it is compared with its ideal");
+    throw ConfigError("run.ideal: the run itself is ideal; false is expected for a comparison with the ideal run");
   Config config = given;
   config.report.reference = ReferenceKind::ideal;
   Simulation simulation(config);

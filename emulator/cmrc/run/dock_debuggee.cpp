@@ -29,18 +29,18 @@ constexpr std::array kind_texts{
     KindText{EventKind::load, "the host loads a task block"},
     KindText{EventKind::claim, "a DSP claims a task block"},
     KindText{EventKind::finish, "a DSP has finished a task block"},
-    KindText{EventKind::remove, "the host takes a finished block out"},
+    KindText{EventKind::remove, "the host removes a finished block"},
     KindText{EventKind::requeue, "the watchdog takes a block from its DSP and puts it back"},
     KindText{EventKind::miss, "a deadline is missed, a job dropped or lost"},
     KindText{EventKind::semaphore, "a semaphore is acquired, refused or released"},
     KindText{EventKind::bus_transaction, "a transaction on a bus has ended"},
     KindText{EventKind::latch, "the drives take the torque codes"},
-    KindText{EventKind::interrupt, "a DSP hears its doorbell"},
+    KindText{EventKind::interrupt, "a DSP gets the interrupt of its doorbell"},
     KindText{EventKind::doorbell, "the host rings a DSP"},
     KindText{EventKind::idle, "a DSP goes idle, or is busy again"},
-    KindText{EventKind::fault, "a DSP cannot go on"},
+    KindText{EventKind::fault, "a DSP cannot continue"},
     KindText{EventKind::reset, "a DSP is reset, or has booted"},
-    KindText{EventKind::fence, "the host fences DSPs off, or admits them"},
+    KindText{EventKind::fence, "the host fences DSPs off, or lets them write again"},
     KindText{EventKind::dropped_write, "a write of a fenced DSP is dropped"},
     KindText{EventKind::process, "a process starts or ends"},
     KindText{EventKind::error, "an error is noticed, decided, done or cleared"},
@@ -166,7 +166,7 @@ void DockDebuggee::watch_shared(machine::debug::SharedListener* listener, std::v
   });
 }
 
-// ---- happenings ----
+// ---- events ----
 
 std::vector<std::pair<std::string, std::string>> DockDebuggee::happenings() const {
   std::vector<std::pair<std::string, std::string>> all;
@@ -177,7 +177,7 @@ std::vector<std::pair<std::string, std::string>> DockDebuggee::happenings() cons
 void DockDebuggee::listen(machine::debug::DebugEventListener* listener, const std::set<std::string>& kinds) {
   listener_ = listener;
   kinds_.clear();
-  // What happens at every bus clock and every latch is no step of anybody: of "any" it is not.
+  // Events at every bus clock or every latch are not steps that a user follows: "any" leaves them out.
   static const std::set common{EventKind::bus_transaction, EventKind::latch, EventKind::semaphore};
   for (const KindText& row : kind_texts)
     if (kinds.contains(report::name(row.kind)) || (kinds.contains("any") && !common.contains(row.kind)))
@@ -201,7 +201,7 @@ void DockDebuggee::event(const report::Event& event) {
   if (event.component >= report::first_dsp && event.component < report::plant)
     happening.chip = event.component - report::first_dsp;
   using enum EventKind;
-  // Misses name the report's kind, blocks the program's.
+  // Misses have the report's number of the kind, blocks the program's.
   if (event.kind == load || event.kind == claim || event.kind == finish || event.kind == remove ||
       event.kind == requeue) {
     happening.fields["task"] = task_name(event.arguments[1]);
@@ -234,8 +234,7 @@ std::optional<double> DockDebuggee::value(std::string_view name) {
 
 std::vector<std::string> DockDebuggee::page_names() const { return {"list", "dsps", "plant"}; }
 
-/// Blocks as shared memory holds them: first those that the work pointer and the links lead to, then those that are
-/// taken.
+/// The blocks in shared memory: first those that the work pointer and the links reach, then the claimed ones.
 std::string DockDebuggee::list_page() const {
   const machine::Machine& machine = simulation_.machine();
   const auto row = [&](Word block) {

@@ -1,5 +1,5 @@
 #pragma once
-// The dock in a debugger: its DSPs, shared memory, the events of the run as happenings, the plant's signals as values.
+// The dock in a debugger: its DSPs, shared memory, the events of the run, and the plant's signals as values.
 #include <array>
 #include <functional>
 #include <map>
@@ -15,7 +15,7 @@ namespace cmrc {
 
 class DockDebuggee final : public machine::debug::Debuggee, private report::EventSink {
  public:
-  /// The run must outlive it.
+  /// The run must outlive this object.
   explicit DockDebuggee(Simulation& simulation);
   ~DockDebuggee() override;
 
@@ -53,7 +53,7 @@ class DockDebuggee final : public machine::debug::Debuggee, private report::Even
   Words words_;
   Word window_;  ///< address of offset 0 of shared memory
   std::map<std::string, std::function<double(const plant::Signal&)>, std::less<>> values_;
-  std::vector<c40::TraceSink*> traces_;  ///< that were there before
+  std::vector<c40::TraceSink*> traces_;  ///< sinks that were set before
   machine::debug::DebugEventListener* listener_ = nullptr;
   bool any_ = false;
   std::set<report::EventKind> kinds_;

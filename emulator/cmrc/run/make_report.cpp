@@ -1,4 +1,4 @@
-// From the parts of a run to its report.
+// Makes the report from the parts of a run.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -26,7 +26,7 @@ report::Summary summary_of(const pci::Histogram& histogram) {
   summary.exact_percentiles = histogram.max() < static_cast<pci::Clocks>(pci::Histogram::exact);
   const auto octaves = histogram.octaves();
   for (std::size_t i = 0; i < octaves.size(); ++i) summary.histogram[i + 1] = octaves[i];
-  summary.histogram[0] = histogram.zeros();  // the lowest octave holds 0 and 1
+  summary.histogram[0] = histogram.zeros();  // the lowest octave contains 0 and 1
   summary.histogram[1] -= histogram.zeros();
   return summary;
 }
@@ -103,7 +103,7 @@ report::LinkReport link_report(const machine::SlotWire& wire) {
   return report;
 }
 
-/// Distance of a point from a lane; large where the point lies before or behind it.
+/// Distance of a point from a lane; large if the point is before its beginning or behind its end.
 double distance(const plant::LaneSegment& lane, double x, double y) {
   const double dx = x - lane.x, dy = y - lane.y;
   const double c = plant::cos(lane.heading), s = plant::sin(lane.heading);
@@ -112,7 +112,7 @@ double distance(const plant::LaneSegment& lane, double x, double y) {
     const double beyond = along < 0 ? -along : std::max(0.0, along - lane.length);
     return plant::hypot(across, beyond);
   }
-  // Mirrored so that the arc turns left: its centre lies at (0, radius).
+  // Mirrored, so that the arc turns left: its centre is at (0, radius).
   const double radius = 1 / std::abs(lane.curvature);
   const double left = lane.curvature > 0 ? across : -across;
   double angle = plant::atan2(along, radius - left);
@@ -126,7 +126,7 @@ report::OwnMeasure own(std::string name, std::string unit, double squares, doubl
   return {std::move(name), std::move(unit), std::sqrt(squares / static_cast<double>(count)), peak};
 }
 
-/// The load from the instant at which nothing drives the crane any more.
+/// The load from the instant at which the last drive has stopped.
 report::AfterStop after_stop(const ReportInputs& e, Time from) {
   report::AfterStop after;
   after.from = from;

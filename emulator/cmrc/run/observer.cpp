@@ -65,7 +65,7 @@ void RunObserver::attach(plant::Dock& dock, Course* course, double wind_limit) {
 
 namespace {
 
-/// What an event of the dock befell: a joint, an AGV, or nothing by name.
+/// The object of a dock event: a joint, an AGV, or none.
 std::string whose(const plant::Event& event, plant::CraneKind crane) {
   if (event.index < 0) return "";
   const auto index = static_cast<std::size_t>(event.index);
@@ -125,8 +125,7 @@ std::optional<std::size_t> RunObserver::flag_of(machine::Offset offset) const {
   return in_pool / words_.block_words;
 }
 
-// ---- claims and ends
-// -----------------------------------------------------------------------------------------------------
+// ---- claims and ends ----
 
 void RunObserver::dsp_issue(unsigned slot, machine::Window, machine::Offset offset, machine::Word value, Time issued) {
   snapshots_[slot].push_back({issued, offset, causes_(slot)});
@@ -195,7 +194,7 @@ void RunObserver::finish(unsigned slot, std::size_t block, Time issued, Time now
   this->issued(slot, block, words_.flag_done, issued, now);
 }
 
-// The account of a run goes by the program's own write, which comes before its arrival by what it waited for the bus.
+// The account of a run uses the program's own write. It arrives later by the time that it waited for the bus.
 void RunObserver::issued(unsigned slot, std::size_t block, Word flag, Time issued, Time now) {
   const auto delay = static_cast<std::uint64_t>((now - issued).count());
   log_.add(
@@ -210,8 +209,7 @@ void RunObserver::idle(unsigned slot, bool idle, Time now) {
   log_.add({now, report::dsp(slot), EventKind::idle, {idle ? 1U : 0U, 0, 0, 0, 0}});
 }
 
-// ---- everything else
-// -------------------------------------------------------------------------------------------------------
+// ---- everything else ----
 
 void RunObserver::dsp_write_dropped(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value,
                                     Time issued, Time now) {
@@ -222,7 +220,7 @@ void RunObserver::dsp_write_dropped(unsigned slot, machine::Window window, machi
             {window == machine::Window::a ? 0U : 1U, offset, value, 0, 0}});
 }
 
-// One entry per DSP and kind of task: a task that goes astray writes by the thousand.
+// One entry per DSP and kind of task: a task that goes astray writes thousands of words.
 void RunObserver::dsp_write_refused(unsigned slot, machine::Offset offset, machine::Word value, machine::Word kind,
                                     Time now) {
   const std::string task = kind < words_.kind_count ? ledger_.name(job_kind(kind, words_)) : "no task";

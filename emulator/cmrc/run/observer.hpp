@@ -1,5 +1,5 @@
 #pragma once
-// What a run shows of itself, from the machine and the dock to the event log, the ledger and the report's statistics.
+// Passes the events of a run from the machine and the dock to the event log, the ledger and the report's statistics.
 #include <array>
 #include <deque>
 #include <functional>
@@ -19,7 +19,7 @@
 
 namespace cmrc {
 
-/// Mean square and peak of one joint's error as PID computed it.
+/// Mean square and peak of one joint's error, as PID computed it.
 struct PidErrorSum {
   double squares = 0, peak = 0;
   std::uint64_t count = 0;
@@ -27,24 +27,24 @@ struct PidErrorSum {
 
 class RunObserver : public machine::Observer, public HostListener {
  public:
-  /// \param samples_max of a summary, up to which its percentiles are exact
+  /// \param samples_max up to this number of samples the percentiles of a summary are exact
   RunObserver(const Words& words, Ledger& ledger, report::EventLog& log, std::size_t samples_max);
-  /// Takes PID's five errors from the crane's area while PID's stage is `servoing`; at other stages the words are no
+  /// Reads PID's five errors from the crane's area while PID's stage is `servoing`; at other stages the words are not
   /// errors. `errors` and `stage` are offsets.
   void watch_errors(Word errors, Word stage, Word servoing) {
     errors_ = errors, stage_ = stage, servoing_stage_ = servoing;
   }
-  /// Slot's cycles by cause, asked when it issues a write.
+  /// Called when a slot issues a write: the slot's cycles by cause.
   void set_causes(std::function<CauseTimes(unsigned)> causes) { causes_ = std::move(causes); }
-  /// Shared memory without time.
+  /// Reads shared memory without time.
   void set_peek(std::function<machine::Word(machine::Offset)> peek) { peek_ = std::move(peek); }
-  /// Whether the crane is servoed now: where it is not, drives stop because their work is over.
+  /// Whether the crane is servoed now. If not, drives stop because their work is finished.
   void set_servoing(std::function<bool()> servoing) { servoing_ = std::move(servoing); }
-  /// Hears the dock, and records it in `course` if there is one that wants rows. `wind_limit`: m/s, see wind().
+  /// Listens to the dock, and records it in `course` if this is given and wants rows. `wind_limit`: m/s, see wind().
   void attach(plant::Dock& dock, Course* course, double wind_limit);
-  /// Tells it when jobs begin and end; null: nobody.
+  /// The profile is told when jobs begin and end; null: none.
   void set_profile(RunProfile* profile) { profile_ = profile; }
-  /// It hears what the ledger hears, and the dock; null: nobody. Not a part of the state.
+  /// The watcher gets what the ledger gets, and the dock; null: none. Not part of the state.
   void watch(RunWatcher* watcher) { watcher_ = watcher, ledger_.watch(watcher); }
 
   // machine::Observer
@@ -109,10 +109,10 @@ class RunObserver : public machine::Observer, public HostListener {
   std::function<CauseTimes(unsigned)> causes_;
   std::function<machine::Word(machine::Offset)> peek_;
   std::function<bool()> servoing_;
-  std::vector<std::deque<Snapshot>> snapshots_;  // by slot: flag writes on their way
+  std::vector<std::deque<Snapshot>> snapshots_;  // by slot: writes of flags under way
   std::vector<std::array<Word, 16>> blocks_;     // what DSPs wrote into each block: result and notify
   struct Refused {
-    std::size_t failure;  // its place among the failures, for the first one told
+    std::size_t failure;  // index among the failures, for the first one reported
     std::uint64_t count;
     std::string first;
   };
@@ -125,7 +125,7 @@ class RunObserver : public machine::Observer, public HostListener {
   std::array<PidErrorSum, 5> pid_error_{};
   std::array<std::int64_t, plant::joint_count> saturated_{};
   Word errors_ = 0, stage_ = 0, servoing_stage_ = 0;
-  bool errors_hold_ = false;  // of the run of PID whose words are being written
+  bool errors_hold_ = false;  // the errors belong to the run of PID whose words are being written
   Instability instability_;
   double effort_ = 0;
   Time effort_until_{};

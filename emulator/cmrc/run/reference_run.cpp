@@ -22,14 +22,14 @@ namespace cmrc {
 
 namespace {
 
-// A DSP of an ideal run is idle nearly always. One that runs on for a tenth of a slice has a task that does not end,
-// and would cost a thousand times what it costs in a real run.
+// A DSP of an ideal run is nearly always idle. One that runs for a tenth of a slice has a task that does not end, and
+// would cost a thousand times as much as in a real run.
 constexpr Time slice = std::chrono::milliseconds{5};
 constexpr std::uint64_t most_instructions = 5'000'000;
-// Who stops a run waits no longer for the ideal run to come as far.
+// After this time a stopped run waits no longer for the ideal run.
 constexpr int moment_ms = 300;
 
-/// What the child tells of its run, besides the rows.
+/// The child's answer, besides the rows.
 struct Answer {
   Course& course;
   JobsByRobot jobs;
@@ -52,7 +52,7 @@ Config reference_of(Config config) {
   config.machine.links.clear();
   config.machine.nets.clear();
   config.machine.slots = 0;
-  for (UserTask& task : config.tasks) task.dsp.reset();  // its one DSP does it all
+  for (UserTask& task : config.tasks) task.dsp.reset();  // the one DSP of the ideal run does all tasks
   config.run.turn_order = 0;
   config.run.strict = false;
   config.report.misses_max = 0;

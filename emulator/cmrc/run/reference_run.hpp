@@ -1,5 +1,5 @@
 #pragma once
-// The ideal run that a run is measured against, in a process beside it.
+// The ideal run against which a run is measured, in a process of its own.
 #include <memory>
 #include <string>
 
@@ -12,22 +12,22 @@ class ChildProcess;
 
 namespace cmrc {
 
-/// The configuration of a run's ideal run: the same for every number of DSPs, so that one may serve them all.
+/// The configuration of a run's ideal run: the same for every number of DSPs, so that one ideal run can serve them all.
 Config reference_of(Config config);
-/// Text that two configurations share if one ideal run serves both.
+/// A text that is equal for two configurations if one ideal run serves both.
 std::string reference_key(const Config& config);
 
 class ReferenceRun {
  public:
-  /// Starts the ideal run of `config`, to its whole duration. \throws std::runtime_error without memory or process
+  /// Starts the ideal run of `config` for its whole duration. \throws std::runtime_error without memory or process
   explicit ReferenceRun(const Config& config);
   ~ReferenceRun();
   ReferenceRun(const ReferenceRun&) = delete;
   ReferenceRun& operator=(const ReferenceRun&) = delete;
 
-  /// Waits for its end. \throws std::runtime_error when it has died; io::Stopped, and may be called again
+  /// Waits for its end. \throws std::runtime_error if it has died; io::Stopped, and may then be called again
   std::shared_ptr<const Reference> wait();
-  /// No more of it is wanted than up to `time`, nor more than comes within a moment.
+  /// Ends it early: no more is needed than up to `time`, or up to what is ready within a moment.
   std::shared_ptr<const Reference> cut_short(Time time);
 
  private:

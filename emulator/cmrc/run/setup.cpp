@@ -43,7 +43,7 @@ void read_layout(plant::DockConfig& dock, const std::string& path) try {
   throw ConfigError(fmt::format("dock.layout: {}: {}", path, error.what()));
 }
 
-// The default bay filled up: tiers 2 to 4 over the six places of the first, but for what stands there.
+// Fills the default bay: tiers 2 to 4 above the six places of the first tier, except occupied places.
 void stack_more(plant::Layout& layout) {
   const std::vector<plant::ContainerPlace> places = layout.containers;
   for (int tier = 1; tier < 4; ++tier) {
@@ -219,7 +219,7 @@ machine::Config nominal_machine_of(const Config& config) {
   const std::int64_t divisor = std::gcd(machine.chip_hz * 1000, thousandths);
   machine.chip_hz = machine.chip_hz * 1000 / divisor;
   machine.chip_hz_denominator = thousandths / divisor;
-  // Thirds of a hertz hold PCI's 33 1/3 MHz exactly.
+  // Thirds of a hertz represent PCI's 33 1/3 MHz exactly.
   machine.pci_hz_numerator = std::llround(config.bus.clock_hz * 3);
   machine.pci_hz_denominator = 3;
   if (config.run.ideal) machine.chip_hz *= ideal_speed, machine.pci_hz_numerator *= ideal_speed;

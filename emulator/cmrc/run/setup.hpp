@@ -1,5 +1,5 @@
 #pragma once
-// From the configuration to the parts of a run, and from the parts to the report.
+// Makes the parts of a run from the configuration, and the report from the parts.
 #include <chrono>
 #include <functional>
 #include <optional>
@@ -18,7 +18,7 @@
 
 namespace cmrc {
 
-/// With clocks that differ, where run.phase_jitter says so (clock_deviations.hpp).
+/// With clock deviations if run.phase_jitter is set (clock_deviations.hpp).
 plant::DockConfig dock_of(const Config& config);
 plant::DockConfig nominal_dock_of(const Config& config);
 CraneJob crane_of(const Config& config, const plant::DockConfig& dock);
@@ -27,7 +27,7 @@ FleetJob fleet_of(const Config& config, const plant::DockConfig& dock);
 machine::Config machine_of(const Config& config);
 machine::Config nominal_machine_of(const Config& config);
 
-/// What the operator loads into the job areas before the start.
+/// A word of a job area that the operator loads before the start.
 struct AreaWord {
   Word offset;
   Word value;
@@ -35,7 +35,7 @@ struct AreaWord {
 std::vector<AreaWord> initial_words(const Config& config, const plant::DockConfig& layout, const Words& words,
                                     plant::Dock& dock);
 
-/// Everything a report is made from.
+/// Everything from which a report is made.
 struct ReportInputs {
   const Config& config;
   const machine::Machine& machine;
@@ -52,8 +52,8 @@ struct ReportInputs {
   const Course& course;
   std::optional<report::Errors> errors;
   std::string reference_problem;
-  std::optional<Time> account_end;             ///< nothing drove the crane any more from then on
-  std::function<std::string(Word)> kind_name;  ///< of a KIND_*
+  std::optional<Time> account_end;             ///< from this time on no drive worked any more
+  std::function<std::string(Word)> kind_name;  ///< the name of a KIND_*
 };
 report::RunReport make_report(ReportInputs evidence);
 

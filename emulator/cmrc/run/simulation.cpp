@@ -28,13 +28,13 @@
 namespace cmrc {
 namespace {
 
-// Bus words are told when their burst has ended; nothing is told later than this after its time.
+// Words on a bus are reported when their burst has ended; no report comes later than this after its time.
 constexpr Time settling = std::chrono::milliseconds{1};
-// DSPs that stand still are reset by the watchdog; when none has come back after so long, none is left.
+// The watchdog resets DSPs that are halted; if none works again after this time, none is left.
 constexpr Time patience = std::chrono::milliseconds{500};
-// Whether the run is over is asked at whole multiples of this, however the caller cuts it.
+// The end of a run is checked at whole multiples of this, however the caller divides the run.
 constexpr Time look_period = std::chrono::milliseconds{10};
-// Whether to stop is asked so often: a moment also for 16 DSPs of which each instruction is written.
+// A stop is checked at this interval: a moment even for 16 DSPs with instruction traces.
 constexpr Time ask_period = std::chrono::milliseconds{1};
 static_assert(look_period % ask_period == Time{});
 
@@ -48,7 +48,7 @@ std::vector<std::string> cause_names() {
 constexpr auto arbitration = static_cast<std::size_t>(c40::Cause::bus_arbitration);
 constexpr auto transfer = static_cast<std::size_t>(c40::Cause::bus_transfer);
 
-/// A job's causes tell the two windows apart: A's stand at the chip's places, B's behind.
+/// A job's causes distinguish the two windows: A's are at the chip's places, B's come after them.
 std::vector<std::string> job_causes() {
   std::vector<std::string> names = cause_names();
   names[arbitration] = "bus_a_arbitration";
@@ -148,11 +148,10 @@ class Simulation::Parts {
   void require_fitting(const Reference& reference) const {
     if (reference.key != reference_key(given_config))
       throw ConfigError(
-          "reference: it is the ideal run of another configuration; one that differs in DSPs, their speed and failures "
-          "only is expected");
+          "reference: it is the ideal run of another configuration; only DSPs, their speed and failures may differ");
   }
 
-  /// An event that is to come, in the machine's script or the host's.
+  /// A future event goes into the machine's script or the host's.
   void expect(const TimedEvent& event) {
     if (const auto scripted = scripted_event(event))
       machine.script(*scripted);
@@ -160,11 +159,11 @@ class Simulation::Parts {
       host.change(duration_of(event.at_s), event);
   }
 
-  /// What lasts of a run; the ideal run and what was measured against it is made anew.
+  /// The state of a run. The ideal run, and what was measured against it, is made again.
   void list_state(state::Visitor& list) {
     list("events", config.events);
     list("given events", given_config.events);
-    list("dock", dock);  // before the machine, which looks when the dock's next event is
+    list("dock", dock);  // before the machine, which needs the time of the dock's next event
     list("machine", machine);
     list("host", host);
     list("ledger", ledger);
@@ -184,10 +183,10 @@ class Simulation::Parts {
     return ledger.tell(machine.time(), [this](unsigned slot) { return job_causes(machine, slot); });
   }
 
-  /// The errors of the run are told.
+  /// The errors of the run are measured.
   bool measured() const { return config.report.reference == ReferenceKind::ideal; }
 
-  /// An interrupted run goes on.
+  /// Continues an interrupted run.
   void resume() {
     if (stop != report::StopReason::interrupted) return;
     stop = stopped_by;
@@ -216,7 +215,7 @@ class Simulation::Parts {
 
   bool over() const { return now() >= end || (account_end && now() >= after_end); }
 
-  /// Whether the job is done, or nothing drives the crane any more: then the plant goes on, braked, without the
+  /// Checks whether the job is finished, or no drive works any more: then the plant continues, braked, without the
   /// machine.
   void look() {
     bool alive = false;
@@ -240,7 +239,7 @@ class Simulation::Parts {
     if (reason != report::StopReason::job_done) dock.enable_drives(0, now());
   }
 
-  /// The ideal run, once this run is over.
+  /// The ideal run, after the end of this run.
   std::shared_ptr<const Reference> reference() {
     const bool interrupted = stop == report::StopReason::interrupted;
     if (!measured() || config.run.ideal || (!over() && !interrupted)) return nullptr;
@@ -259,13 +258,13 @@ class Simulation::Parts {
     return given_reference;
   }
 
-  /// Begins the ideal run beside this one.
+  /// Starts the ideal run at the same time as this one.
   void begin_reference() {
     if (!measured() || config.run.ideal || given_reference || ideal_run) return;
     ideal_run = std::make_unique<ReferenceRun>(given_config);
   }
 
-  /// What was measured against another course of events, or only in part, is measured anew.
+  /// Results against another course of events, or a part of it, are measured again.
   void forget_reference() {
     ideal_run.reset();
     given_reference.reset();
@@ -281,7 +280,8 @@ class Simulation::Parts {
     const Course& meant = ideal ? ideal->course : *course;
     const JobsByRobot& demanded = ideal ? ideal->jobs : jobs;
     Time to = interrupted || config.run.ideal ? now() : end;
-    if (interrupted) to = std::min(to, meant.end() + meant.step());  // the last row holds until the next would come
+    if (interrupted)
+      to = std::min(to, meant.end() + meant.step());  // the last row is valid until the next one would come
     if (stop == report::StopReason::job_done && meant.size() > 0) to = std::min(end, std::max(now(), meant.end()));
     std::vector<std::string> kinds = job_kinds();
     for (const UserTask& task : config.tasks) kinds.push_back("user." + task.name);
@@ -299,12 +299,12 @@ class Simulation::Parts {
           fmt::format("Simulation::{}: report_so_far has ended the run; Simulation::report leaves it as it is", call));
   }
 
-  /// The run has one, and no other run.
+  /// The run has a profile: this function is not possible.
   void require_no_profile(const char* call) const {
     if (profile)
       throw std::logic_error(
-          fmt::format("Simulation::{}: a run with a profile has no snapshots, what it has counted would be lost; make "
-                      "the run without",
+          fmt::format("Simulation::{}: a run with a profile has no snapshots, because its counts would be lost; run it "
+                      "without profile",
                       call));
   }
 
@@ -318,7 +318,7 @@ class Simulation::Parts {
   }
 
   Config given_config;
-  Config original_config = given_config;  // before Simulation::at has added to it
+  Config original_config = given_config;  // before Simulation::at has added events
   std::string snapshot_key = key_of(given_config);
   Config config;
   std::shared_ptr<const Reference> given_reference;
@@ -338,16 +338,16 @@ class Simulation::Parts {
   Time end;
   std::shared_ptr<Course> course;
   Time last_alive{}, last_driven{};
-  bool enabled = false;             // the drives have been on
-  std::optional<Time> account_end;  // the plant goes on without the machine from then on
+  bool enabled = false;             // the drives were on at some time
+  std::optional<Time> account_end;  // from this time on the plant continues without the machine
   Time after_end{};
   std::optional<report::StopReason> stop;
-  std::optional<report::StopReason> stopped_by;  // what ended the account; an interruption comes and goes
+  std::optional<report::StopReason> stopped_by;  // the end of the account; an interruption is not kept here
   std::chrono::steady_clock::duration elapsed{};
   std::map<unsigned, c40::TraceSink*> traces;
   std::optional<RunProfile> profile;
   RunWatchers watchers;
-  bool told_all = false;  // the order of events is settled beyond what is certain
+  bool told_all = false;  // the order of events is settled further than is certain
 };
 
 namespace {
@@ -506,8 +506,7 @@ std::unique_ptr<Simulation> Simulation::fork_into(const Config& whole, std::shar
   const Parts& p = *parts_;
   const std::string own = key_of(p.given_config), asked = key_of(beginning_of(whole, p.now()));
   if (own != asked)
-    throw ConfigError(
-        fmt::format("fork: the run that is asked for begins otherwise: {}", first_other_line(asked, own)));
+    throw ConfigError(fmt::format("fork: the requested run begins differently: {}", first_other_line(asked, own)));
   if (ended()) throw ConfigError(fmt::format("fork: the run has ended at {} s", report::seconds(p.now())));
   std::unique_ptr<Simulation> made = fork();
   Parts& other = *made->parts_;

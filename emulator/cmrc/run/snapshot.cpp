@@ -13,7 +13,7 @@ constexpr std::string_view kind = "run";
 
 struct Content {
   report::Time time{};
-  std::string configuration, files, state;  // the state last: its tables are counted from its begin
+  std::string configuration, files, state;  // the state comes last: places of its tables count from its beginning
 
   void list_state(state::Visitor& list) {
     list("time", time);

@@ -1,6 +1,6 @@
 #pragma once
-// A run at an instant: from it the same run goes on, in this process or another, and ends with the same report and
-// hash.
+// The state of a run at an instant. The same run continues from it, in this process or another, and ends with the same
+// report and hash.
 #include <memory>
 #include <string>
 #include <string_view>
@@ -16,9 +16,9 @@ using SnapshotError = state::StateError;
 
 class Snapshot {
  public:
-  /// \param configuration of the run, as TOML, as it was before Simulation::at
-  /// \param files a digest of the files that it names
-  /// \param state what Simulation lists
+  /// \param configuration of the run, as TOML, without events added by Simulation::at
+  /// \param files a digest of the files that the configuration names
+  /// \param state the state that Simulation lists
   Snapshot(report::Time time, std::string configuration, std::string files, state::Saved state);
 
   report::Time time() const { return time_; }
@@ -26,7 +26,7 @@ class Snapshot {
   const std::string& files() const { return files_; }
   const std::string& state() const { return state_->text; }
 
-  /// A file's contents: with a checksum, the version, and the configuration.
+  /// The contents of a file: the state with a checksum, the version, and the configuration.
   std::string to_bytes() const;
   /// \throws SnapshotError
   static Snapshot from_bytes(std::string_view bytes);

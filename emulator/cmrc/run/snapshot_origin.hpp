@@ -1,5 +1,5 @@
 #pragma once
-// What a snapshot is a state of: its run's configuration, program and files.
+// The origin of a snapshot: its run's configuration, program and files.
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,28 +10,28 @@
 
 namespace cmrc {
 
-/// What two runs must have in common for the one to go on from the other's snapshot.
+/// What must be equal in two runs if one continues from the other's snapshot.
 std::string key_of(Config config);
 
-/// What two runs have in common, with `digest_of_inputs`, if nothing in their results may differ: the whole
-/// configuration but the turn order, strictness (which is about the exit status) and the paths of files.
+/// What must be equal in two runs, together with `digest_of_inputs`, for equal results: the whole configuration except
+/// the turn order, strictness (which affects the exit status) and the paths of files.
 std::string result_key_of(Config config);
 
-/// The configuration without its events from `time` on: runs that have it in common are alike until then.
+/// The configuration without its events from `time` on: runs with the same result are equal until then.
 Config beginning_of(Config config, report::Time time);
 
-/// What a configuration says of the files that it needs, empty where it needs none: two configurations that say the
-/// same need the same files.
+/// The configuration's settings that name files, empty if it names none: configurations with equal settings need the
+/// same files.
 std::vector<std::string> inputs_of(const Config& config);
 
-/// SHA-256 of those files: the DSPs' program as it is assembled, before anything of the configuration is put into it,
-/// the layout and the board. \throws what a missing or a wrong file throws
+/// SHA-256 of those files: the DSPs' program as assembled, without the configuration's values, the layout and the
+/// board. \throws the errors for a missing or a wrong file
 std::string digest_of_inputs(const Config& config);
 
-/// Of the DSPs' program, and of the files that a configuration names.
+/// SHA-256 of the DSPs' program, and of the files that a configuration names.
 std::string digest_of_files(const Config& config, const toolchain::Image& image);
 
-/// The first line that is in one of them only.
+/// The first line that only one of the two has.
 std::string first_other_line(std::string_view one, std::string_view other);
 
 }  // namespace cmrc

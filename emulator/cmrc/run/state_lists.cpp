@@ -1,5 +1,5 @@
-// What the controller's state is, class by class: everything that lasts, and that anything later depends on. What the
-// configuration alone decides is not listed, nor are scratch, observers and callbacks.
+// The state of the controller, class by class: everything that lasts and affects later results. Not listed: what
+// follows from the configuration alone, temporary values, observers and callbacks.
 #include "cmrc/host/host.hpp"
 #include "cmrc/measures/course.hpp"
 #include "cmrc/measures/ledger.hpp"
@@ -8,8 +8,7 @@
 
 namespace cmrc {
 
-// ---- the list, and what is loaded into it
-// ------------------------------------------------------------------------------
+// ---- the list, and the robots' work that is loaded into it ----
 
 void TaskList::list_state(state::Visitor& list) {
   list("blocks", blocks_);
@@ -83,8 +82,7 @@ void UserTasks::Row::list_state(state::Visitor& list) {
 
 void UserTasks::list_state(state::Visitor& list) { list("rows", rows_); }
 
-// ---- processes
-// ---------------------------------------------------------------------------------------------------------
+// ---- processes ----
 
 void Consents::list_state(state::Visitor& list) { list("tokens", tokens_); }
 
@@ -109,7 +107,7 @@ struct Processes::RunState {
     list("process", number);
     if (list.loads()) run.process = number ? table.find(*number) : nullptr;
     if (list.loads() && number && run.process == nullptr)
-      throw state::StateError("process " + std::to_string(*number) + " is in no row of the table");
+      throw state::StateError("process " + std::to_string(*number) + " has no row in the table");
     list("step", run.step);
     list("agv", run.agv);
     list("wants_task", run.wants_task);
@@ -119,7 +117,7 @@ struct Processes::RunState {
   }
 };
 
-// The watch on the field and whether releases are staggered are the configuration's; the host sets them.
+// The watch on the field, and whether releases are staggered, come from the configuration; the host sets them.
 void Processes::list_state(state::Visitor& list) {
   const auto run = [&](Run& one) {
     RunState state{one, table_};
@@ -150,8 +148,7 @@ void ContainerCycles::list_state(state::Visitor& list) {
   list("completed", completed_);
 }
 
-// ---- errors, parameters, boards
-// ----------------------------------------------------------------------------------------
+// ---- errors, parameters, boards ----
 
 void PathClock::list_state(state::Visitor& list) {
   list("used", used_);
@@ -195,8 +192,7 @@ void BootLoader::list_state(state::Visitor& list) {
   list("ended", ended_);
 }
 
-// ---- the host
-// ----------------------------------------------------------------------------------------------------------
+// ---- the host ----
 
 void Host::Servo::list_state(state::Visitor& list) {
   list("next", next);
@@ -208,7 +204,7 @@ void Host::Servo::list_state(state::Visitor& list) {
 }
 
 void Host::list_state(state::Visitor& list) {
-  // Of the configuration what may change while a run is on.
+  // The keys that may change during a run.
   for (const Key& key : keys()) {
     if (!key.live) continue;
     Value value = key.read(config_);
@@ -269,8 +265,7 @@ void Host::list_state(state::Visitor& list) {
   set_releases();
 }
 
-// ---- jobs
-// --------------------------------------------------------------------------------------------------------------
+// ---- jobs ----
 
 void BlockAudit::list_state(state::Visitor& list) {
   list("blocks", blocks_);
@@ -312,8 +307,7 @@ void Ledger::list_state(state::Visitor& list) {
   list("misses", misses_);
 }
 
-// ---- what is measured
-// --------------------------------------------------------------------------------------------------
+// ---- measurements ----
 
 void Course::list_state(state::Visitor& list) {
   list_all_but_rows(list);
@@ -323,7 +317,7 @@ void Course::list_state(state::Visitor& list) {
 void Course::list_all_but_rows(state::Visitor& list) {
   list("size", size_);
   if (size_ > rows_.room())
-    throw state::StateError("a course of " + std::to_string(size_) + " rows, where there is room for " +
+    throw state::StateError("a course of " + std::to_string(size_) + " rows, with room for " +
                             std::to_string(rows_.room()));
   list("every", every_);
   list("points_every", points_every_);

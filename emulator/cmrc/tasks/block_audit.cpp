@@ -44,7 +44,7 @@ void BlockAudit::claimed(std::size_t block, unsigned slot, report::Time time) {
 void BlockAudit::finished(std::size_t block, unsigned slot, report::Time time) {
   const unsigned owner = at(block).owner;
   pass(block, State::taken, State::done, time, "finished");
-  if (owner != slot) violated(block, time, fmt::format("taken by DSP {}, finished by DSP {}", owner, slot));
+  if (owner != slot) violated(block, time, fmt::format("claimed by DSP {}, finished by DSP {}", owner, slot));
 }
 
 void BlockAudit::put_back(std::size_t block, report::Time time) {

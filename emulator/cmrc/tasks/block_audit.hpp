@@ -1,6 +1,6 @@
 #pragma once
-// The life of every task block, checked as it runs: each is in exactly one state with one owner, and each that was
-// loaded ends once.
+// The life of every task block, checked during the run: each block has exactly one state and one owner at a time, and
+// each loaded block ends once.
 //
 //     absent -> waiting -> taken -> done -> absent
 //                  ^---------|        (put back by the watchdog)
@@ -26,7 +26,7 @@ class BlockAudit {
   void removed(std::size_t block, report::Time at);
   void dropped(std::size_t block, report::Time at);
 
-  /// A further rule that holds in every run; `what` tells how it was broken.
+  /// A further rule that holds in every run; `what` says how it was broken.
   template <class What>
   void require(bool holds, report::Time at, What what) {
     ++checks_;
@@ -34,7 +34,7 @@ class BlockAudit {
   }
 
   std::uint64_t checks() const { return checks_; }
-  /// What broke the rule, at most the first hundred.
+  /// The broken rules, at most the first hundred.
   const std::vector<std::string>& violations() const { return violations_; }
   void list_state(state::Visitor& list);
 

@@ -20,7 +20,7 @@ std::uint32_t planning_restored(const ImportanceParameters& n, std::uint32_t x, 
   return saturated(t >= n.n_agv - n.beta ? 0xFEFF : n.q + n.b + n.a * t);
 }
 
-// The scan's own values: only the crane's trajectory planning differs from the restored rows.
+// The values of the paper as printed: only the crane's trajectory planning differs from the restored rows.
 std::uint32_t planning_as_printed(const ImportanceParameters& n, std::uint32_t x, std::uint32_t y, std::int64_t t) {
   if (x == task::trajectory && y == robot_class::crane)
     return saturated(t >= n.n_crane - n.alpha ? n.p : n.q + n.a * t);

@@ -7,7 +7,7 @@
 
 namespace cmrc {
 
-/// Task kinds x of table 1 of the paper. The gaps are for users' own.
+/// Task kinds x of table 1 of the paper. The gaps are for users' tasks.
 namespace task {
 inline constexpr std::uint32_t error = 1, recompute = 2, trajectory = 5, inverse = 6, torque = 7, pid = 8,
                                identify = 11, grab_path = 12, home_crane = 13, avoidance = 21, home_agv = 22;
@@ -17,7 +17,7 @@ namespace robot_class {
 inline constexpr std::uint32_t none = 0, crane = 1, agv = 2;
 }  // namespace robot_class
 
-/// What equation (7) depends on besides x, y and t; refreshes and importances.
+/// The parameters of equation (7) besides x, y and t: numbers of refreshes, and importances.
 struct ImportanceParameters {
   Equation7 equation = Equation7::restored;
   std::int64_t n_servo = 8;   ///< N_p
@@ -33,8 +33,8 @@ struct ImportanceParameters {
 };
 ImportanceParameters importance_parameters(const Config& config);
 
-/// J, 0..FFFFh, larger is earlier; 0 means not to be run yet. t counts refreshes and saturates at FFFFh, and so does J.
-/// \throws std::invalid_argument for a kind that equation (7) does not rank.
+/// J, 0..FFFFh, larger is earlier; 0 means that the block must not run yet. t counts refreshes; t and J saturate at
+/// FFFFh. \throws std::invalid_argument for a kind that equation (7) does not rank.
 std::uint32_t importance(const ImportanceParameters& parameters, std::uint32_t x, std::uint32_t y, std::int64_t t);
 
 }  // namespace cmrc

@@ -7,7 +7,7 @@ namespace cmrc {
 
 const std::array<KindRow, 13>& kind_rows() {
   using W = Config::Watchdog;
-  // The beats are counted in tests/kernels/test_heartbeat.py; what the bus may add is left room for.
+  // tests/kernels/test_heartbeat.py counts the beats; the values leave room for delays by the bus.
   static constexpr std::array<KindRow, 13> rows = {{
       {"pid", &Words::kind_pid, &W::servo_run_us, 0},
       {"torque_compensation", &Words::kind_torque, &W::servo_run_us, 0},

@@ -1,6 +1,6 @@
 #pragma once
-// The kinds of jobs, one row each: the report's key, the program in the executive's table, how long a run is taken to
-// last before one is seen, and the period of its heartbeat where it has one.
+// The kinds of jobs, one row each: the report's key, the program in the executive's table, the assumed longest run
+// before one is measured, and the period of its heartbeat if it has one.
 #include <array>
 #include <cstdint>
 #include <string>
@@ -27,14 +27,14 @@ enum class JobKind : std::uint8_t {
   home_agv,
   error,
   recompute,
-  user  ///< the first of the user's own tasks
+  user  ///< the first of the users' tasks
 };
 
 struct KindRow {
   std::string_view name;              ///< key of ruling 29
-  Word Words::* program;              ///< its KIND_*; null: none of its own
-  double Config::Watchdog::* run_us;  ///< longest run at the start
-  double heartbeat_us;  ///< at most between two beats of its program (lib/alive.asm), at nominal clock; 0: it has none
+  Word Words::* program;              ///< its KIND_*; null: it has no program of its own
+  double Config::Watchdog::* run_us;  ///< longest run at the start of a run
+  double heartbeat_us;  ///< limit between two beats of its program (lib/alive.asm), at nominal clock; 0: no heartbeat
 };
 /// By JobKind.
 const std::array<KindRow, 13>& kind_rows();

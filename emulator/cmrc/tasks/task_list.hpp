@@ -1,5 +1,5 @@
 #pragma once
-// The task-block list as the host keeps it for itself: what it has written to shared memory and what it has read back.
+// The host's own copy of the task-block list: what it has written to shared memory and read back.
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -15,21 +15,21 @@ namespace cmrc {
 
 enum class Flag : std::uint8_t { waiting, taken, done };
 
-/// What is asked for when a block is loaded.
+/// The task for which a block is loaded.
 struct Task {
   std::uint32_t x = 0;      ///< kind of equation (7)
   std::uint32_t y = 0;      ///< robot class
   std::uint32_t kind = 0;   ///< KIND_*: the program that runs
-  std::uint32_t robot = 0;  ///< 0 crane, n AGV n - 1: for the host only
+  std::uint32_t robot = 0;  ///< 0 crane, n AGV n - 1; only for the host
   std::uint32_t area = 0;   ///< offset of the robot's area
   std::uint32_t tick = 0;   ///< refresh number of the nominal release
   std::uint32_t argument = 0;
   std::int64_t t = 0;                                   ///< waiting count at the start (a servo block inherits it)
-  std::uint32_t slice = 0;                              ///< blocks of this task that have gone before
-  std::optional<std::int64_t> deadline = std::nullopt;  ///< refresh number. For the host only, as are:
+  std::uint32_t slice = 0;                              ///< number of blocks of this task that were before
+  std::optional<std::int64_t> deadline = std::nullopt;  ///< refresh number. Only for the host, like the following:
   std::uint32_t process = 0;                            ///< number of the process whose step it is; 0: none
   std::uint32_t error = 0;                              ///< number of the error that an error block is to decide
-  std::uint32_t subprocess = 0;  ///< number of the sub-process that is released once per interval
+  std::uint32_t subprocess = 0;                         ///< number of the sub-process that released it
 };
 
 struct TaskBlock {
@@ -39,18 +39,18 @@ struct TaskBlock {
   std::uint32_t importance = 0;
   std::uint32_t generation = 0;
   std::uint32_t own_x = 0;     ///< task.x before it was put back
-  std::uint64_t inserted = 0;  ///< order of loading, decides between equal J
+  std::uint64_t inserted = 0;  ///< order of loading; decides between equal J
   std::uint32_t recomputations = 0;
-  std::int64_t seen = -1;  ///< refresh at which its flag was first read as taken, and last; -1: never
+  std::int64_t seen = -1;  ///< refresh at which its flag was first, and last, read as taken; -1: never
   std::int64_t running = -1;
-  std::uint32_t beat = 0;  ///< TB_ALIVE as read last, and the refresh at which it was first read so; -1: never
+  std::uint32_t beat = 0;  ///< TB_ALIVE as last read, and the refresh at which this value was first read; -1: never
   std::int64_t beat_seen = -1;
   bool in_use = false;
   bool fresh = false;  ///< its words are not in shared memory yet
   bool passed_through =
       false;  ///< DSPs may still follow the link in its words: not to be used before the next relinking
   std::uint32_t written_slice = 0;
-  std::int64_t written_link = -1;  // as shared memory holds it, so that only changes are written
+  std::int64_t written_link = -1;  // as in shared memory, so that only changes are written
 };
 
 class ListFull : public std::runtime_error {
@@ -58,25 +58,25 @@ class ListFull : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Blocks in a pool, and the order of ruling 19: taken ones first, then the waiting ones by falling J, equal J first
-/// come first.
+/// Blocks in a pool, in the order of ruling 19: taken ones first, then the waiting ones by falling J; among equal J the
+/// one that was loaded first.
 class TaskList {
  public:
   explicit TaskList(std::size_t capacity);
 
-  /// Puts a block in, waiting. \returns its place in the pool. \throws ListFull
+  /// Loads a block, waiting. \returns its place in the pool. \throws ListFull
   std::size_t load(const Task& task);
   void remove(std::size_t index);
-  /// Marks a waiting block as taken: t = 0, and nothing has been seen of it yet.
+  /// Marks a waiting block as taken: t = 0, without a sign of life yet.
   void take(std::size_t index);
   /// Puts a taken block back behind the work pointer as a recompute block (x = 2).
   void put_back(std::size_t index, std::uint32_t x);
 
-  /// t += elapsed for every block, J anew, order anew.
+  /// t += elapsed for every block; computes J and the order again.
   void refresh(std::int64_t elapsed, const std::function<std::uint32_t(const TaskBlock&)>& importance);
-  /// The list is linked anew: nobody follows the links of blocks that are out of it.
+  /// The list has been linked again: DSPs no longer follow the links of removed blocks.
   void release_passed();
-  /// Order anew, after blocks were found to be taken.
+  /// Computes the order again, after blocks were found taken.
   void sort();
   /// Order of the last refresh: places in the pool.
   std::span<const std::size_t> order() const { return order_; }

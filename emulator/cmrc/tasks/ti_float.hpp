@@ -1,5 +1,5 @@
 #pragma once
-// The C40's single-precision format, as the host writes it into the job areas.
+// The C40's single-precision format, in which the host writes numbers into the job areas.
 #include <cmath>
 #include <cstdint>
 
@@ -12,7 +12,7 @@ inline std::uint32_t ti_float(double value) {
   int exponent = 0;
   double mantissa = std::frexp(value, &exponent);  // 0.5 <= |mantissa| < 1
   --exponent;
-  mantissa *= 2;  // 1 <= |mantissa| < 2; -1 becomes -2 of the exponent below
+  mantissa *= 2;  // 1 <= |mantissa| < 2; -1 becomes -2 with the next lower exponent
   auto scaled = static_cast<std::int64_t>(std::nearbyint(mantissa * 0x800000));
   if (scaled == 0x1000000) scaled = 0x800000, ++exponent;
   if (scaled == -0x800000) scaled = -0x1000000, --exponent;
@@ -23,7 +23,7 @@ inline std::uint32_t ti_float(double value) {
   return static_cast<std::uint32_t>(exponent & 0xFF) << 24 | (value < 0 ? 0x800000U : 0U) | (fraction & 0x7FFFFF);
 }
 
-/// The same back; exact.
+/// The inverse; exact.
 inline double from_ti_float(std::uint32_t word) {
   const int exponent = static_cast<std::int8_t>(word >> 24);
   if (exponent == -128) return 0;

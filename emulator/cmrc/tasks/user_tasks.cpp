@@ -13,10 +13,11 @@
 namespace cmrc {
 namespace {
 
-constexpr std::array<std::int64_t, 11> taken_kinds = {1, 2, 5, 6, 7, 8, 11, 12, 13, 21, 22};  // of the paper's table
+constexpr std::array<std::int64_t, 11> taken_kinds = {1,  2,  5,  6,  7, 8,
+                                                      11, 12, 13, 21, 22};  // kinds of the paper's table
 constexpr std::size_t most_parameters = 32;
 
-/// Takes fields by name, and says which are left over.
+/// Takes fields by name, and reports those left over.
 class TaskFields {
  public:
   TaskFields(const std::map<std::string, Field>& fields, const Origin& where) : fields_(fields), where_(where) {}
@@ -58,11 +59,11 @@ class TaskFields {
     const auto fallback = otherwise ? std::optional(static_cast<double>(*otherwise)) : std::nullopt;
     const double value = number(name, fallback, static_cast<double>(least), static_cast<double>(most));
     if (value != std::floor(value))
-      refuse(fields_.at(name).origin, "tasks." + name, fmt::format("{} is no integer", value),
+      refuse(fields_.at(name).origin, "tasks." + name, fmt::format("{} is not an integer", value),
              "an integer is expected");
     return static_cast<std::int64_t>(value);
   }
-  /// Before any field is missed: a field that is written wrong is named as it is written.
+  /// To be called before a field is reported as missing: a misspelt field is then reported as it is written.
   void all_known(std::span<const std::string_view> known) const {
     for (const auto& [name, field] : fields_) {
       if (name.starts_with("parameter_") || std::find(known.begin(), known.end(), name) != known.end()) continue;
@@ -97,7 +98,7 @@ UserTask user_task(const std::map<std::string, Field>& given, const Origin& wher
   task.program = fields.text("program", "the label of a program is expected");
   task.x = static_cast<std::uint32_t>(fields.integer("kind", std::nullopt, 1, 0xFFFF));
   if (std::find(taken_kinds.begin(), taken_kinds.end(), task.x) != taken_kinds.end()) {
-    refuse(given.at("kind").origin, "tasks.kind", fmt::format("{} is one of the paper's own", task.x),
+    refuse(given.at("kind").origin, "tasks.kind", fmt::format("{} is a kind of the paper", task.x),
            "3, 4, 9, 10, 14 to 20 or one from 23 on is expected");
   }
   task.importance = static_cast<std::uint32_t>(fields.integer("importance", std::nullopt, 1, 0xFFFF));
@@ -136,11 +137,11 @@ void check_user_tasks(std::span<const UserTask> tasks) {
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (tasks[i].name == tasks[j].name)
-        refuse(tasks[i].origin, "tasks.name", fmt::format("\"{}\" is there twice", tasks[i].name),
-               "each task has a name of its own");
+        refuse(tasks[i].origin, "tasks.name", fmt::format("\"{}\" is given twice", tasks[i].name),
+               "each task needs its own name");
       if (tasks[i].x == tasks[j].x)
-        refuse(tasks[i].origin, "tasks.kind", fmt::format("{} is there twice", tasks[i].x),
-               "each task has a kind of its own");
+        refuse(tasks[i].origin, "tasks.kind", fmt::format("{} is given twice", tasks[i].x),
+               "each task needs its own kind");
     }
   }
 }

@@ -1,5 +1,5 @@
 #pragma once
-// The words that the host shares with the DSP programs, by their names in c40_programs/include/*.inc: offsets on bus A,
+// The words that the host and the DSP programs share, by their names in c40_programs/include/*.inc: offsets on bus A,
 // bits, kinds.
 #include <cstdint>
 #include <functional>

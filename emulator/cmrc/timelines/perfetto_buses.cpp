@@ -42,7 +42,7 @@ PerfettoBuses::PerfettoBuses(Trace& trace, const machine::Machine& machine, bool
   }
 }
 
-// The bus is at this millisecond: what is known of the one that it was at is told.
+// Brings the bus to this millisecond; writes the counts of the one before.
 void PerfettoBuses::tell(Bus& bus, std::int64_t millisecond) {
   if (millisecond <= bus.millisecond) return;
   const auto count = [&](Master& master, Time at, std::int64_t clocks) {

@@ -1,6 +1,6 @@
 #pragma once
-// The buses of a run in its Perfetto trace: how many clocks of each millisecond each master was on them, and, where
-// that is asked for, each time that one was.
+// The buses of a run in its Perfetto trace: the clocks of each master in each millisecond and, on request, every
+// attempt.
 #include <cstdint>
 #include <optional>
 #include <string>

@@ -31,7 +31,7 @@ PerfettoPlant::PerfettoPlant(Trace& trace, const plant::Dock& dock, report::Wind
 
 void PerfettoPlant::tell(double value, report::Time now) {
   Signal& signal = signals_.at(next_++);
-  constexpr double parts = 1e6;  // of a metre or a radian; what is finer nobody sees
+  constexpr double parts = 1e6;  // parts of a metre or a radian; finer digits cannot be seen
   const double rounded = std::round(value * parts) / parts;
   if (rounded == signal.told) return;
   trace_.count(signal.track, now, rounded);

@@ -1,5 +1,5 @@
 #pragma once
-// The plant's signals in the Perfetto trace of a run: counters of joints, sway, load and vehicles, fifty times a
+// The plant's signals in the Perfetto trace of a run: counters of joints, sway, load and vehicles, fifty times per
 // second.
 #include <cstdint>
 #include <limits>
@@ -17,7 +17,7 @@ class PerfettoPlant {
   using Trace = report::PerfettoTrace;
 
   PerfettoPlant(Trace& trace, const plant::Dock& dock, report::Window window);
-  /// Reads the dock as it is at its last latch.
+  /// Reads the dock's state at its last latch.
   void latched(const plant::Dock& dock, report::Time now);
 
  private:
@@ -30,7 +30,7 @@ class PerfettoPlant {
   Trace& trace_;
   const report::Window window_;
   std::vector<Signal> signals_;
-  std::size_t next_ = 0;  // of the signals, while they are told
+  std::size_t next_ = 0;  // index of the next signal
 };
 
 }  // namespace cmrc

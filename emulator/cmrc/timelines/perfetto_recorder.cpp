@@ -31,8 +31,8 @@ void add_held_up(std::vector<Trace::Note>& notes, const std::array<std::int64_t,
   }
 }
 
-/// An instant within the slice of a block that was claimed at `claimed` and was in the way from `from` to `to`. A
-/// nanosecond after its begin at the earliest: of two events at one time the one that is written first comes first, and
+/// An instant within the slice of a block that was claimed at `claimed` and was in the way from `from` to `to`. It is
+/// at least a nanosecond after the slice's beginning: of two events at one time the one written first comes first, and
 /// the slice may be written later.
 Time inside(Time claimed, Time from, Time to) {
   using std::chrono::floor, std::chrono::nanoseconds;
@@ -51,25 +51,25 @@ PerfettoRecorder::PerfettoRecorder(Simulation& simulation, std::ostream& out, Pe
       causes_(Simulation::causes()),
       trace_(out),
       buses_(add_tracks()),
-      processes_group_(trace_.add_group("processes", 0, "What crane and AGVs are at")),
+      processes_group_(trace_.add_group("processes", 0, "Processes of the crane and the AGVs")),
       events_(trace_.add_slices("events")),
       plant_(trace_, simulation.dock(), window) {
   simulation.listen(*this);
   simulation.watch(*this);
 }
 
-// In the order in which they are shown.
+// In the order of their display.
 PerfettoBuses PerfettoRecorder::add_tracks() {
   const machine::Machine& machine = simulation_.machine();
   const bool all = detail_ == PerfettoDetail::all;
   const Trace::Track dsps =
-      trace_.add_group("DSPs", 0, "What each DSP does. Where nothing is drawn it is asleep, until it is rung");
+      trace_.add_group("DSPs", 0, "The state of each DSP. In gaps it is asleep, until its doorbell rings");
   for (unsigned slot = 0; slot < machine.slots(); ++slot) {
     Dsp dsp{.track = trace_.add_slices(fmt::format("DSP {}", slot), dsps,
                                        "Within the executive the block that it runs, by kind")};
     if (all)
       dsp.waits =
-          trace_.add_slices(fmt::format("DSP {} waits", slot), dsp.track, "Accesses that held it up, by window");
+          trace_.add_slices(fmt::format("DSP {} waits", slot), dsp.track, "Accesses for which it waited, by window");
     dsps_.push_back(dsp);
   }
   const Trace::Track host = trace_.add_group("host");
@@ -81,8 +81,7 @@ PerfettoBuses PerfettoRecorder::add_tracks() {
   return PerfettoBuses(trace_, machine, detail_ != PerfettoDetail::tasks, window_);
 }
 
-// ---- DSPs
-// ------------------------------------------------------------------------------------------------------------------
+// ---- DSPs ----
 
 void PerfettoRecorder::interval(const DspInterval& interval) {
   Dsp& dsp = dsps_.at(interval.slot);
@@ -146,8 +145,7 @@ void PerfettoRecorder::list(unsigned owner, Time at) {
   if (owner != Timeline::nobody) owns_list_ = {owner, at};
 }
 
-// ---- jobs
-// ------------------------------------------------------------------------------------------------------------------
+// ---- jobs ----
 
 std::string PerfettoRecorder::robot(const report::JobName& job) const {
   return job.robot == 0 ? std::string() : fmt::format(" {}", job.robot - 1);
@@ -204,8 +202,7 @@ void PerfettoRecorder::missed(const MissedWaits& waits) {
   trace_.instant(misses_, job.end, title + " " + report::name(job.outcome), notes, {}, flows);
 }
 
-// ---- host
-// ------------------------------------------------------------------------------------------------------------------
+// ---- host ----
 
 void PerfettoRecorder::refreshed(const RefreshTimes& times, Time end, std::size_t blocks) {
   if (!within(times.began, end)) return;
@@ -216,8 +213,7 @@ void PerfettoRecorder::refreshed(const RefreshTimes& times, Time end, std::size_
   length_told_ = blocks;
 }
 
-// ---- processes and events
-// --------------------------------------------------------------------------------------------------
+// ---- processes and events ----
 
 void PerfettoRecorder::process(const report::Event& event) {
   const auto [number, started, robot] = std::tuple(event.arguments[0], event.arguments[1], event.arguments[2]);

@@ -1,5 +1,5 @@
 #pragma once
-// A run as a Perfetto trace, written while it goes on (docs/timelines.md): what its watchers hear, no more.
+// A run as a Perfetto trace, written during the run (docs/timelines.md) from what its watchers get.
 #include <cstdint>
 #include <iosfwd>
 #include <map>
@@ -22,19 +22,19 @@ namespace cmrc {
 
 class Simulation;
 
-/// How much is drawn; each has what the one before has.
+/// The detail of the trace; each level includes the one before.
 enum class PerfettoDetail : std::uint8_t {
   tasks,  ///< blocks, jobs, refreshes, misses, buses by the millisecond, the plant
-  bus,    ///< every time that a master is on a bus
-  all,    ///< every wait of a DSP, who has the list, the cycles of each block by cause
+  bus,    ///< also every attempt of a master on a bus
+  all,    ///< also every wait of a DSP, the owner of the list, and the cycles of each block by cause
 };
 
 class PerfettoRecorder final : public report::EventSink, private RunWatcher, private DspIntervalListener {
  public:
-  /// Before the run, or after restore(). `simulation` and `out` must outlive this. Only what lies in the window, or
-  /// reaches into it, is drawn.
+  /// To be constructed before the run, or after restore(). `simulation` and `out` must outlive this object. Draws only
+  /// what lies in the window or extends into it.
   PerfettoRecorder(Simulation& simulation, std::ostream& out, PerfettoDetail detail, report::Window window);
-  /// What stands open ends here. Once, after Simulation::report_so_far().
+  /// Ends everything that is open. To be called once, after Simulation::report_so_far().
   void finish();
 
  private:
@@ -42,7 +42,7 @@ class PerfettoRecorder final : public report::EventSink, private RunWatcher, pri
   struct Dsp {
     Trace::Track track;
     std::optional<Trace::Track> waits{};
-    std::array<std::int64_t, held_up_count> held_up{};  // of its executive, since it woke
+    std::array<std::int64_t, held_up_count> held_up{};  // of its executive, since it woke up
     Time waits_told{};
   };
 
@@ -65,7 +65,7 @@ class PerfettoRecorder final : public report::EventSink, private RunWatcher, pri
   void latched(const plant::Dock& dock, Time now) override { plant_.latched(dock, now); }
 
   void interval(const DspInterval& interval) override;
-  // The ordered events: processes, and what happens once in a while.
+  // The ordered events: processes, and rare events.
   void event(const report::Event& event) override;
 
   PerfettoBuses add_tracks();
@@ -91,8 +91,9 @@ class PerfettoRecorder final : public report::EventSink, private RunWatcher, pri
   std::optional<std::size_t> length_told_;
   PerfettoBuses buses_;
   Trace::Track processes_group_;
-  std::map<std::uint32_t, PerfettoLanes> processes_;                   // by robot
-  std::map<std::pair<std::uint32_t, std::uint32_t>, Time> under_way_;  // process and robot: since
+  std::map<std::uint32_t, PerfettoLanes> processes_;  // by robot
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Time>
+      under_way_;  // by process and robot: the time of the beginning
   Trace::Track events_;
   PerfettoPlant plant_;
   Trace::Flow last_flow_ = 0;

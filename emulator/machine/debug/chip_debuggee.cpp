@@ -57,13 +57,13 @@ std::optional<std::string> ChipDebuggee::end_of(const c40::StopInfo& stop) const
     default: break;
   }
   if (around_ != nullptr && around_->could_wake()) return std::nullopt;
-  if (sleeps_for_ever(chip_)) return fmt::format("IDLE before {:08X}h, and no interrupt is to come", chip_.pc());
+  if (sleeps_for_ever(chip_)) return fmt::format("IDLE before {:08X}h, and no interrupt will come", chip_.pc());
   const bool interrupts = (chip_.register_value(isa::Register::ST) & c40::st::GIE) != 0;
   try {
     if (!interrupts && !chip_.dma_active() && program_end(chip_.peek(chip_.pc()), chip_.pc()) == ProgramEnd::halt)
       return fmt::format("branches to itself at {:08X}h", chip_.pc());
   } catch (const std::out_of_range&) {
-    // The next fetch will say so.
+    // The next fetch reports this.
   }
   return std::nullopt;
 }
@@ -91,7 +91,7 @@ void ChipDebuggee::load(std::string_view state) {
   Listed all{[this](state::Visitor& list) { list_state(list); }};
   state::load(all, state);
   over_.reset();
-  if (chip_.halted()) over_ = "it stands still since a fault";
+  if (chip_.halted()) over_ = "it is halted after a fault";
   now_ = chip_.cycle() * period;
 }
 

@@ -1,6 +1,5 @@
 #pragma once
-/// One chip with nothing around it, in a debugger. Where it needs an answer from outside, it is over until that has
-/// come.
+/// A single chip in a debugger. If the chip needs an answer from outside, it counts as ended until the answer comes.
 #include "machine/board_devices.hpp"
 #include "machine/board_reserved.hpp"
 #include "machine/debug/debuggee.hpp"
@@ -9,9 +8,9 @@ namespace machine::debug {
 
 class ChipDebuggee final : public Debuggee {
  public:
-  /// All must outlive it.
-  /// \param around what stands behind its windows; null: nothing
-  /// \param ignored what answers where nothing is; null: a fault does
+  /// All must outlive this object.
+  /// \param around the devices behind the chip's windows; null: none
+  /// \param ignored answers accesses to addresses without memory; null: they are faults
   ChipDebuggee(c40::Chip& chip, const toolchain::Image& program, BoardDevices* devices = nullptr,
                LoneDevices* around = nullptr, IgnoredAccesses* ignored = nullptr);
 

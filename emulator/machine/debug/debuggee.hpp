@@ -1,6 +1,6 @@
 #pragma once
-/// What a debugger drives: chips in one virtual time, which can be saved, loaded and run to any instant. A chip alone,
-/// a network, the dock.
+/// What a debugger controls: chips in one virtual time that can be saved, loaded and run to any instant. A single chip,
+/// a network, or the dock.
 #include <algorithm>
 #include <cstdint>
 #include <map>
@@ -21,11 +21,11 @@ namespace machine::debug {
 using c40::Address;
 using c40::Word;
 
-/// Something that happens to more than one chip's memory: a claim, a missed deadline, a word on a link.
+/// An event that is more than an access to one chip's memory: a claim, a missed deadline, a word on a link.
 struct DebugEvent {
   Time time{};
   std::string kind;                   ///< "claim"
-  std::optional<std::size_t> chip{};  ///< whose
+  std::optional<std::size_t> chip{};  ///< the chip of the event
   std::map<std::string, std::string, std::less<>> fields{};
   std::string text;  ///< one line
 };
@@ -36,13 +36,13 @@ class DebugEventListener {
   virtual void happened(const DebugEvent& happening) = 0;
 };
 
-/// A word that several chips reach, and who touched it.
+/// An access to a word that several chips can access.
 struct SharedAccess {
-  Time time{};  ///< afterwards
+  Time time{};  ///< after the access
   Address word = 0;
   Word before = 0, value = 0;
   bool write = false;
-  std::optional<std::size_t> chip;  ///< none: `who` says it
+  std::optional<std::size_t> chip;  ///< none: `who` names it
   std::string who;                  ///< "host"
 };
 
@@ -52,7 +52,7 @@ class SharedListener {
   virtual void shared_access(const SharedAccess& access) = 0;
 };
 
-/// What consoles have sent since it was last shown. After time went back, what was sent from there on is new again.
+/// The output of consoles since it was last shown. After going back in time, later output counts as new again.
 class ShownOutput {
  public:
   std::string news(std::string all) {
@@ -64,7 +64,7 @@ class ShownOutput {
   std::size_t shown_ = 0;
 };
 
-/// What looks changes nothing: everything but run_until, load and poke.
+/// Only run_until, load and poke change anything; all other functions only read.
 class Debuggee {
  public:
   Debuggee() = default;
@@ -77,47 +77,47 @@ class Debuggee {
   virtual c40::Chip& chip(std::size_t n) = 0;
   virtual const toolchain::Image& program(std::size_t n) const = 0;
   virtual Time time_of(std::size_t n, c40::Cycles cycle) const = 0;
-  /// How the chip stands, in one sentence.
+  /// The state of the chip in one sentence.
   virtual std::string describe(std::size_t n) = 0;
-  /// Who hears the chip's instructions; null: nobody.
+  /// Sets the sink of the chip's instructions; null: none.
   virtual void set_trace(std::size_t n, c40::TraceSink* sink) = 0;
 
   virtual Time now() const = 0;
-  /// Why nothing more will happen; none: it goes on.
+  /// Why nothing more will happen; none: the run can continue.
   virtual std::optional<std::string> over() const = 0;
-  /// Somebody may have answered what it waited for.
+  /// To be called when an answer may have come for which the debuggee waited.
   virtual void look_again() {}
-  /// Everything before `time` happens, and nothing else. Less when it is over, or io::stop_asked().
+  /// Executes everything before `time`, and nothing else. Stops earlier when the run is over, or at io::stop_asked().
   virtual void run_until(Time time) = 0;
-  /// A good length to run between two looks at what has been hit.
+  /// A suitable length of a run between two checks for hits.
   virtual Time slice() const = 0;
-  /// What has been told of happenings and shared words is complete up to so long ago.
+  /// Reports of events and shared words are complete up to this long ago.
   virtual Time delay() const { return Time{0}; }
 
   virtual std::string save() = 0;
   virtual void load(std::string_view state) = 0;
 
-  /// The word that the chip's program would read, without time or effects; none: nothing can be read there so.
+  /// The word that the chip's program would read, without time or effects; none: it cannot be read like this.
   virtual std::optional<Word> peek(std::size_t n, Address address) = 0;
   /// \throws std::out_of_range
   virtual void poke(std::size_t n, Address address, Word value) = 0;
-  /// The number of a word that others reach as well; none: it is the chip's own.
+  /// The number of a word that other chips can access too; none: the word belongs to the chip alone.
   virtual std::optional<Address> shared_word(std::size_t /*n*/, Address /*address*/) const { return std::nullopt; }
-  /// `words`: by number
+  /// `words`: their numbers
   virtual void watch_shared(SharedListener* /*listener*/, std::vector<c40::AddressRange> /*words*/) {}
 
-  /// Kinds of happenings, with what they are.
+  /// Kinds of events, with their descriptions.
   virtual std::vector<std::pair<std::string, std::string>> happenings() const { return {}; }
   virtual void listen(DebugEventListener* /*listener*/, const std::set<std::string>& /*kinds*/) {}
 
-  /// What else has a value: "plant.payload_z_m".
+  /// Names of further values: "plant.payload_z_m".
   virtual std::vector<std::string> value_names() { return {}; }
   virtual std::optional<double> value(std::string_view /*name*/) { return std::nullopt; }
-  /// Values are looked at so often.
+  /// Interval between two looks at values.
   virtual Time value_period() const { return std::chrono::microseconds{125}; }
-  /// What consoles have sent up to now: goes back with time.
+  /// All output of consoles until now; going back in time shortens it.
   virtual std::string output() { return {}; }
-  /// Pages of text that a front end may show: "list", "blocks", "links".
+  /// Pages of text that a front end can show: "list", "blocks", "links".
   virtual std::vector<std::string> page_names() const { return {}; }
   virtual std::string page(std::string_view /*name*/) { return {}; }
 };

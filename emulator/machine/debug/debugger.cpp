@@ -23,10 +23,10 @@ using Clock = std::chrono::steady_clock;
 
 constexpr Time replay_slice = milliseconds{20};
 constexpr Time recent = microseconds{200};
-constexpr unsigned temporary = 0;  ///< number of the trigger that a step sets
+constexpr unsigned temporary = 0;  ///< number of the trigger of a step
 constexpr std::size_t most_hits_kept = 100'000;
 
-/// The 40 bits of the nearest number that a register can hold. \throws DebugError for what is too large
+/// The 40 bits of the nearest number that a register can hold. \throws DebugError for a number that is too large
 std::uint64_t float_bits(double value) {
   if (value == 0) return c40::float40::bits(c40::float40::zero());
   int exponent = 0;
@@ -39,7 +39,7 @@ std::uint64_t float_bits(double value) {
   return c40::float40::bits(c40::float40::pack(exponent, mantissa));
 }
 
-/// Without a step's breakpoint, of which nothing can be under way.
+/// Without a step's breakpoint, of which no hit can be outstanding.
 std::map<unsigned, Trigger> lasting(std::map<unsigned, Trigger> triggers) {
   if (const auto step = triggers.find(temporary); step != triggers.end() && step->second.kind == Trigger::Kind::code)
     triggers.erase(step);
@@ -65,16 +65,16 @@ std::string_view name(Stop::Reason reason) {
   return "?";
 }
 
-/// How a search goes.
+/// The manner of a search.
 struct Debugger::Manner {
-  std::optional<std::size_t> steps;  ///< it ends with this chip's next instruction
+  std::optional<std::size_t> steps;  ///< the search ends at this chip's next instruction
 };
 
 Debugger::Debugger(Debuggee& debuggee, HistoryLimits limits)
     : debuggee_(debuggee), history_(std::make_unique<History>(limits)) {
   for (std::size_t n = 0; n < debuggee.chips(); ++n) programs_.emplace_back(debuggee.program(n));
   recorder_ = std::make_unique<HitRecorder>(debuggee_, programs_);
-  stopped(Stop::Reason::start, 0, "before anything has happened");
+  stopped(Stop::Reason::start, 0, "the beginning of the run");
   if (now() != Time{0}) stop_.text = fmt::format("at {}", seconds(now()));
   const auto begin = Clock::now();
   const std::string state = debuggee_.save();
@@ -96,7 +96,7 @@ void Debugger::require_chip(std::size_t chip) const {
     throw DebugError(fmt::format("there is no chip {}; 0 to {} are there", chip, programs_.size() - 1));
 }
 
-// ---- what to stop at ----
+// ---- stop conditions ----
 
 void Debugger::check(const Trigger& trigger) {
   if (trigger.chip) require_chip(*trigger.chip);
@@ -107,21 +107,21 @@ void Debugger::check(const Trigger& trigger) {
   if (trigger.kind == word && (trigger.words == 0 || trigger.address + (trigger.words - 1) < trigger.address))
     throw DebugError(fmt::format("{:08X}h: 1 word or more, up to the end of memory, can be watched", trigger.address));
   if (trigger.kind == processor_register && !isa::register_named(trigger.name))
-    throw DebugError(
-        fmt::format("{} is no register that can be watched; R0 to R11, AR0 to AR7, DP, IR0, IR1, BK, SP, ST, DIE, IIE, "
-                    "IIF, RS, RE, RC are",
-                    trigger.name));
+    throw DebugError(fmt::format(
+        "{} is not a register that can be watched; R0 to R11, AR0 to AR7, DP, IR0, IR1, BK, SP, ST, DIE, IIE, "
+        "IIF, RS, RE, RC are",
+        trigger.name));
   if (trigger.kind == value) (void)Expression(trigger.name, debuggee_, programs_, chip).value();
   if (trigger.kind == happening) {
     const auto kinds = happenings();
     if (trigger.name != "any" &&
         std::ranges::none_of(kinds, [&](const auto& row) { return row.first == trigger.name; }))
-      throw DebugError(
-          fmt::format("{} is no happening; any, {} are", trigger.name, fmt::join(std::views::keys(kinds), ", ")));
+      throw DebugError(fmt::format("{} is not an event; any, {} are possible", trigger.name,
+                                   fmt::join(std::views::keys(kinds), ", ")));
     const std::vector<std::string_view> rules = c40::rule_names();
     if (const auto rule = trigger.fields.find("rule");
         trigger.of_rules() && rule != trigger.fields.end() && std::ranges::find(rules, rule->second) == rules.end())
-      throw DebugError(fmt::format("{} is no rule; {} are", rule->second, fmt::join(rules, ", ")));
+      throw DebugError(fmt::format("{} is not a rule; {} are possible", rule->second, fmt::join(rules, ", ")));
   }
   if (!trigger.condition.empty()) (void)Expression(trigger.condition, debuggee_, programs_, chip);
 }
@@ -130,7 +130,7 @@ std::vector<std::pair<std::string, std::string>> Debugger::happenings() const {
   auto all = debuggee_.happenings();
   all.emplace_back(
       std::string(Trigger::rules),
-      "an instruction breaks a rule of the manual (rule=NAME: one of them); looked at by single instructions");
+      "an instruction breaks a rule of the manual (rule=NAME: one of them); checked instruction by instruction");
   return all;
 }
 
@@ -164,7 +164,7 @@ std::vector<std::size_t> Debugger::stepped_chips() const {
 
 // ---- to an instant ----
 
-/// Runs there, makes the changes by hand that lie on the way, and keeps snapshots.
+/// Runs there, repeats the changes by hand that lie on the way, and keeps snapshots.
 void Debugger::run_to(Time time) {
   const Time from = now();
   const auto make_changes = [&] {
@@ -199,7 +199,7 @@ void Debugger::move_to(Time time) {
   run_to(time);
 }
 
-/// The same, with what is met later than that, and has been done by then, kept for the next search.
+/// The same; later hits that have already happened are kept for the next search.
 void Debugger::move_and_listen(Time time, const Manner& manner) {
   recorder_->close();
   if (time < now()) {
@@ -212,7 +212,7 @@ void Debugger::move_and_listen(Time time, const Manner& manner) {
   heard_for_ = lasting(triggers_);
 }
 
-/// Before a search: what ends after now, and has been done.
+/// To be called before a search: hits after now that have already happened.
 void Debugger::hear_what_is_under_way(const Manner& manner) {
   const auto same = [](const auto& a, const auto& b) { return a.first == b.first && a.second.same_as(b.second); };
   if (heard_at_ == now() && std::ranges::equal(heard_for_, lasting(triggers_), same)) {
@@ -233,7 +233,7 @@ const Stop& Debugger::go_to(Time time) {
   interrupted_ = false;
   time = std::max(time, beginning());
   if (debuggee_.over() && time >= now()) return stopped(Stop::Reason::over, {}, *debuggee_.over());
-  // Later than before, but perhaps there is a snapshot on the way.
+  // A later instant; but perhaps a snapshot lies between.
   if (const auto place = history_->before(time); place && place->time > now()) recorder_->close(), load_before(time);
   move_to(time);
   if (now() < time) {
@@ -261,8 +261,8 @@ bool Debugger::counts(const Hit& hit) {
 
 bool Debugger::holds(const Hit& hit) { return !hit.open || recorder_->holds(hit); }
 
-/// All hits at the earliest instant after now at which any of them counts; none: there is none before `until`, nothing
-/// more happens, or it was asked to stop. The machine then stands at that instant or later.
+/// All hits at the earliest instant after now with a hit that counts; none if there is none before `until`, nothing
+/// more happens, or a stop was requested. The machine is then at that instant or later.
 std::vector<Hit> Debugger::search(Time until, const Manner& manner) {
   hear_what_is_under_way(manner);
   constexpr int small_steps = 256;
@@ -283,7 +283,7 @@ std::vector<Hit> Debugger::search(Time until, const Manner& manner) {
     if (values) target = std::min(target, (now() / debuggee_.value_period() + 1) * debuggee_.value_period());
     run_to(std::min(target, until));
     if (values) recorder_->look_at_values(now());
-    while (!recorder_->hits.empty() || recorder_->stepped) {  // none of them later than `until`
+    while (!recorder_->hits.empty() || recorder_->stepped) {  // none of them is later than `until`
       const auto first = [this] {
         Time earliest = recorder_->stepped.value_or(never);
         for (const Hit& hit : recorder_->hits) earliest = std::min(earliest, hit.time);
@@ -291,7 +291,7 @@ std::vector<Hit> Debugger::search(Time until, const Manner& manner) {
       };
       Time at = first();
       if (at > until) break;
-      // Other chips may yet be met before; and some things are told late.
+      // Hits of other chips may still come before; and some events are reported late.
       const Time known = at + (recorder_->hears_late() ? debuggee_.delay() : Time{0});
       if (now() < known) run_to(known), at = first();
       std::vector<Hit> here;
@@ -396,7 +396,7 @@ const Stop& Debugger::step(std::size_t chip, Step step) {
   return go_on(never, {});
 }
 
-/// What ends a step that is no instruction's.
+/// The event that ends a step other than an instruction's.
 Trigger Debugger::happening_of(std::size_t chip, Step step) {
   Trigger trigger{.kind = Trigger::Kind::happening,
                   .name = step == Step::claim     ? "claim"
@@ -425,7 +425,7 @@ const Stop& Debugger::step_over(std::size_t chip) {
   return run_to_code(chip, *back, fmt::format("sp == {}", debuggee_.chip(chip).register_value(isa::Register::SP)));
 }
 
-/// To an instruction of another source line. Code without lines goes by instructions.
+/// Steps to an instruction of another source line. Code without lines is stepped by instructions.
 const Stop& Debugger::step_lines(std::size_t chip, bool over_calls) {
   const auto line_at = [&] {
     const auto place = programs_[chip].source(debuggee_.chip(chip).pc());
@@ -501,7 +501,7 @@ const Stop& Debugger::go_back(Time until) {
   return report(std::move(hits));
 }
 
-/// Notes the instructions that a chip begins from about `from` up to `to`.
+/// Records the instructions that a chip begins from about `from` to `to`.
 void Debugger::look_at_past(std::size_t chip, Time from, Time to) {
   recorder_->close();
   load_before(from);
@@ -525,7 +525,7 @@ void Debugger::look_at_past(std::size_t chip, Time from, Time to) {
   past_ = std::move(past);
 }
 
-/// The beginning of the last instruction before an instant that fits.
+/// The beginning of the last instruction before an instant for which `fits` is true.
 template <class Fits>
 std::optional<Time> Debugger::instruction_before(std::size_t chip, Time time, Fits fits) {
   for (Time window = recent;; window *= 20) {
@@ -557,7 +557,8 @@ const Stop& Debugger::step_back(std::size_t chip, Step step) {
     case Step::over: to = instruction_before(chip, from, [&](const auto& i) { return above(i.sp); }); break;
     case Step::line:
     case Step::next_line: {
-      // To the first instruction of the line before, as it was run without another line in between.
+      // To the first instruction of the line before; the line's instructions were executed without another line in
+      // between.
       const bool over_calls = step == Step::next_line;
       const auto now_line = line_of(debuggee_.chip(chip).pc());
       std::optional<std::pair<std::string, int>> other;
@@ -624,7 +625,7 @@ std::optional<Writer> Debugger::last_write(std::size_t chip, Address address) {
   const Time from = now();
   Trigger written{.kind = Trigger::Kind::word, .chip = chip, .address = address, .on = Trigger::On::write};
   check(written);
-  // What was written at this very instant counts: it has happened.
+  // A write at this very instant counts: it has happened.
   const auto kept = std::exchange(triggers_, {{temporary, written}});
   std::vector<Hit> hits;
   try {
@@ -654,9 +655,9 @@ void Debugger::change(std::function<void()> make, std::string text) {
   history_->forget_after(now());
   past_.reset();
   if (output)
-    output(
-        fmt::format("changed by hand at {}: {}{}", seconds(now()), text,
-                    future ? "; what had come later is gone: a new branch begins here" : "; a new branch begins here"));
+    output(fmt::format(
+        "changed by hand at {}: {}{}", seconds(now()), text,
+        future ? "; everything later is discarded: a new branch begins here" : "; a new branch begins here"));
 }
 
 void Debugger::set_word(std::size_t chip, Address address, Word value) {
@@ -677,12 +678,12 @@ void Debugger::set_register(std::size_t chip, std::string_view name, std::string
   for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (!expansion && !reg && lower != "pc")
     throw DebugError(
-        fmt::format("{} is no register; PC, R0 to R11, AR0 to AR7, DP, IR0, IR1, BK, SP, ST, DIE, IIE, IIF, RS, RE, "
+        fmt::format("{} is not a register; PC, R0 to R11, AR0 to AR7, DP, IR0, IR1, BK, SP, ST, DIE, IIE, IIF, RS, RE, "
                     "RC, IVTP, TVTP are",
                     name));
   const Value value = Expression(expression, debuggee_, programs_, chip).value();
   if (value.is_float && !(reg && isa::is_extended(*reg)))
-    throw DebugError(fmt::format("{} holds whole numbers, and {} is a float", name, expression));
+    throw DebugError(fmt::format("{} holds integers, and {} is a float", name, expression));
   if (!value.is_float && (value.integer < -0x80000000LL ||
                           value.integer > (reg && isa::is_extended(*reg) ? 0xFFFFFFFFFFLL : 0xFFFFFFFFLL)))
     throw DebugError(fmt::format("{} does not fit into {}", expression, name));
@@ -693,7 +694,7 @@ void Debugger::set_register(std::size_t chip, std::string_view name, std::string
     if (!reg) return changed.set_pc(word);
     if (!isa::is_extended(*reg)) return changed.set_register(*reg, word);
     if (value.is_float) return changed.set_register(*reg, float_bits(value.real));
-    // A whole number of up to 32 bits keeps the exponent, as an integer load does.
+    // An integer of up to 32 bits keeps the exponent, as an integer load does.
     const bool wide = value.integer > 0xFFFFFFFFLL;
     changed.set_register(
         *reg, wide ? static_cast<std::uint64_t>(value.integer) : (changed.register_value(*reg) & 0xFF00000000u) | word);

@@ -1,13 +1,13 @@
 #pragma once
 /// The debugger, for every front end: stop conditions, steps, and time backwards.
 ///
-/// A stop is one instant for the whole machine: everything before it has happened on all chips. Conditions are armed
-/// while the machine runs, and noted when they are met. The earliest one counts: the machine is brought there, by a
-/// snapshot and the run from it where chips were ahead. So looking changes nothing, and going back is the same thing as
+/// A stop is one instant for the whole machine: everything before it has happened on all chips. Conditions are checked
+/// while the machine runs, and hits are recorded. The earliest hit counts: if chips were ahead, the machine is brought
+/// to this instant by a snapshot and a run from the snapshot. So looking changes nothing, and going back works like
 /// going on.
 ///
-/// A breakpoint stops before its instruction, a watchpoint after the access. What happens at the instant of a stop on
-/// other chips, too, is told with it. Going on looks at what is later.
+/// A breakpoint stops before its instruction, a watchpoint after the access. Hits of other chips at the same instant
+/// are reported together. A search continues with later instants.
 #include <atomic>
 #include <functional>
 #include <memory>
@@ -24,81 +24,81 @@
 
 namespace machine::debug {
 
-/// What to stop at.
+/// A stop condition.
 struct Trigger {
   enum class Kind : std::uint8_t {
     code,                ///< before the instruction at `address`
     word,                ///< an access to one of `words` words from `address` on
     processor_register,  ///< `name` has changed: the chip runs by single instructions
-    happening,           ///< of kind `name`, with `fields`
-    value,               ///< the expression `name` has become true: looked at every Debuggee::value_period()
+    happening,           ///< an event of kind `name`, with `fields`
+    value,               ///< the expression `name` has become true; checked every Debuggee::value_period()
   };
   enum class On : std::uint8_t { write, read, access, change };
 
   Kind kind = Kind::code;
-  std::optional<std::size_t> chip{};  ///< none: every one (of happenings: any)
+  std::optional<std::size_t> chip{};  ///< none: all chips (for events: any)
   Address address = 0;
   Word words = 1;
   On on = On::write;
   std::string name{};
   std::map<std::string, std::string, std::less<>> fields{};
   std::string condition{};   ///< an expression; empty: always
-  std::string log{};         ///< not empty: tell this text, with {expressions}, and go on
-  std::uint64_t ignore = 0;  ///< hits to pass over
+  std::string log{};         ///< not empty: print this text, with {expressions}, and continue
+  std::uint64_t ignore = 0;  ///< number of hits to ignore
   bool enabled = true;
-  bool once = false;   ///< removed when it has stopped the machine
-  std::string text{};  ///< as the user said it
+  bool once = false;   ///< removed after it has stopped the machine
+  std::string text{};  ///< in the user's words
 
-  /// It stops at the same, whatever has been counted.
+  /// Whether both stop at the same hits, without regard to counts.
   bool same_as(const Trigger& other) const {
     return kind == other.kind && chip == other.chip && address == other.address && words == other.words &&
            on == other.on && name == other.name && fields == other.fields && condition == other.condition &&
            log == other.log && enabled == other.enabled;
   }
 
-  /// The name of a happening that an instruction causes by breaking a rule of the manual.
+  /// The name of the event "an instruction breaks a rule of the manual".
   static constexpr std::string_view rules = "rule";
   bool of_rules() const { return kind == Kind::happening && name == rules; }
-  /// Its chip runs by single instructions.
+  /// The trigger's chip runs instruction by instruction.
   bool by_instructions() const { return kind == Kind::processor_register || of_rules(); }
 
-  std::uint64_t hits = 0;  ///< on the way forward, those passed over among them
+  std::uint64_t hits = 0;  ///< going forward, including ignored ones
 };
 
 struct Hit {
-  unsigned trigger = 0;  ///< its number
+  unsigned trigger = 0;  ///< the trigger's number
   Time time{};
   std::optional<std::size_t> chip{};
   std::string text{};          ///< what happened: "DSP 1 wrote 0000002Ah (was 0) to 80000010h at kernel_pid+0x4"
-  Address pc = 0;              ///< of the instruction, where one did it
+  Address pc = 0;              ///< of the instruction, if one did it
   Word before = 0, value = 0;  ///< of an access
-  bool open = false;           ///< whether its condition holds is looked at where the machine stands there
+  bool open = false;           ///< its condition is still to be checked, when the machine is at this instant
 };
 
 struct Stop {
   enum class Reason : std::uint8_t { start, breakpoint, watchpoint, happening, step, moved, paused, over, fault };
   Reason reason = Reason::start;
   Time time{};
-  std::optional<std::size_t> chip;  ///< which to show
-  std::vector<Hit> hits;            ///< all at this instant
+  std::optional<std::size_t> chip;  ///< the chip to show
+  std::vector<Hit> hits;            ///< all hits at this instant
   std::string text;                 ///< one sentence
 };
 std::string_view name(Stop::Reason reason);
 
 enum class Step : std::uint8_t {
   instruction,
-  over,       ///< a call and all it does is one step
+  over,       ///< a call with everything that it does is one step
   line,       ///< to another source line, into calls
   next_line,  ///< to another source line, calls counted as one
-  out,        ///< to behind the call of the routine that runs
+  out,        ///< to the instruction after the call of the present routine
   claim,      ///< to the chip's next claim of a task block
   refresh,    ///< to the host's next refresh of the list
   happening,  ///< the next one of any kind
 };
 
-/// Who wrote a word.
+/// The instruction or device that wrote a word.
 struct Writer {
-  Time time{};  ///< afterwards
+  Time time{};  ///< after the write
   std::optional<std::size_t> chip;
   Address pc = 0;
   Word before = 0, value = 0;
@@ -108,7 +108,7 @@ struct Writer {
 class Debugger {
  public:
   explicit Debugger(Debuggee& debuggee, HistoryLimits limits = {});
-  /// Takes all that listens away. The machine stays where it is.
+  /// Removes all listeners. The machine stays at its instant.
   ~Debugger();
   Debugger(const Debugger&) = delete;
   Debugger& operator=(const Debugger&) = delete;
@@ -118,58 +118,58 @@ class Debugger {
   const ProgramView& program(std::size_t chip) const { return programs_.at(chip); }
   const std::vector<ProgramView>& programs() const { return programs_; }
   const Stop& stop() const { return stop_; }
-  /// Kinds of happenings that it can stop at, with what they are.
+  /// Kinds of events at which it can stop, with their descriptions.
   std::vector<std::pair<std::string, std::string>> happenings() const;
 
-  // ---- what to stop at ----
-  /// The number of the new one. \throws DebugError for what cannot be: an address without memory, a condition that does
-  /// not parse
+  // ---- stop conditions ----
+  /// Returns the number of the new condition. \throws DebugError for an impossible one: an address without memory, a
+  /// condition that does not parse
   unsigned add(Trigger trigger);
   /// \throws DebugError
   void remove(unsigned number);
   void enable(unsigned number, bool on);
   const std::map<unsigned, Trigger>& triggers() const { return triggers_; }
-  /// Chips that armed triggers let run by single instructions: slow.
+  /// Chips that run instruction by instruction because of triggers: slow.
   std::vector<std::size_t> stepped_chips() const;
 
   // ---- forward ----
-  /// To the next hit after now, or `until`. Paused by interrupt() and io::stop_asked().
+  /// To the next hit after now, or to `until`. interrupt() and io::stop_asked() pause it.
   const Stop& go(Time until = never);
   const Stop& step(std::size_t chip, Step step);
 
   // ---- backward ----
-  /// To the last hit before now; where there is none, to the beginning.
+  /// To the last hit before now; if there is none, to the beginning.
   const Stop& go_back(Time until = Time{0});
-  /// instruction: before the instruction that ended last; over, line, out: as their names say, backwards.
+  /// instruction: before the instruction executed last; over, line, out: like the forward steps, backwards.
   const Stop& step_back(std::size_t chip, Step step);
-  /// To any instant from the beginning on; later ones are run to, stop conditions not looked at.
+  /// To any instant since the beginning; to a later one without checking stop conditions.
   const Stop& go_to(Time time);
-  /// The last write to a word before now; none: it was not written since the beginning. The machine stays where it is.
+  /// The last write to a word before now; none: no write since the beginning. The machine stays at its instant.
   std::optional<Writer> last_write(std::size_t chip, Address address);
-  /// What each instruction cost when it ran last, of those of the last 200 us.
+  /// The cost of each instruction's last execution, for the instructions of the last 200 us.
   std::map<Address, c40::Causes> recent_costs(std::size_t chip);
   Time beginning() const;
   HistoryInfo history() const;
 
-  // ---- changes by hand: what was later is gone, and a new branch begins ----
+  // ---- changes by hand: everything later is discarded, and a new branch begins ----
   /// \throws DebugError
   void set_word(std::size_t chip, Address address, Word value);
   /// By the name of a register ("AR0", "R1" with 40 bits or a float). \throws DebugError
   void set_register(std::size_t chip, std::string_view name, std::string_view expression);
-  /// How many changes this branch has had.
+  /// Number of changes in this branch.
   std::size_t changes() const;
 
-  /// From another thread or a signal: the command under way ends soon.
+  /// From another thread or a signal: ends the present command soon.
   void interrupt() { interrupted_ = true; }
 
-  /// Texts of log points, and of new branches.
+  /// Called with the texts of log points, and of new branches.
   std::function<void(const std::string&)> output;
-  /// Called now and then during long work: how far from `from` to `to`.
+  /// Called from time to time during long work: the present instant between `from` and `to`.
   std::function<void(Time at, Time from, Time to)> progress;
 
  private:
   class HitRecorder;
-  /// A change by hand, made again whenever its instant is passed.
+  /// A change by hand, repeated whenever its instant is passed.
   struct Change {
     Time time{};
     std::function<void()> make;
@@ -206,18 +206,18 @@ class Debugger {
   std::map<unsigned, Trigger> triggers_;
   unsigned next_number_ = 1;
   std::unique_ptr<HitRecorder> recorder_;
-  /// Where the machine stands with the ear having heard what ends later: instructions are done as a whole, and what
-  /// they do may be after a stop.
+  /// The machine is at this instant, and the recorder has heard what ends later: instructions are executed whole, and
+  /// their effects may be after a stop.
   std::optional<Time> heard_at_;
-  std::map<unsigned, Trigger> heard_for_;  ///< the triggers that were armed then
+  std::map<unsigned, Trigger> heard_for_;  ///< the triggers of that time
   std::unique_ptr<History> history_;
   std::vector<Change> changes_;
-  std::size_t changed_ = 0;  ///< of the changes, those that have been made where the machine stands
-  /// Instructions of a chip, where one goes back step by step.
+  std::size_t changed_ = 0;  ///< number of the changes that have been made at the machine's instant
+  /// Instructions of a chip, for steps backwards.
   struct Past {
     struct Instruction {
       Time begins{};
-      Address pc = 0, sp = 0;  ///< SP before it
+      Address pc = 0, sp = 0;  ///< SP before the instruction
       c40::Causes causes{};
     };
     std::size_t chip = 0;

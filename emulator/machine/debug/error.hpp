@@ -3,7 +3,7 @@
 
 namespace machine::debug {
 
-/// A command that makes no sense: a place that is none, a condition that does not parse. The message says what would be
+/// A command that makes no sense: an unknown place, a condition that does not parse. The message says what would be
 /// right.
 class DebugError : public std::invalid_argument {
  public:

@@ -20,16 +20,16 @@ std::string Value::text() const {
   return fmt::format("{}", integer);
 }
 
-/// What gives a value.
+/// A node of the expression's tree.
 struct Expression::Node {
   std::function<Value()> value;
   bool is_private = true;
-  std::optional<isa::Register> reg;  ///< of R0 to R11, for f()
+  std::optional<isa::Register> reg;  ///< one of R0 to R11, for f()
 };
 
 namespace {
 
-/// A word that other chips reach, while only the chip's own count.
+/// Thrown for a word that other chips can access, where only the chip's own words count.
 struct NotOwn {};
 thread_local bool only_own = false;
 
@@ -42,7 +42,7 @@ Value of(std::int64_t integer) { return {.integer = integer}; }
 Value of_word(Word word) { return {.integer = static_cast<std::int32_t>(word)}; }
 Value of_float(double real) { return {.is_float = true, .real = real}; }
 
-/// Integers as 64-bit numbers, whose overflow wraps.
+/// 64-bit integers; overflow wraps.
 std::int64_t wrapping(std::string_view op, std::int64_t a, std::int64_t b) {
   const auto x = static_cast<std::uint64_t>(a), y = static_cast<std::uint64_t>(b);
   if (op == "+") return static_cast<std::int64_t>(x + y);
@@ -79,7 +79,7 @@ Value apply(std::string_view op, const Value& a, const Value& b) {
   if (op == "-") return of_float(a.number() - b.number());
   if (op == "*") return of_float(a.number() * b.number());
   if (op == "/") return of_float(a.number() / b.number());
-  throw DebugError(fmt::format("{} takes whole numbers, and here is a float", op));
+  throw DebugError(fmt::format("{} takes integers, and here is a float", op));
 }
 
 class Parser {
@@ -170,7 +170,7 @@ class Parser {
         const Value v = inner->value();
         if (c == '!') return of(!v.truth());
         if (v.is_float) {
-          if (c == '~') throw DebugError("~ takes a whole number, and here is a float");
+          if (c == '~') throw DebugError("~ takes an integer, and here is a float");
           return of_float(-v.real);
         }
         return c == '-' ? of(wrapping("-", 0, v.integer)) : of(~v.integer);
@@ -235,7 +235,7 @@ class Parser {
     } catch (const std::exception&) {
     }
     if (used != token.size())
-      at_ = begin, refuse(fmt::format("{} is no number; 12, 0Ch, 0xC or 1.5 is expected", token));
+      at_ = begin, refuse(fmt::format("{} is not a number; 12, 0Ch, 0xC or 1.5 is expected", token));
     node->value = [value = of_float(real)] { return value; };
     return node;
   }
@@ -258,7 +258,8 @@ class Parser {
             continue;
           n = std::stoul(digits);
           if (n >= debuggee_.chips())
-            at_ = begin, refuse(fmt::format("there is no {} {}; 0 to {} are there", prefix, n, debuggee_.chips() - 1));
+            at_ = begin,
+            refuse(fmt::format("there is no {} {}; 0 to {} are possible", prefix, n, debuggee_.chips() - 1));
           if (NodePtr node = of_chip(name.substr(dot + 1), n)) {
             node->is_private = node->is_private && n == chip_;
             return node;
@@ -271,7 +272,7 @@ class Parser {
       return node;
     }
     at_ = begin;
-    refuse(fmt::format("{} is no register, label, peripheral register or value", name));
+    refuse(fmt::format("{} is not a register, label, peripheral register or value", name));
   }
 
   NodePtr converted(char how) {
@@ -294,7 +295,7 @@ class Parser {
     return node;
   }
 
-  /// A register, label or counter of a chip; null: none has that name.
+  /// A register, label or counter of a chip; null if the name is unknown.
   NodePtr of_chip(std::string name, std::size_t n) {
     c40::Chip& chip = debuggee_.chip(n);
     auto node = std::make_unique<Expression::Node>();
@@ -342,7 +343,7 @@ class Parser {
     return node;
   }
 
-  /// "cause.bus_transfer": the cycles that the chip has spent so.
+  /// "cause.bus_transfer": the chip's cycles with that cause.
   static std::optional<std::size_t> cause_named(std::string_view name) {
     for (std::size_t i = 0; i < c40::cause_count; ++i)
       if (name.starts_with("cause.") && name.substr(6) == c40::name(static_cast<c40::Cause>(i))) return i;

@@ -1,9 +1,8 @@
 #pragma once
 /// Expressions in conditions, watches and prints: `r0`, `f(r1)`, `ar3 + 2`, `[kernel_state + 4]`, `f([ar0]) > 1.5`,
 /// `chip1.pc == kernel_pid`, `TIMER0.counter`, `plant.payload_z_m < 1`, `cycle`, `instructions`, `cause.bus_transfer`,
-/// `time_s`. Operators as in C: || && | ^ & == != < <= > >= << >> + - * / % ! ~. Words are signed 32-bit numbers where
-/// they are used; == and != compare their 32 bits. f(x): x as a float; of R0 to R11 all 40 bits. u(x): the word as an
-/// unsigned number.
+/// `time_s`. Operators as in C: || && | ^ & == != < <= > >= << >> + - * / % ! ~. Words are signed 32-bit numbers; ==
+/// and != compare their 32 bits. f(x): x as a float; of R0 to R11 all 40 bits. u(x): the word as an unsigned number.
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,7 +17,7 @@ struct Value {
   bool is_float = false;
   std::int64_t integer = 0;
   double real = 0;
-  std::optional<Address> address{};  ///< of a word in memory, or of a label
+  std::optional<Address> address{};  ///< the address of a word in memory, or of a label
   bool truth() const { return is_float ? real != 0 : integer != 0; }
   double number() const { return is_float ? real : static_cast<double>(integer); }
   /// "1.5", "-2 (FFFFFFFEh)"
@@ -27,15 +26,16 @@ struct Value {
 
 class Expression {
  public:
-  /// \throws DebugError that shows where
+  /// \throws DebugError that shows the place
   Expression(std::string_view text, Debuggee& debuggee, const std::vector<ProgramView>& programs, std::size_t chip);
   ~Expression();
   Expression(Expression&&) noexcept;
   Expression& operator=(Expression&&) noexcept;
 
-  /// For the chip that it was made for. \throws DebugError where memory cannot be read
+  /// The value for the chip of the constructor. \throws DebugError if memory cannot be read
   Value value() const;
-  /// The same while chips are at different instants; none: it depends on more than the chip's own registers and memory.
+  /// The value while chips are at different instants; none if it depends on more than the chip's own registers and
+  /// memory.
   std::optional<Value> own_value() const;
 
   struct Node;

@@ -8,7 +8,7 @@ namespace machine::debug {
 namespace {
 
 constexpr std::size_t least_chunk = 4096, most_chunk = 65536;
-constexpr std::uint64_t chunk_mask = 0x1FFF;  // one border in 8 K bytes
+constexpr std::uint64_t chunk_mask = 0x1FFF;  // on average one boundary in 8 K bytes
 
 /// A number for each byte, for the rolling hash: splitmix64.
 std::array<std::uint64_t, 256> gear_table() {
@@ -23,8 +23,8 @@ std::array<std::uint64_t, 256> gear_table() {
   return table;
 }
 
-/// The length of the first chunk: it ends where the bytes before say so, wherever in the text they stand. So what was
-/// inserted into a text changes the chunks around it only.
+/// The length of the first chunk: it ends where the preceding bytes say so, independent of their place in the text. So
+/// an insertion into a text changes only the chunks around it.
 std::size_t chunk_length(std::string_view text) {
   static const std::array<std::uint64_t, 256> gear = gear_table();
   const std::size_t end = std::min(text.size(), most_chunk);
@@ -36,7 +36,7 @@ std::size_t chunk_length(std::string_view text) {
   return end;
 }
 
-// Snapshots take no more of the host's time than one part in so many.
+// Snapshots take at most one part in this number of the host's time.
 constexpr int share_of_time = 32;
 
 }  // namespace
@@ -106,8 +106,8 @@ std::size_t History::bytes() const {
   return sum;
 }
 
-// Away goes the one whose neighbours lie closest together, measured by how long ago it was: so gaps grow with age. The
-// first and the last stay.
+// Removes the snapshot whose neighbours are closest together relative to their age, so gaps grow with age. The first
+// and the last one stay.
 void History::thin_out() {
   while (snapshots_.size() > 3 && bytes() > limits_.bytes) {
     const Time now = snapshots_.back().place.time;

@@ -1,5 +1,5 @@
 #pragma once
-/// Snapshots of a run, from which any instant is reached again. What two snapshots have in common is kept once.
+/// Snapshots of a run, from which any instant can be reached again. Common parts of snapshots are stored once.
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -13,8 +13,8 @@ namespace machine::debug {
 
 struct HistoryLimits {
   Time period =
-      std::chrono::milliseconds{500};  ///< between two snapshots, or more where these would cost much of the run's time
-  std::size_t bytes = std::size_t{512} << 20;  ///< beyond it snapshots are thinned out, the older the more
+      std::chrono::milliseconds{500};  ///< between two snapshots; longer if these would cost much of the run's time
+  std::size_t bytes = std::size_t{512} << 20;  ///< with more bytes, snapshots are thinned out, old ones more
 };
 
 struct HistoryInfo {
@@ -28,18 +28,18 @@ class History {
 
   struct Place {
     Time time{};
-    std::size_t changes = 0;  ///< by hand, that had been made
+    std::size_t changes = 0;  ///< number of changes by hand before it
   };
   /// A snapshot is due at `now`.
   bool due(Time now) const;
-  /// \param took host time that making the state took
+  /// \param took the host time of making the state
   void add(Place place, std::string_view state, std::chrono::nanoseconds took);
-  /// One beside the others, for steps back from near there; it takes the place of the one before.
+  /// An additional snapshot for steps back from a nearby instant; it replaces the one before.
   void add_near(Place place, std::string state);
-  /// The last one at or before an instant; none before the first.
+  /// The last snapshot at or before an instant; none before the first.
   std::optional<Place> before(Time time) const;
   std::string state_before(Time time) const;
-  /// What is later is gone.
+  /// Removes all later snapshots.
   void forget_after(Time time);
   HistoryInfo info() const;
 

@@ -19,7 +19,7 @@ bool is_meant(Trigger::On on, bool write, bool changed) {
 
 }  // namespace
 
-/// One chip's share.
+/// The part for one chip.
 class Debugger::HitRecorder::ChipEar final : public c40::Probe, public c40::TraceSink {
  public:
   ChipEar(HitRecorder& ear, std::size_t chip) : recorder_(ear), chip_(chip) {}
@@ -38,11 +38,11 @@ class Debugger::HitRecorder::ChipEar final : public c40::Probe, public c40::Trac
     else if (!rules_)
       look_for_breaches();
   }
-  /// The chip stands where it did not stand before.
+  /// The chip is at another place than before.
   void moved() {
     if (rules_) look_for_breaches();
   }
-  /// Somebody may have changed its registers.
+  /// The chip's registers may have been changed.
   void look_again() {
     if (rules_) rules_->look();
   }
@@ -69,7 +69,7 @@ class Debugger::HitRecorder::ChipEar final : public c40::Probe, public c40::Trac
   c40::ProbePlan plan_;
   bool traces_ = false;
   std::optional<c40::SelfCheck> rules_;
-  c40::Cycles ends_ = 0;  ///< of the instruction that is heard
+  c40::Cycles ends_ = 0;  ///< end of the present instruction
 };
 
 Debugger::HitRecorder::HitRecorder(Debuggee& debuggee, const std::vector<ProgramView>& programs)
@@ -169,12 +169,12 @@ void Debugger::HitRecorder::add(unsigned number, const Trigger& trigger, Hit hit
   hit.trigger = number;
   hit.open = trigger.log.find('{') != std::string::npos;
   if (!trigger.condition.empty()) {
-    // What is of this chip alone can be told at once; for the rest all chips have to stand at this instant.
+    // A condition on this chip alone can be checked at once; for others all chips have to be at this instant.
     std::optional<Value> met;
     try {
       if (hit.chip) met = condition_of(number, trigger, *hit.chip).own_value();
     } catch (const DebugError&) {
-      // Told where the machine stands there.
+      // Checked when the machine is at this instant.
     }
     if (met && !met->truth()) return;
     hit.open = hit.open || !met;

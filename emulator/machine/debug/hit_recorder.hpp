@@ -1,6 +1,6 @@
 #pragma once
-/// What the debugger hears while the machine runs: hits of triggers, each with its instant. Chips run ahead of one
-/// another, so the hits do not come in the order of time.
+/// Records hits of triggers while the machine runs, each with its instant. Chips run ahead of one another, so hits are
+/// not recorded in the order of time.
 #include <map>
 #include <memory>
 #include <vector>
@@ -16,32 +16,32 @@ class Debugger::HitRecorder final : private DebugEventListener, private SharedLi
   HitRecorder(Debuggee& debuggee, const std::vector<ProgramView>& programs);
   ~HitRecorder() override;
 
-  /// What to hear of from now on.
-  /// \param each the chip of which every instruction counts, if any
+  /// The triggers to record from now on.
+  /// \param each the chip whose every instruction counts, if any
   void arm(const std::map<unsigned, Trigger>& triggers, std::optional<std::size_t> each);
-  /// The same, and goes on listening with the hits that it has.
+  /// The same, but the recorded hits are kept.
   void rearm(const std::map<unsigned, Trigger>& triggers, std::optional<std::size_t> each);
-  /// Hits later than `after` are kept from now on; those kept before are gone.
+  /// Records hits later than `after` from now on; earlier records are removed.
   void listen(Time after);
   void close() { open_ = false; }
   bool hears_late() const { return hears_late_; }
   bool looks_at_values() const;
-  /// Hits of values at this instant.
+  /// Records hits of values at this instant.
   void look_at_values(Time now);
 
-  std::vector<Hit> hits;  ///< in the order in which they were heard
-  /// Of the chip of which every instruction counts.
+  std::vector<Hit> hits;  ///< in the order of recording
+  /// An instruction of the chip whose every instruction counts.
   struct Instruction {
     Time begins{}, ends{};
-    Address pc = 0, sp = 0;  ///< SP after it
+    Address pc = 0, sp = 0;  ///< SP after the instruction
     c40::Causes causes{};
   };
   std::vector<Instruction> instructions;
   bool keeps_instructions = false;
-  /// The end of the first instruction heard.
+  /// The end of the first recorded instruction.
   std::optional<Time> stepped;
 
-  /// Whether a condition holds where the machine stands. \throws DebugError
+  /// Whether a condition holds at the machine's instant. \throws DebugError
   bool holds(const Hit& hit);
 
  private:

@@ -134,7 +134,7 @@ std::vector<Address> places_named(const ProgramView& program, std::string_view t
     if (!found.empty()) return found;
     std::string files;
     for (const std::string& file : program.files()) files += (files.empty() ? "" : ", ") + std::string(last_part(file));
-    throw DebugError(fmt::format("\"{}\": no instruction stands in that line or after it; files with lines: {}", text,
+    throw DebugError(fmt::format("\"{}\": there is no instruction in that line or after it; files with lines: {}", text,
                                  files.empty() ? "none" : files));
   }
   const std::size_t sign = text.find('+');
@@ -144,7 +144,7 @@ std::vector<Address> places_named(const ProgramView& program, std::string_view t
                                                      : toolchain::find_address(text.substr(sign + 1), nullptr);
   if (!base || !offset)
     throw DebugError(fmt::format(
-        "\"{}\" is no place: a label, a label + a number, an address (300000h, 0x300000) or FILE:LINE is expected",
+        "\"{}\" is not a place: a label, a label + a number, an address (300000h, 0x300000) or FILE:LINE is expected",
         text));
   return {*base + *offset};
 }
@@ -165,7 +165,7 @@ bool is_delayed(const isa::Instruction& instruction) {
   return instruction.row->operation == isa::Operation::laj || instruction.row->operation == isa::Operation::lat;
 }
 
-/// The call before a return address, if there is one that may lead to the routine.
+/// The call before a return address, if there is one that may call the routine.
 std::optional<Address> call_before(Debuggee& debuggee, std::size_t chip, const ProgramView& program, Address returns_to,
                                    std::optional<Address> routine, bool delayed) {
   const Address at = returns_to - (delayed ? 4 : 1);

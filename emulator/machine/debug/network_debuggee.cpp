@@ -15,7 +15,7 @@ using Kind = NetworkEvent::Kind;
 
 constexpr std::array kinds{
     std::pair{Kind::lost, "a word is lost on a link that is cut"},
-    std::pair{Kind::dead, "a link stands still for ever"},
+    std::pair{Kind::dead, "a link can never move a word again"},
     std::pair{Kind::cut, "an action cuts a link"},
     std::pair{Kind::restored, "an action restores a link"},
     std::pair{Kind::missed, "a chip does not see an edge on a net"},
@@ -26,7 +26,7 @@ constexpr std::array kinds{
     std::pair{Kind::pull_out, "an action pulls a chip out"},
 };
 
-/// What is no event of the network, but what becomes of a chip.
+/// Not an event of the network, but of a chip.
 bool is_end(ChipStatus status) {
   using enum ChipStatus;
   return status == fault || status == halt || status == idle || status == until || status == external_access ||
@@ -58,7 +58,7 @@ void NetworkDebuggee::set_trace(std::size_t n, c40::TraceSink* sink) { network_.
 
 std::optional<std::string> NetworkDebuggee::over() const {
   if (!ended_) return std::nullopt;
-  std::string text(ended_->reason == NetworkStop::Reason::deadlock ? "nothing can happen any more"
+  std::string text(ended_->reason == NetworkStop::Reason::deadlock ? "no event is left"
                                                                    : "all chips have come to rest");
   for (std::size_t n = 0; n < network_.chip_count(); ++n)
     text += fmt::format("; {}: {}", chip_name(n), network_.describe(n));
@@ -129,7 +129,7 @@ void NetworkDebuggee::poke(std::size_t n, Address address, Word value) {
     network_.chip(n).poke(address, value);
 }
 
-// Memories one behind the other.
+// Memories are numbered one after the other.
 std::optional<Address> NetworkDebuggee::shared_word(std::size_t n, Address address) const {
   const auto place = network_.memory_place(n, address);
   if (!place) return std::nullopt;
@@ -157,8 +157,8 @@ void NetworkDebuggee::watch_shared(SharedListener* listener, std::vector<c40::Ad
 }
 
 std::vector<std::pair<std::string, std::string>> NetworkDebuggee::happenings() const {
-  std::vector<std::pair<std::string, std::string>> all{
-      {"fault", "a chip cannot go on"}, {"end", "a chip's program has ended, or waits for what never comes"}};
+  std::vector<std::pair<std::string, std::string>> all{{"fault", "a chip cannot continue"},
+                                                       {"end", "a chip's program has ended, or waits forever"}};
   for (const auto& [kind, what] : kinds) all.emplace_back(std::string(machine::name(kind)), what);
   return all;
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// A network of chips, or one chip as a network of one, in a debugger.
+/// A network of chips in a debugger, or one chip as a network of one.
 #include <memory>
 
 #include "machine/debug/debuggee.hpp"
@@ -45,7 +45,7 @@ class NetworkDebuggee final : public Debuggee {
   std::optional<NetworkStop> ended_;
   DebugEventListener* listener_ = nullptr;
   std::set<std::string> kinds_;
-  std::size_t told_ = 0;  ///< of the network's events
+  std::size_t told_ = 0;  ///< number of the network's events that have been reported
   std::vector<ChipStatus> status_;
 };
 

@@ -12,7 +12,7 @@
 namespace toolchain {
 namespace {
 
-/// In the order of the source: files as they first occur, then lines.
+/// Into the order of the source: files in the order in which they first occur, then lines.
 void sort(std::vector<Diagnostic>& diagnostics) {
   std::vector<std::string> files;
   const auto rank = [&](const Diagnostic& d) {
@@ -26,7 +26,7 @@ void sort(std::vector<Diagnostic>& diagnostics) {
   for (std::size_t i = 0; i < ranked.size(); ++i) diagnostics[i] = std::move(ranked[i].second);
 }
 
-/// Throws what is wrong, if anything is.
+/// Throws the diagnostics, if there are any.
 void conclude(std::vector<Diagnostic> diagnostics) {
   sort(diagnostics);
   if (diagnostics.size() > most_errors) {

@@ -60,7 +60,8 @@ Arguments parse(int count, char** values) {
       const std::string text = next();
       out.options.dialect = toolchain::dialect_named(text);
       if (!out.options.dialect)
-        throw std::invalid_argument(fmt::format("--dialect: '{}' is none; ti and gnu are\n{}", text, usage));
+        throw std::invalid_argument(
+            fmt::format("--dialect: '{}' is unknown; ti and gnu are possible\n{}", text, usage));
     } else if (argument == "--listing")
       out.listing = next();
     else if (argument == "--source-map")
@@ -90,7 +91,8 @@ int main(int count, char** values) {
     if (!arguments.listing.empty()) write(arguments.listing, toolchain::listing(image));
     if (!arguments.source_map.empty()) {
       write(arguments.source_map, toolchain::source_map(image, arguments.input.parent_path()));
-      image.files.clear(), image.lines.clear();  // once is enough, and the map names no folder of this machine
+      image.files.clear(),
+          image.lines.clear();  // one file with the lines is enough, and the source map names no folder of this machine
     }
     toolchain::write_coff(image, arguments.output);
     return 0;

@@ -1,5 +1,5 @@
 #pragma once
-// What assembles but does not run as it reads on a C40 (c40-isa.md 8.2 to 8.4).
+// Code that assembles, but that a C40 does not run as written (c40-isa.md 8.2 to 8.4).
 #include <optional>
 #include <span>
 #include <string>
@@ -14,8 +14,8 @@ struct Finding {
   std::string message;
 };
 
-/// Looks at consecutive words of code: program control in the three slots of a delayed branch, behind RPTS, and at the
-/// end of a repeated block whose RPTB stands in these words too. `address` is that of the first word.
+/// Checks consecutive words of code: program control in the three slots of a delayed branch, after RPTS, and at the end
+/// of a repeated block whose RPTB is among these words. `address` is the address of the first word.
 std::vector<Finding> check_code(std::span<const isa::Word> words, isa::Address address, isa::Cpu cpu);
 
 }  // namespace toolchain

@@ -5,7 +5,7 @@
 
 namespace toolchain {
 
-/// Numbers and strings, one word for each number and each character. Of numbers of fewer than 32 bits the rest is 0.
+/// Numbers and strings, one word for each number and each character. Numbers of fewer than 32 bits are extended with 0.
 WordItem Reader::numbers(Statement& s, unsigned bits) {
   if (!s.label.empty()) define_label(s);
   WordItem item;
@@ -46,7 +46,8 @@ void Reader::directive_half_word(Statement& s) {
   program_.add(s.line, s.operation_offset, std::move(item));
 }
 
-/// `.field value[,bits]`: the next bits of the present word, from bit 0 up; a field that does not fit starts a word.
+/// `.field value[,bits]`: the next bits of the present word, from bit 0 up. A field that does not fit starts a new
+/// word.
 void Reader::directive_field(Statement& s) {
   Parser& p = s.parser;
   p.skip_blanks();
@@ -81,7 +82,7 @@ void Reader::directive_long_double(Statement& s) { floats(s, FloatItem::Format::
 void Reader::directive_string(Statement& s) { packed_strings(s, false); }
 void Reader::directive_asciz(Statement& s) { packed_strings(s, true); }
 
-/// Four characters to a word, the first in bits 7 to 0; the last word is filled up with zeros.
+/// Four characters per word, the first in bits 7 to 0; the last word is filled with zeros.
 void Reader::packed_strings(Statement& s, bool terminated) {
   if (!s.label.empty()) define_label(s);
   std::string bytes;
@@ -112,7 +113,7 @@ void Reader::directive_space(Statement& s) {
   program_.add(s.line, s.operation_offset, FillItem{words, 0});
 }
 
-/// As .space, but the label is that of the last word.
+/// As .space, but the label is the address of the last word.
 void Reader::directive_space_end(Statement& s) {
   const Address words = known_size(s.parser, "the number of words");
   s.parser.expect_end();

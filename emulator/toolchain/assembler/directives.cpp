@@ -84,7 +84,7 @@ const std::map<std::string, Reader::Directive, std::less<>>& Reader::directives(
 
 namespace {
 
-/// The file, or one whose name differs in the case of letters only: sources of DOS do not mind it.
+/// The file, or one whose name differs only in upper and lower case: DOS does not distinguish them.
 std::optional<std::filesystem::path> in_any_case(const std::filesystem::path& path) {
   std::error_code error;
   if (std::filesystem::exists(path, error)) return path;
@@ -98,7 +98,7 @@ std::optional<std::filesystem::path> in_any_case(const std::filesystem::path& pa
   return *std::min_element(found.begin(), found.end());
 }
 
-/// What TI's tools take for listings, debuggers and section hints, and what has no bearing on the program.
+/// Directives for listings, debuggers and section hints of TI's tools, without effect on the program.
 bool is_ignored(std::string_view directive) {
   static const std::set<std::string_view> ignored{
       ".title",   ".page",   ".list",     ".nolist", ".length",   ".width",  ".option",   ".tab",     ".mlist",
@@ -181,7 +181,7 @@ Address Reader::alignment_of_reserved(Parser& p, int section) {
 }
 
 /// `.bss name,size[,alignment]` reserves; `.bss` alone makes it the current section. An alignment of 1 is TI's blocking
-/// flag: words that fit into one page are not spread over two.
+/// flag: words that fit into one page are not split over two.
 void Reader::directive_bss(Statement& s) {
   Parser& p = s.parser;
   if (p.at_end()) return select_section(s, ".bss", Program::Load::reserved, s.operation_offset);
@@ -234,8 +234,8 @@ void Reader::directive_newblock(Statement& s) {
   new_block();
 }
 
-/// `.version 40`. Code of the C3x is told apart by branches and interrupt registers, so a warning is due where it is
-/// not what is made.
+/// `.version 40`. Branches and interrupt registers make the difference to C3x code, so there is a warning if the
+/// version is not the processor for which the source is assembled.
 void Reader::directive_version(Statement& s) {
   s.parser.skip_blanks();
   const std::size_t offset = s.parser.offset();
@@ -250,23 +250,24 @@ void Reader::directive_version(Statement& s) {
                        : "a program for the C3x; it is encoded for the C4x (--cpu c3x encodes for the C3x)");
 }
 
-/// `.dialect gnu`: of this file, and of those that it includes and that do not say it themselves.
+/// `.dialect gnu`: for this file, and for the files that it includes unless they have their own.
 void Reader::directive_dialect(Statement& s) {
   s.parser.skip_blanks();
   const std::size_t offset = s.parser.offset();
   const std::string text = s.parser.name_or_quoted("ti or gnu");
   s.parser.expect_end();
   const auto dialect = dialect_named(lower(text));
-  if (!dialect) throw LineError{offset, fmt::format("no dialect is called '{}'; ti and gnu are", text)};
-  if (reading_.said) throw LineError{s.operation_offset, "the file has said its dialect already"};
-  if (reading_.has_code) throw LineError{s.operation_offset, "'.dialect' belongs before the file's first instruction"};
+  if (!dialect) throw LineError{offset, fmt::format("there is no dialect '{}'; ti and gnu are possible", text)};
+  if (reading_.said) throw LineError{s.operation_offset, "the file has a '.dialect' already"};
+  if (reading_.has_code)
+    throw LineError{s.operation_offset, "'.dialect' must come before the file's first instruction"};
   reading_ = {*dialect, fmt::format(".dialect in line {}", s.line->number), true, false};
   if (*dialect == Dialect::gnu) program_.leave_undefined_to_others();
 }
 
 void Reader::directive_warning(Statement& s) {
   program_.warn(s.line, s.operation_offset,
-                s.parser.at_end() ? "warning asked for by the source" : s.parser.name_or_quoted("a message"));
+                s.parser.at_end() ? "warning requested by the source" : s.parser.name_or_quoted("a message"));
 }
 
 /// Without an operand: 32 words, a cache segment.
@@ -336,7 +337,7 @@ void Reader::directive_end(Statement&) { ended_ = true; }
 
 void Reader::directive_error(Statement& s) {
   throw LineError{s.operation_offset,
-                  s.parser.at_end() ? "error asked for by the source" : s.parser.name_or_quoted("a message")};
+                  s.parser.at_end() ? "error requested by the source" : s.parser.name_or_quoted("a message")};
 }
 
 void Reader::directive_nothing(Statement&) {}

@@ -11,9 +11,9 @@ namespace {
 
 constexpr int deepest_expansion = 100;
 constexpr std::int64_t most_repeats = 1'000'000;
-constexpr std::int64_t usual_repeats = 1024;  // As TI's tools have it.
+constexpr std::int64_t usual_repeats = 1024;  // The default of TI's tools.
 
-/// Quotes hold an argument with commas together and are not part of it; """text""" gives "text".
+/// Quotes keep an argument with commas together and are not part of it; """text""" gives "text".
 std::string without_quotes(const std::string& argument) {
   if (argument.size() < 2 || argument.front() != '"' || argument.back() != '"') return argument;
   const std::string inside = argument.substr(1, argument.size() - 2);
@@ -27,7 +27,7 @@ std::string without_quotes(const std::string& argument) {
 
 }  // namespace
 
-/// Splits at commas outside parentheses and quotes. Names ending in '?' belong to the caller's scope.
+/// Splits at commas outside parentheses and quotes. Names that end in '?' belong to the caller's scope.
 std::vector<std::string> Reader::macro_arguments(std::string_view text) const {
   std::vector<std::string> out(1);
   int depth = 0;
@@ -62,7 +62,7 @@ void Reader::expand(const Macro& macro, Statement& s) {
     return;
   }
   auto given = macro_arguments(s.parser.rest());
-  // What is too much belongs to the last parameter, as a list.
+  // Superfluous arguments belong to the last parameter, as a list.
   while (given.size() > macro.parameters.size() && !macro.parameters.empty()) {
     const std::string last = std::move(given.back());
     given.pop_back();
@@ -113,7 +113,7 @@ void Reader::leave_repeat(Statement& s) {
   if (leave) leaving_ = Leaving::repeat;
 }
 
-/// `.asg text,symbol`; a text with commas stands in quotes.
+/// `.asg text,symbol`; a text with commas is in quotes.
 void Reader::assign_text(Statement& s) {
   Parser& p = s.parser;
   p.skip_blanks();
@@ -143,7 +143,7 @@ void Reader::assign_number(Statement& s) {
   SubstituteScopes{parameters_, &substitutes_}.owner(name)[name] = std::to_string(value);
 }
 
-/// `.var symbol,...`: substitution symbols of this expansion alone.
+/// `.var symbol,...`: substitution symbols of this expansion only.
 void Reader::declare_variables(Statement& s) {
   if (parameters_ == nullptr) throw LineError{s.operation_offset, "'.var' outside a macro"};
   do (*parameters_)[s.parser.required_identifier("a symbol")] = "";
@@ -160,7 +160,7 @@ void Reader::forget_text(Statement& s) {
 void Reader::start_macro(Statement& s) {
   auto collector = std::make_unique<Collector>();
   collector->opening = s.line;
-  collector_ = std::move(collector);  // First of all, so that a faulty head does not let its body loose.
+  collector_ = std::move(collector);  // First of all, so that after an error in the head the body is still collected.
   Parser& p = s.parser;
   std::string name = s.label;
   if (name.empty()) {
@@ -184,7 +184,7 @@ void Reader::start_macro(Statement& s) {
   p.expect_end();
   if (macros_.contains(name))
     program_.warn(s.line, s.operation_offset,
-                  fmt::format("the macro '{}' is defined already; from here on this one counts", name));
+                  fmt::format("the macro '{}' is defined already; the new definition is used from here on", name));
   collector_->name = std::move(name);
   collector_->kind = Collector::Kind::macro;
 }
@@ -196,7 +196,7 @@ void Reader::start_repeat(Statement& s) {
   const std::int64_t count = s.parser.at_end() ? usual_repeats : known_number(s.parser, "the number of repeats");
   s.parser.expect_end();
   if (count < 0 || count > most_repeats)
-    throw LineError{s.operation_offset, fmt::format("0 to {} repeats", most_repeats)};
+    throw LineError{s.operation_offset, fmt::format("0 to {} repeats are possible", most_repeats)};
   if (expansion_depth_ >= deepest_expansion) throw LineError{s.operation_offset, "repeats are nested too deep"};
   collector_->count = count;
   collector_->kind = Collector::Kind::repeat;

@@ -12,7 +12,8 @@
 namespace toolchain {
 namespace {
 
-constexpr Address largest_loaded_section = 1U << 24;  // Words; a slip in a source should not eat the host's memory.
+constexpr Address largest_loaded_section = 1U
+                                           << 24;  // In words; a mistake in a source must not fill the host's memory.
 constexpr Address largest_reserved_section = 0xFFFFFFFF;
 constexpr int deepest_definition = 200;
 constexpr Word nop = 0x0C800000;
@@ -73,7 +74,7 @@ int Program::section(const std::string& name, Load load, std::size_t offset) {
 void Program::define(const std::string& name, const Value& value, const SourceLinePtr& line, std::size_t offset) {
   const auto [found, fresh] = symbols_.insert({name, Symbol{value, line, offset}});
   if (fresh) return;
-  // Constants may be repeated (a file included twice), but not changed.
+  // A constant may be defined twice with the same value (a file included twice), but not changed.
   const Value* old = std::get_if<Value>(&found->second.meaning);
   if (old != nullptr && old->is_absolute() && value.is_absolute() && same(*old, value)) return;
   throw LineError{offset,
@@ -85,7 +86,7 @@ void Program::define(const std::string& name, Expression expression, const Sourc
   try {
     value = evaluate(expression, *this);
   } catch (const LineError&) {
-    // It may need what comes later; if it is wrong, finish() says so.
+    // The value may need later definitions; finish() reports errors.
   }
   if (value) return define(name, *value, line, offset);
   const auto [found, fresh] = symbols_.insert({name, Symbol{std::move(expression), line, offset}});
@@ -182,7 +183,7 @@ Value Program::value_of(const std::string& name, std::size_t offset) const {
   if (found == symbols_.end()) {
     if (const auto value = predefined(name, options_.cpu)) return Value::of(*value);
   }
-  // A register of the other processor is no other object's symbol, unless it is declared.
+  // A register of the other processor is not taken as a symbol of another object, unless the source declares it.
   const bool taken_as_external = undefined_external_ && register_of_other(name, options_.cpu).empty();
   if (found == symbols_.end() && relocatable_ && (globals_.contains(name) || taken_as_external)) {
     const auto external = std::find(externals_.begin(), externals_.end(), name);

@@ -1,6 +1,6 @@
 #pragma once
-// What the assembler collects while it reads: sections of items with section-relative addresses, and symbols. Addresses
-// are given to the sections and words to the items only at the end.
+// What the assembler collects while it reads: sections of items with addresses relative to their section, and symbols.
+// At the end the sections get addresses and the items get words.
 #include <map>
 #include <optional>
 #include <span>
@@ -29,7 +29,7 @@ struct FloatItem {
   enum class Format : std::uint8_t {
     single,    ///< The 32-bit format of the C4x.
     ieee,      ///< IEEE 754 single precision.
-    extended,  ///< The 40-bit format in two words: as STF and as STI store a register.
+    extended,  ///< The 40-bit format in two words: the words that STF and STI store of a register.
   } format = Format::single;
   Address words() const { return static_cast<Address>(values.size()) * (format == Format::extended ? 2 : 1); }
 };
@@ -64,7 +64,7 @@ class Program final : public SymbolSource {
   // Symbols: errors are LineErrors at `offset` of the line.
 
   void define(const std::string& name, const Value& value, const SourceLinePtr& line, std::size_t offset);
-  /// `.set`: evaluated now if possible, else when all is known.
+  /// `.set`: evaluated now if possible, else when all symbols are known.
   void define(const std::string& name, Expression expression, const SourceLinePtr& line, std::size_t offset);
   void declare_global(const std::string& name, bool must_be_defined, const SourceLinePtr& line, std::size_t offset);
 
@@ -72,7 +72,7 @@ class Program final : public SymbolSource {
 
   void add(const SourceLinePtr& line, std::size_t offset,
            std::variant<InstructionItem, WordItem, FloatItem, FillItem> content);
-  /// The word in which add_field() with so many bits would put its value.
+  /// The word in which add_field() with this number of bits would put its value.
   Value field_place(Address bits) const;
   void add_field(const SourceLinePtr& line, std::size_t offset, Expression value, Address bits);
   /// For the listing's head.
@@ -84,22 +84,22 @@ class Program final : public SymbolSource {
   /// Makes `half` the second half of the instruction just added.
   void add_parallel(HalfSyntax half, const SourceLinePtr& line, std::size_t offset);
   void end_instruction() { parallel_target_ = false; }
-  /// Reserves words at the end of a section that is not loaded; gives their place.
+  /// Reserves words at the end of a section that is not loaded; returns their place.
   Value reserve(int section, Address words, Address alignment, std::size_t offset);
 
-  /// The words of this section are not to be spread over two pages of 64 K words if they fit into one.
+  /// The words of this section must not be split over two pages of 64 K words if they fit into one.
   void block(int section) { sections_[index(section)].blocked = true; }
 
-  /// In an object, what nobody defines or declares is left to other objects.
+  /// In an object, symbols that no source defines or declares are left to other objects.
   void leave_undefined_to_others() { undefined_external_ = true; }
 
   void note_file_read(std::string path) { files_read_.push_back(std::move(path)); }
 
-  /// Settles addresses and encodes everything; errors go to `diagnostics`.
+  /// Assigns addresses and encodes everything; errors go to `diagnostics`.
   Image finish(std::vector<Diagnostic>& diagnostics);
 
-  /// The same without settling addresses: what depends on them becomes relocations. Undefined symbols that were
-  /// declared become references to other objects. `listed` takes the lines and warnings, its sections beginning at 0.
+  /// The same without addresses: words that depend on them get relocations. Undefined symbols that were declared become
+  /// references to other objects. `listed` gets the lines and warnings; its sections begin at 0.
   Object finish_object(Image& listed, std::vector<Diagnostic>& diagnostics);
 
   // SymbolSource
@@ -123,7 +123,8 @@ class Program final : public SymbolSource {
     std::variant<Value, Expression> meaning;
     SourceLinePtr line;
     std::size_t offset = 0;
-    mutable bool busy = false;  ///< Being evaluated: meeting it again is a definition in terms of itself.
+    mutable bool busy =
+        false;  ///< The symbol is being evaluated: meeting it again means that it is defined in terms of itself.
   };
   struct Global {
     SourceLinePtr line;
@@ -136,7 +137,7 @@ class Program final : public SymbolSource {
   std::vector<Section*> placement_order();
   void place(std::vector<Diagnostic>& diagnostics);
   void check_overlaps(const std::vector<Section*>& order, std::vector<Diagnostic>& diagnostics) const;
-  /// What a word has to be told by the linker.
+  /// What the linker has to know of a word.
   struct WordRelocation {
     Address offset = 0;
     FieldRelocation field;
@@ -162,13 +163,13 @@ class Program final : public SymbolSource {
   std::vector<Section> sections_;
   int current_ = 0;
   bool parallel_target_ = false;
-  Address field_bits_ = 0;  ///< Taken of the last word by fields; 0: the last word is none of theirs.
+  Address field_bits_ = 0;  ///< Bits of the last word used by fields; 0: the last word contains no field.
   std::vector<std::string> warnings_, dialects_;
   std::vector<std::string> files_read_;
   bool placed_ = false;
   bool undefined_external_ = false;
-  bool relocatable_ = false;                    ///< finish_object() is at work.
-  mutable std::vector<std::string> externals_;  ///< Those met while it is.
+  bool relocatable_ = false;                    ///< finish_object() is running.
+  mutable std::vector<std::string> externals_;  ///< External symbols found so far by finish_object().
   mutable int evaluation_depth_ = 0;
   std::map<std::string, Symbol, std::less<>> symbols_;
   std::map<std::string, Global, std::less<>> globals_;

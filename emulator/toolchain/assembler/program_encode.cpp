@@ -1,4 +1,4 @@
-// The places of sections and the words in them.
+// The addresses of sections, and the words in them.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 namespace toolchain {
 namespace {
 
-/// The first address from `next` on that suits a section.
+/// The first address from `next` on that is possible for a section.
 Address placed_at(Address next, Address size, Address alignment, bool blocked) {
   constexpr Address page = 1 << 16;
   const Address place = (next + alignment - 1) & ~(alignment - 1);
@@ -28,7 +28,7 @@ void Program::place(std::vector<Diagnostic>& diagnostics) {
       section->address = wanted->second;
     else
       section->address = placed_at(next, section->size, section->alignment, section->blocked);
-    // An empty section takes no part, unless it was given a place that others follow.
+    // An empty section is left out, unless it has an address that later sections follow.
     if (section->size != 0 || wanted != options_.sections.end()) next = section->address + section->size;
     if (section->address % section->alignment != 0) {
       const SourceLine nowhere{std::make_shared<const std::string>("sections"), 0, section->name, nullptr};
@@ -126,7 +126,7 @@ Word Program::plain_word(const Expression& expression, const Value& value, Addre
   return static_cast<Word>(number);
 }
 
-/// Warns about instructions that stand where they do not work.
+/// Warns about instructions at places where they do not work.
 void Program::check_run(std::span<const Item> items, const Image::Section& section, Image& image) {
   if (items.empty()) return;
   const auto words = std::span(section.words).subspan(items.front().offset, items.size());
@@ -146,7 +146,7 @@ void Program::encode_section(const Section& section, Image& image, std::vector<D
     image.sections.push_back(std::move(out));
     return;
   }
-  std::size_t run = 0;  // The first of the instructions that lead up to this item.
+  std::size_t run = 0;  // The first of the instructions before this item without a gap.
   for (std::size_t i = 0; i < section.items.size(); ++i) {
     const Item& item = section.items[i];
     if (!std::holds_alternative<InstructionItem>(item.content)) {

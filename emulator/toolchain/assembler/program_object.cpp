@@ -1,4 +1,4 @@
-// The end of an assembly whose addresses a linker settles.
+// The end of an assembly without addresses: the linker assigns them.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace toolchain {
 
-/// The usual sections go in only if something stands in them or is named there.
+/// The usual sections are included only if they have contents or a symbol.
 bool Program::goes_into_object(std::size_t section) const {
   if (sections_[section].size != 0 || section > 2) return true;
   for (const auto& [name, symbol] : symbols_)
@@ -66,7 +66,7 @@ void Program::add_object_symbols(Object& object, const std::vector<int>& numbers
       if (value.is_external() || value.half != Value::Half::none) {
         if (global)
           throw LineError{symbol.offset,
-                          fmt::format("'{}' stands for what another object defines; it cannot be global", name)};
+                          fmt::format("'{}' is defined through a symbol of another object; it cannot be global", name)};
         continue;
       }
       object.symbols.push_back({.name = name,
@@ -84,8 +84,8 @@ void Program::add_object_symbols(Object& object, const std::vector<int>& numbers
         {.name = name, .value = 0, .section = ObjectSymbol::undefined, .global = true, .stands_for_section = false});
 }
 
-/// Branches are referred to a symbol at their very target, so that 16 bits always hold what is left of the distance;
-/// all others to the section's own symbol.
+/// A branch refers to a symbol exactly at its target, so that 16 bits always hold the rest of the distance. All other
+/// relocations refer to the section's own symbol.
 Relocation Program::relocation(Object& object, const std::vector<int>& numbers, const WordRelocation& wanted) const {
   const Value& target = wanted.field.target;
   const auto value = static_cast<Word>(target.integer);

@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t deepest_include = 64;
 constexpr std::size_t lines_between_looks = 4096;  // whether the assembly is to be stopped
 constexpr std::size_t longest_line = 1 << 16;
-constexpr std::int64_t most_lines = 1'000'000;  // Reached by macros that call themselves, not by programs.
+constexpr std::int64_t most_lines = 1'000'000;  // Only macros that call themselves have more.
 
 /// The first word of a line that is a directive, without its label.
 bool opens_collection(std::string_view operation) {
@@ -27,7 +27,7 @@ SourceLinePtr with_text(const SourceLinePtr& line, std::string text) {
   return std::make_shared<const SourceLine>(SourceLine{line->file, line->number, std::move(text), line->expanded_from});
 }
 
-/// `NAME EQU 5`, as assemblers before TI's dots had it.
+/// `NAME EQU 5`, as in assemblers without TI's dots.
 bool is_undotted_set(std::string_view operation) { return operation == "equ"; }
 
 /// Why the whole text cannot be read line by line; empty where it can.
@@ -102,8 +102,8 @@ void Reader::read_text(std::string_view text, const std::string& name, const std
   const std::size_t outer_conditionals = conditionals_.size();
   new_block();
   int number = 0;
-  text = text.substr(0, text.find('\x1A'));                     // where DOS ends a file
-  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // today's editors put it before UTF-8
+  text = text.substr(0, text.find('\x1A'));                     // the end of a file in DOS
+  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // present-day editors put it before UTF-8
   if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
   if (const std::string problem = form_problem(text); !problem.empty()) {
     report(SourceLine{file, 1, "", nullptr}, {0, problem});
@@ -173,14 +173,13 @@ Reader::Statement Reader::take_apart(const SourceLinePtr& line) const {
       p.accept(":");
     else if (is_operation(word) && !macros_.contains(word) && !is_operation(p.next_word()))
       throw LineError{
-          start,
-          fmt::format("'{}' stands in the first column, where labels stand; indent it, or write '{}:' for a label",
-                      word, word)};
+          start, fmt::format("'{}' is in the first column, which is for labels; indent it, or write '{}:' for a label",
+                             word, word)};
     out.label = std::move(word);
     out.label_offset = start;
     p.skip_blanks();
     start = p.offset();
-    if (p.at_bars()) throw LineError{start, "a label cannot stand between the halves of a parallel instruction"};
+    if (p.at_bars()) throw LineError{start, "a label is not possible between the halves of a parallel instruction"};
     word = p.identifier();
     if (word.empty() && !p.at_end()) throw LineError{start, "an instruction or a directive expected"};
   }
@@ -201,14 +200,15 @@ bool Reader::collect(const SourceLinePtr& line) {
   try {
     operation = lower(take_apart(line).operation);
   } catch (const LineError&) {
-    // Whatever is wrong with the line shows when it is expanded.
+    // An error in the line is reported when the line is expanded.
   }
   if (opens_collection(operation)) ++collector_->depth;
   if (closes_collection(operation) && --collector_->depth == 0) {
     finish_collecting();
     return true;
   }
-  // A macro that defines a macro puts its arguments in; a repeat's lines take theirs each time they are read.
+  // A macro in a macro gets the arguments of the outer one now; the lines of a repeat get theirs each time they are
+  // read.
   const bool repeat = collector_->kind == Collector::Kind::repeat;
   collector_->macro.body.push_back(
       repeat || parameters_ == nullptr ? line : with_text(line, substitute(line->text, *parameters_, false)));
@@ -272,7 +272,7 @@ bool Reader::conditional(Statement& s) {
   return true;
 }
 
-/// The line with its substitution symbols replaced; the last operand of an assignment stays the name it is.
+/// The line with its substitution symbols replaced. The last operand of an assignment stays a name.
 SourceLinePtr Reader::substituted(const SourceLinePtr& line) {
   if (parameters_ == nullptr && substitutes_.empty() && line->text.find('$') == std::string::npos) return line;
   std::string text = line->text, kept;
@@ -280,7 +280,7 @@ SourceLinePtr Reader::substituted(const SourceLinePtr& line) {
   try {
     operation = lower(take_apart(line).operation);
   } catch (const LineError&) {
-    // It may become one that can be taken apart: ":NAME: nop".
+    // After substitution the line may be correct: ":NAME: nop".
   }
   if (operation == ".asg" || operation == ".eval") {
     const auto comma = text.substr(0, text.find(';')).rfind(',');
@@ -325,12 +325,12 @@ void Reader::define_label(const Statement& s) {
   if (s.label == "gcc2_compiled.") gcc_mark(s);
 }
 
-/// What GCC writes at the top of a file says how it is meant, unless somebody has said it.
+/// GCC writes a mark at the top of a file: the file is in GNU's dialect, unless the source or an option names one.
 void Reader::gcc_mark(const Statement& s) {
   if (options_.dialect || reading_.said || reading_.dialect == Dialect::gnu) return;
   if (reading_.has_code)
     return program_.warn(s.line, s.label_offset,
-                         "GCC's mark stands behind instructions, which were read in the dialect ti; .dialect gnu at "
+                         "GCC's mark comes after instructions, which were read in the dialect ti; .dialect gnu at "
                          "the top, or --dialect gnu, is for the whole");
   reading_.dialect = Dialect::gnu;
   program_.leave_undefined_to_others();
@@ -348,7 +348,7 @@ void Reader::read_active_line(Statement& s) {
   if (!operation.empty() && operation[0] == '.') {
     const Directive directive = directive_named(operation);
     if (directive == nullptr)
-      throw LineError{s.operation_offset, fmt::format("no directive is called '{}'", s.operation)};
+      throw LineError{s.operation_offset, fmt::format("there is no directive '{}'", s.operation)};
     program_.end_instruction();
     return (this->*directive)(s);
   }
@@ -360,7 +360,7 @@ void Reader::read_active_line(Statement& s) {
   if (operation.empty()) return;
   if (const auto macro = macros_.find(s.operation); macro != macros_.end()) {
     program_.end_instruction();
-    const Macro copy = macro->second;  // It may redefine itself.
+    const Macro copy = macro->second;  // A copy: the macro may redefine itself.
     return expand(copy, s);
   }
   instruction(s);

@@ -34,7 +34,7 @@ class Reader {
     std::vector<Parameter> parameters;
     std::vector<SourceLinePtr> body;
   };
-  /// Lines being gathered for a macro or a repeat; `depth` counts the openings within.
+  /// Collects the lines of a macro or a repeat; `depth` counts the nested ones.
   struct Collector {
     enum class Kind : std::uint8_t { macro, repeat, broken } kind = Kind::broken;
     std::string name;
@@ -45,12 +45,12 @@ class Reader {
   };
   struct Conditional {
     bool active = false;  ///< The present part is assembled.
-    bool taken = false;   ///< A part was assembled already.
-    bool parent = false;  ///< What is around it is assembled.
+    bool taken = false;   ///< A part was already assembled.
+    bool parent = false;  ///< The surrounding part is assembled.
     bool after_else = false;
     SourceLinePtr opening;
   };
-  /// A line taken apart as far as its operation.
+  /// A line, parsed up to its operation.
   struct Statement {
     SourceLinePtr line;
     Parser parser;
@@ -74,7 +74,7 @@ class Reader {
     Dialect dialect = Dialect::ti;
     std::string why;
     bool said = false;      ///< by .dialect
-    bool has_code = false;  ///< an instruction has been read: too late to change it
+    bool has_code = false;  ///< an instruction has been read: the dialect cannot change any more
   };
   using Directive = void (Reader::*)(Statement&);
 
@@ -166,23 +166,27 @@ class Reader {
   std::vector<Diagnostic>& diagnostics_;
   std::map<std::string, Macro, std::less<>> macros_;
   std::map<std::string, Structure, std::less<>> structures_;
-  std::optional<Structure> structure_;  ///< Being declared.
+  std::optional<Structure> structure_;  ///< The structure that is being declared.
   std::vector<Conditional> conditionals_;
   std::unique_ptr<Collector> collector_;
-  std::vector<std::filesystem::path> open_files_;  ///< The file at hand and those that include it.
+  std::vector<std::filesystem::path> open_files_;  ///< The present file and the files that include it.
   std::filesystem::path directory_;
   Substitutes substitutes_;
-  Substitutes* parameters_ = nullptr;  ///< Of the macro being expanded.
+  Substitutes* parameters_ = nullptr;  ///< The parameters of the present macro.
   RegisterNames registers_;
-  mutable std::vector<LineError> parser_warnings_;                                           ///< Of the line at hand.
-  enum class Leaving : std::uint8_t { nothing, repeat, macro } leaving_ = Leaving::nothing;  ///< By .break or .mexit.
+  mutable std::vector<LineError> parser_warnings_;  ///< Warnings for the present line.
+  enum class Leaving : std::uint8_t {
+    nothing,
+    repeat,
+    macro
+  } leaving_ = Leaving::nothing;  ///< Set by .break or .mexit.
   int repeat_depth_ = 0;
-  int block_ = 0;        ///< Of $0 to $9.
-  int local_scope_ = 0;  ///< Of names ending in '?'.
+  int block_ = 0;        ///< The scope of $0 to $9.
+  int local_scope_ = 0;  ///< The scope of names that end in '?'.
   int last_scope_ = 0;
   int expansion_depth_ = 0;
-  bool ended_ = false;     ///< By .end.
-  bool given_up_ = false;  ///< Too many lines or errors.
+  bool ended_ = false;     ///< Set by .end.
+  bool given_up_ = false;  ///< Set after too many lines or errors.
   std::int64_t lines_read_ = 0;
   Reading reading_;
   int open_texts_ = 0;

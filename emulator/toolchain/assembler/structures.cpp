@@ -63,7 +63,7 @@ void Reader::member(Statement& s) {
     const Address count = p.at_end() ? 1 : known_size(p, "the number of elements");
     size = operation == ".ldouble" ? 2 * count : count;
   } else if (!operation.empty()) {
-    throw LineError{s.operation_offset, fmt::format("'{}' declares no member of a structure", s.operation)};
+    throw LineError{s.operation_offset, fmt::format("'{}' cannot declare a member of a structure", s.operation)};
   }
   p.expect_end();
   if (!s.label.empty()) structure_->members.emplace_back(s.label, structure_->place);
@@ -76,11 +76,11 @@ const Reader::Structure& Reader::structure_named(Parser& p) {
   const std::size_t offset = p.offset();
   const std::string name = p.required_identifier("a structure");
   const auto found = structures_.find(name);
-  if (found == structures_.end()) throw LineError{offset, fmt::format("no structure is called '{}'", name)};
+  if (found == structures_.end()) throw LineError{offset, fmt::format("there is no structure '{}'", name)};
   return found->second;
 }
 
-/// `NAME .tag STRUCTURE`: NAME.member for every member.
+/// `NAME .tag STRUCTURE` defines NAME.member for every member.
 void Reader::tag(Statement& s) {
   if (s.label.empty()) throw LineError{s.operation_offset, ".tag needs a label: name .tag STRUCTURE"};
   const Structure& structure = structure_named(s.parser);

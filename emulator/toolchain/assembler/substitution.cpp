@@ -156,7 +156,7 @@ class Functions {
     return argument.size() == 3 && argument.front() == '\'' ? argument.substr(1, 1) : value(argument);
   }
 
-  /// Takes the first item of the list `from` into `to`; 0 when there is none.
+  /// Moves the first item of the list `from` into `to`; 0 if there is none.
   long take_member(const std::string& to, const std::string& from) {
     const std::string* list = symbols_.find(from);
     if (list == nullptr || trimmed(*list).empty()) return 0;

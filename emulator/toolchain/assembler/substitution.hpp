@@ -1,5 +1,5 @@
 #pragma once
-// Substitution symbols: names that stand for text, those of .asg and .eval and the parameters of macros.
+// Substitution symbols: names that are replaced by text, from .asg, .eval and the parameters of macros.
 #include <map>
 #include <string>
 #include <string_view>
@@ -10,25 +10,25 @@ namespace toolchain {
 
 using Substitutes = std::map<std::string, std::string, std::less<>>;
 
-/// Replaces the symbols that stand as whole words outside quotes and comments, and `\name`, `:name:`, `:name(n):`,
-/// `:name(n,count):` (characters from the nth, counted from 1) anywhere. Texts put in are replaced in turn if `nested`.
-/// Throws LineError when the line grows without bounds.
+/// Replaces the symbols that are whole words outside quotes and comments; and `\name`, `:name:`, `:name(n):`,
+/// `:name(n,count):` (characters from the nth, counted from 1) anywhere. If `nested`, the inserted texts are replaced
+/// in turn. Throws LineError if the line grows without bounds.
 std::string substitute(const std::string& text, const Substitutes& symbols, bool nested);
 
-/// The substitution symbols in force at a line: the parameters of the macro being expanded, if any, hide the others.
+/// The substitution symbols of a line: the parameters of the present macro, if any, hide the others.
 struct SubstituteScopes {
   Substitutes* parameters = nullptr;
   Substitutes* globals = nullptr;
-  isa::Cpu cpu = isa::Cpu::c40;  ///< Whose registers $isreg knows.
+  isa::Cpu cpu = isa::Cpu::c40;  ///< The processor whose registers $isreg knows.
 
   const std::string* find(std::string_view name) const;
-  /// Where an assignment to this name goes.
+  /// The symbols to which an assignment to this name belongs.
   Substitutes& owner(std::string_view name) const;
 };
 
 /// Replaces $symlen(s), $symcmp(a,b), $firstch(s,'c'), $lastch(s,'c'), $isdefed(s), $ismember(s,list), $iscons(s),
-/// $isname(s), $isreg(s) by their numbers; an argument is a substitution symbol or a text. $ismember takes the first
-/// item off the list.
+/// $isname(s), $isreg(s) by their numbers; an argument is a substitution symbol or a text. $ismember removes the first
+/// item of the list.
 std::string replace_functions(const std::string& text, const SubstituteScopes& symbols);
 
 }  // namespace toolchain

@@ -16,7 +16,7 @@ namespace {
 
 using Labels = std::map<Address, std::string>;
 
-/// Names of addresses within the sections; of several the first in the alphabet.
+/// Names of addresses within the sections; if an address has several, the first in the alphabet.
 Labels labels_of(const Image& image) {
   Labels out;
   for (const auto& [name, value] : image.symbols)
@@ -45,14 +45,14 @@ bool is_data(const Section& section) {
   return names.contains(section.name) || section.name.starts_with(".cinit.");
 }
 
-/// The instruction, or of a section of data the word.
+/// The instruction, or the word in a section of data.
 template <class Section>
 std::string meaning(const Section& section, Word word, Address address, const isa::SymbolLookup& lookup, isa::Cpu cpu) {
   return is_data(section) ? fmt::format(".word {:#010x}", word) : isa::disassemble(word, address, lookup, cpu);
 }
 
-/// Words from `first` on that equal the one there, of which only the first has a label or a relocation. A run of fewer
-/// than 8 is none.
+/// The number of words from `first` on that equal the first one, where only the first has a label or a relocation.
+/// Fewer than 8 do not count.
 template <class Words, class Marked>
 std::size_t equal_words(const Words& words, std::size_t first, const Marked& is_marked) {
   std::size_t end = first + 1;
@@ -60,13 +60,13 @@ std::size_t equal_words(const Words& words, std::size_t first, const Marked& is_
   return end - first < 8 ? 1 : end - first;
 }
 
-/// Stands for all but the first of a run.
+/// The line in place of all but the first of such a run.
 std::string folded(std::size_t run, Address first) {
   return run == 1 ? std::string()
                   : fmt::format("...       {} more of the same, to {:08X}h\n", run - 1, first + run - 1);
 }
 
-/// Adds a label for each branch target in a loaded section that has none.
+/// Adds a label at each branch target that has none, in loaded sections.
 void add_targets(const Image& image, Labels& labels) {
   for (const auto& section : image.sections) {
     if (is_data(section)) continue;
@@ -132,7 +132,7 @@ std::string disassembly(const Object& object) {
       const Address address = section.address + at;
       if (const std::string label = lookup(address); !label.empty()) out += label + ":\n";
       const auto [first, last] = relocations.equal_range(at);
-      // Where a branch that is relocated goes, its word does not say.
+      // The target of a relocated branch does not follow from its word.
       const bool settled = std::none_of(first, last, [](const auto& r) {
         return is_relative(r.second->type) || r.second->type == RelocationType::rel24;
       });

@@ -28,7 +28,7 @@ std::string modes_text(isa::Modes modes) {
   return out;
 }
 
-/// One try to fit a statement into one row.
+/// An attempt to encode a statement with one row.
 class Attempt : public OperandEncoder {
  public:
   Attempt(const Candidate& candidate, const HalfSyntax& first, const HalfSyntax* second, const EncodeContext& context)
@@ -53,7 +53,7 @@ class Attempt : public OperandEncoder {
  private:
   void put(char field, Word value) { word_ |= row_.bits.field(field).put(value); }
 
-  /// An address that stands there by itself. GNU as reads the word at it, TI's assembler takes it as a number.
+  /// An address without any mark. GNU as reads the word at this address; TI's assembler takes it as a number.
   bool is_direct_in_gnu(const OperandSyntax& o) const {
     if (context_.dialect != Dialect::gnu || o.kind != Kind::expression || o.exact || (row_.modes >> 1 & 1) == 0)
       return false;
@@ -137,7 +137,7 @@ class Attempt : public OperandEncoder {
     }
   }
 
-  /// Loads of a register from itself are no use, so they have no short form.
+  /// Loading a register from itself has no use, so there is no short form.
   bool is_load() const {
     using enum isa::Operation;
     const auto op = row_.operation;
@@ -196,7 +196,7 @@ class Attempt : public OperandEncoder {
     target(operand(1));
   }
 
-  /// src2, src1[, dst]; with dst left out, src1 is the destination too.
+  /// src2, src1[, dst]; without dst, src1 is also the destination.
   void three() {
     const bool writes = row_.has('d');
     const bool fills = row_.has('z') && operands().size() == 3 && operands().back().exact;
@@ -261,7 +261,7 @@ class Attempt : public OperandEncoder {
 
   // Parallel formats
 
-  /// Operand i of the half at hand; with the destination left out, the last source is the destination too.
+  /// Operand i of the present half; without a destination, the last source is also the destination.
   const OperandSyntax& of_three(std::size_t i) const {
     if (operands().size() == 2) return operand(i == 0 ? 0 : 1);
     need(3);
@@ -325,7 +325,7 @@ class Attempt : public OperandEncoder {
     put(field, field == 'i' || field == 'j' ? byte(o) : low_register(o));
   }
 
-  /// Fields of the operands in the order written, by P: product, then sum or difference (c40-isa.md 3.6).
+  /// The fields of the operands in the order of the text, by P: product, then sum or difference (c40-isa.md 3.6).
   void multiply_add() {
     static constexpr std::array<std::string_view, 4> fields{"ijhx", "jxhi", "hxij", "jxih"};
     const std::string_view order = fields[row_.selector];
@@ -343,8 +343,8 @@ class Attempt : public OperandEncoder {
   Word word_;
 };
 
-/// LDP has no row of its own. TI's assembler makes LDPK of the address's page of it, or, for an address register, LDIU;
-/// GNU as LDIU to DP, and takes a number for the page itself. For the C3x both make LDIU.
+/// LDP has no row of its own. TI's assembler encodes LDPK of the address's page or, with an address register, LDIU. GNU
+/// as encodes LDIU to DP and takes a number as the page itself. For the C3x both encode LDIU.
 Word encode_ldp(const HalfSyntax& half, const EncodeContext& context) {
   constexpr Word ldpk_word = 0x1F700000, ldiu_immediate = 0x50600000;
   const std::size_t count = half.operands.size();
@@ -352,13 +352,12 @@ Word encode_ldp(const HalfSyntax& half, const EncodeContext& context) {
   const isa::Register reg = names_register ? half.operands[1].reg : isa::Register::DP;
   const bool to_address_register = reg >= isa::Register::AR0 && reg <= isa::Register::AR7;
   const bool is_ti = context.dialect == Dialect::ti, is_c3x = context.cpu == isa::Cpu::c3x;
-  // A game of 1994 has LDP x,R6. Its source does not tell whether TI's assembler then loaded R6 or DP.
+  // A game of 1994 has LDP x,R6. The source does not tell whether TI's assembler encoded a load of R6 or of DP.
   if (names_register && is_ti && reg != isa::Register::DP && !to_address_register)
-    throw LineError{
-        half.operands[1].offset,
-        fmt::format("'ldp' loads DP or AR0 to AR7, not {0}, and what TI's assembler made of {0} is not known; "
-                    "'ldp x' loads DP, 'ldiu hi16(x),{0}' loads {0}",
-                    isa::name(reg))};
+    throw LineError{half.operands[1].offset,
+                    fmt::format("'ldp' loads DP or AR0 to AR7, not {0}, and TI's encoding for {0} is not known; "
+                                "'ldp x' loads DP, 'ldiu hi16(x),{0}' loads {0}",
+                                isa::name(reg))};
   if (count == 0 || count > 2 || (count == 2 && !names_register) ||
       (reg != isa::Register::DP && !(to_address_register && is_ti)))
     throw LineError{
@@ -382,8 +381,8 @@ Word encode_ldp(const HalfSyntax& half, const EncodeContext& context) {
 [[noreturn]] void refuse_unknown_name(const HalfSyntax& half, std::string_view what, isa::Cpu cpu, int number) {
   const std::string foreign = mnemonic_of_other(half.mnemonic, cpu);
   if (!foreign.empty()) throw LineError{half.offset, foreign, number};
-  throw LineError{half.offset,
-                  fmt::format("no {} is called '{}'{}", what, half.written, suggestion(half.mnemonic, cpu)), number};
+  throw LineError{half.offset, fmt::format("there is no {} '{}'{}", what, half.written, suggestion(half.mnemonic, cpu)),
+                  number};
 }
 
 [[noreturn]] void refuse_unknown(const HalfSyntax& first, const HalfSyntax* second, isa::Cpu cpu) {

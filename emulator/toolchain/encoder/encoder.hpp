@@ -1,5 +1,5 @@
 #pragma once
-// Instructions as written to words, by the rows of the instruction table.
+// Encodes instructions: from text to words, by the rows of the instruction table.
 #include <functional>
 #include <string_view>
 
@@ -11,7 +11,7 @@
 
 namespace toolchain {
 
-/// A field of the word that the linker has to settle, and what it stands for.
+/// A field of the word that the linker has to fill, and what it refers to.
 struct FieldRelocation {
   RelocationType type = RelocationType::rellong;
   Value target;
@@ -19,11 +19,11 @@ struct FieldRelocation {
 
 struct EncodeContext {
   isa::Address pc = 0;
-  const SymbolSource& symbols;                              ///< Placed, unless `relocations` is given.
-  const std::function<void(const LineError&)>& on_warning;  ///< For what is odd but has a meaning.
-  /// Of a relocatable object: addresses count from their sections' starts, and what they need is added here.
+  const SymbolSource& symbols;                              ///< With addresses, unless `relocations` is given.
+  const std::function<void(const LineError&)>& on_warning;  ///< For unusual text that has a meaning.
+  /// For a relocatable object: addresses count from the starts of their sections, and the relocations are added here.
   std::vector<FieldRelocation>* relocations = nullptr;
-  int section = Value::absolute;  ///< That the word lies in.
+  int section = Value::absolute;  ///< The section of the word.
   Dialect dialect = Dialect::ti;
   isa::Cpu cpu = isa::Cpu::c40;
 };
@@ -31,8 +31,8 @@ struct EncodeContext {
 /// Whether any instruction has this name (lower case).
 bool is_mnemonic(std::string_view name, isa::Cpu cpu);
 
-/// `second` is the other half of a parallel instruction or null. Where several encodings fit, the first of: general
-/// addressing, three-operand type 1, type 2, operands of a commutative operation exchanged. Throws LineError.
+/// `second` is the other half of a parallel instruction or null. If several encodings fit, the first of these is taken:
+/// general addressing, three-operand type 1, type 2, operands of a commutative operation exchanged. Throws LineError.
 isa::Word encode(const HalfSyntax& first, const HalfSyntax* second, const EncodeContext& context);
 
 }  // namespace toolchain

@@ -98,7 +98,7 @@ class Catalogue {
   void add_parallel(const Row& row) {
     const std::string first(row.mnemonic), second(row.mnemonic2);
     if (row.format == Format::load_load || row.format == Format::store_store) {
-      // Number 2 is the half in bits 7..0 and 24..22, which plainly written comes first.
+      // Number 2 is the half in bits 7..0 and 24..22, which comes first in unnumbered text.
       add_pair(first, second, {&row});
       add_pair(first + "2", second + "1", {&row});
       add_pair(first + "1", second + "2", {.row = &row, .exchanged = true});
@@ -143,14 +143,14 @@ std::string_view counterpart(std::span<const Counterpart> pairs, std::string_vie
   return {};
 }
 
-// What a processor has in place of a register or an instruction of the other one.
+// What a processor has instead of a register or an instruction of the other one.
 constexpr std::array<Counterpart, 3> registers_of_c40{
     {{"ie", "IIE, and DIE for the DMA"}, {"if", "IIF"}, {"iof", "IIF"}}};
 constexpr std::array<Counterpart, 5> registers_of_c3x{{{"die", "IE"},
                                                        {"iie", "IE"},
                                                        {"iif", "IF and IOF"},
-                                                       {"ivtp", "its interrupt vectors at a fixed place"},
-                                                       {"tvtp", "its trap vectors at a fixed place"}}};
+                                                       {"ivtp", "interrupt vectors at a fixed place"},
+                                                       {"tvtp", "trap vectors at a fixed place"}}};
 constexpr std::array<Counterpart, 2> mnemonics_of_c40{{{"lopower", "IDLE2"}, {"maxspeed", "no slower clock to leave"}}};
 constexpr std::array<Counterpart, 13> mnemonics_of_c3x{{{"lda", "LDI"},
                                                         {"ldpk", "LDP"},
@@ -169,7 +169,7 @@ constexpr std::array<Counterpart, 13> mnemonics_of_c3x{{{"lda", "LDI"},
 std::string belongs_to_other(std::string_view name, std::string_view what, Cpu cpu, std::string_view instead) {
   const Cpu other = other_than(cpu);
   return fmt::format("{} is {} of the {}; the {} has {}{}", name, what, isa::title(other), isa::title(cpu),
-                     instead.empty() ? "none like it" : instead,
+                     instead.empty() ? "no counterpart" : instead,
                      cpu == Cpu::c40 ? " (--cpu c3x assembles for the C3x)" : "");
 }
 

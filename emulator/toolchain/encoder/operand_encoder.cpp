@@ -11,7 +11,7 @@ using Kind = OperandSyntax::Kind;
 
 namespace {
 
-/// The chip extends these immediates with zeros, GNU as takes them as signed (c40-isa.md 10.6, 10.15): the bits are the
+/// The chip extends these immediates with zeros; GNU as takes them as signed (c40-isa.md 10.6, 10.15). The bits are the
 /// same.
 bool gnu_takes_signed(isa::Operation operation) {
   using enum isa::Operation;
@@ -79,7 +79,7 @@ std::int64_t OperandEncoder::integer(const OperandSyntax& o, const Value& v) con
   if (v.is_real()) miss(Mismatch::contents, o.offset, "an integer is needed here, not a float");
   if (v.is_absolute()) return v.integer;
   if (context_.relocations != nullptr)
-    miss(Mismatch::contents, o.offset, "an address that the linker settles cannot stand here");
+    miss(Mismatch::contents, o.offset, "an address that the linker assigns is not possible here");
   return context_.symbols.address_of_section(v.section) + v.integer;
 }
 
@@ -97,8 +97,8 @@ Word OperandEncoder::in_range(const OperandSyntax& o, std::int64_t number, bool 
 
 // Registers
 
-/// TI's assembler takes the number of an expansion register for that of a register: a boot EPROM of the Hydra board
-/// holds 15402001h, STI R0, where its source says `sti ivtp,*ar0++`.
+/// TI's assembler takes the number of an expansion register for a register's number: a boot EPROM of the Hydra board
+/// contains 15402001h, STI R0, where its source says `sti ivtp,*ar0++`.
 bool OperandEncoder::is_register(const OperandSyntax& o) const {
   return o.kind == Kind::reg || (o.kind == Kind::expansion && context_.dialect == Dialect::ti);
 }
@@ -116,7 +116,7 @@ Word OperandEncoder::register_code(const OperandSyntax& o, OperandClass allowed)
   need_kind(o, Kind::reg, "a register");
   if (allowed == OperandClass::floating && !isa::is_extended(o.reg))
     miss(Mismatch::contents, o.offset,
-         fmt::format("{} holds no float; only R0 to {} do", isa::name(o.reg, context_.cpu),
+         fmt::format("{} cannot hold a float; only R0 to {} can", isa::name(o.reg, context_.cpu),
                      context_.cpu == isa::Cpu::c40 ? "R11" : "R7"));
   if (allowed == OperandClass::lda && !isa::is_lda_destination(o.reg))
     miss(Mismatch::contents, o.offset,
@@ -180,7 +180,7 @@ Word OperandEncoder::immediate(const OperandSyntax& o) const {
     return static_cast<Word>(address(o, v, RelocationType::relword)) & 0xFFFF;
   const std::int64_t number = integer(o, v);
   if (!v.is_absolute() && row_.immediate == Immediate::zero)
-    return static_cast<Word>(number) & 0xFFFF;  // with an LSH before it
+    return static_cast<Word>(number) & 0xFFFF;  // an LSH comes before it
   if (!v.is_absolute() && !fits_signed(number, 16))
     miss(Mismatch::contents, o.offset,
          context_.cpu == isa::Cpu::c40
@@ -201,7 +201,7 @@ Word OperandEncoder::short_float(const OperandSyntax& o, const Value& v) const {
   return *bits;
 }
 
-/// Of the C3x's DP eight bits count.
+/// Only eight bits of the C3x's DP count.
 Word OperandEncoder::page_that_exists(const OperandSyntax& o, std::int64_t page) const {
   if (context_.cpu == isa::Cpu::c40) return static_cast<Word>(page);
   return in_range(o, page, fits_unsigned(page, 8), "a page of the C3x is 0 to 255, that of an address up to 0FFFFFFh");
@@ -230,12 +230,13 @@ Word OperandEncoder::page_of_address(const OperandSyntax& o) const {
   in_range(o, number, fits_unsigned(number, 32), "an address is 0 to 0FFFFFFFFh");
   const Word page = page_that_exists(o, static_cast<Word>(number) >> 16);
   if (o.kind == Kind::expression && v.is_absolute() && number > 0 && number <= 0xFFFF)
-    context_.on_warning({o.offset,
-                         fmt::format("'ldp' takes an address: {:X}h is in page 0. ", number) +
-                             (context_.cpu == isa::Cpu::c40
-                                  ? fmt::format("It was page {0:X}h before: 'ldpk {0}' is, or --dialect gnu", number)
-                                  : fmt::format("Page {0:X}h is what 'ldiu {0},dp' loads", number)),
-                         half_});
+    context_.on_warning(
+        {o.offset,
+         fmt::format("'ldp' takes an address: {:X}h is in page 0. ", number) +
+             (context_.cpu == isa::Cpu::c40
+                  ? fmt::format("Earlier versions took it as page {0:X}h: use 'ldpk {0}', or --dialect gnu", number)
+                  : fmt::format("'ldiu {0},dp' loads page {0:X}h", number)),
+         half_});
   return page;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// One operand as written to the bits of one row's fields.
+// Encodes one operand into the fields of one row.
 #include <array>
 #include <cstdint>
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace toolchain {
 
-/// A row that does not fit; the nearest miss of all candidates is what the user is told.
+/// A row that does not fit; the user gets the message of the row that fits best.
 struct Mismatch {
   enum Rank : std::uint8_t { count, kind, contents } rank;
   LineError error;
@@ -22,19 +22,19 @@ std::string kind_text(const OperandSyntax& operand, isa::Cpu cpu);
 bool fits_signed(std::int64_t value, unsigned bits);
 bool fits_unsigned(std::int64_t value, unsigned bits);
 
-/// The statement at hand, seen from one row: its halves, and the bits of its operands. Everything throws Mismatch if
-/// the row does not take the operand and LineError if the operand itself is wrong (an undefined symbol).
+/// The present statement as one row sees it: its halves, and the bits of its operands. All functions throw Mismatch if
+/// the row does not take the operand, and LineError if the operand itself is wrong (an undefined symbol).
 class OperandEncoder {
  public:
   OperandEncoder(const Candidate& candidate, const HalfSyntax& first, const HalfSyntax* second,
                  const EncodeContext& context);
 
-  /// A page number, or the page of an address. With an at sign, and of a label, it is an address; a number is the page.
+  /// A page number, or the page of an address. A number is a page; a label, or anything with an at sign, is an address.
   isa::Word page(const OperandSyntax& operand) const;
-  /// The page of an address, which may be a number, too. Warns of one that could be meant for a page.
+  /// The page of an address, which may be a number too. Warns about a number that could be meant as a page.
   isa::Word page_of_address(const OperandSyntax& operand) const;
 
-  /// Hands what the linker has to settle to the context, once the row is known to fit.
+  /// Passes the relocations to the context, once the row is known to fit.
   void note_relocations() const;
 
  protected:
@@ -46,13 +46,13 @@ class OperandEncoder {
   const HalfSyntax& half() const { return *halves_[half_]; }
   const std::vector<OperandSyntax>& operands() const { return half().operands; }
   const OperandSyntax& operand(std::size_t i) const { return operands()[i]; }
-  void need(std::size_t count) const;  ///< Exactly so many operands.
+  void need(std::size_t count) const;  ///< Exactly this number of operands.
   void need_kind(const OperandSyntax& operand, Kind kind, std::string_view wanted) const;
 
   Value value(const OperandSyntax& operand) const;
-  /// A number. In a relocatable object an address is none.
+  /// A number. An address is not a number in a relocatable object.
   std::int64_t integer(const OperandSyntax& operand, const Value& value) const;
-  /// A number, or an address as far as it is known, with a relocation of this type noted for the rest.
+  /// A number, or the known part of an address; a relocation of this type is noted for the rest.
   std::int64_t address(const OperandSyntax& operand, const Value& value, RelocationType type) const;
   std::int64_t integer(const OperandSyntax& operand) const { return integer(operand, value(operand)); }
   Word in_range(const OperandSyntax& operand, std::int64_t number, bool fits, std::string_view range) const;
@@ -65,12 +65,12 @@ class OperandEncoder {
   std::int64_t displacement(const OperandSyntax& operand) const;
   Word direct_field(const OperandSyntax& operand) const;
   Word indirect_field(const OperandSyntax& operand) const;  ///< The 16-bit form.
-  Word byte(const OperandSyntax& operand) const;            ///< The 8-bit form, where a displacement can only be 1.
+  Word byte(const OperandSyntax& operand) const;            ///< The 8-bit form, whose displacement can only be 1.
   Word immediate(const OperandSyntax& operand) const;       ///< 16 bits.
 
   const isa::Row& row_;
   const EncodeContext& context_;
-  int half_ = 0;  ///< The half at hand, in the row's order.
+  int half_ = 0;  ///< The present half, in the row's order.
   mutable std::vector<FieldRelocation> relocations_;
 
  private:

@@ -25,7 +25,7 @@ std::int64_t sign_extended(std::uint64_t value, unsigned bits) {
 /// A global symbol's definition.
 struct Definition {
   Word value = 0;
-  const Object* object = nullptr;  ///< None if the memory map or the linker itself defines it.
+  const Object* object = nullptr;  ///< Null if the memory map or the linker itself defines the symbol.
 };
 
 class Linker {
@@ -40,7 +40,8 @@ class Linker {
     add_common();
     collect_sections();
     if (std::ranges::all_of(placement_.sections(), [](const OutputSection& section) { return section.size == 0; }))
-      throw LinkError({fmt::format("{}: no section holds a word; a program has at least one", objects_.front().name)});
+      throw LinkError(
+          {fmt::format("{}: no section contains a word; a program has at least one", objects_.front().name)});
     placement_.place(map_, cpu(), errors_);
     define_symbols();
     check_undefined();
@@ -90,7 +91,7 @@ class Linker {
     }
   }
 
-  /// The first that holds a word says whose the program is; one without a word is nobody's.
+  /// The first object with a word decides the program's processor; an object without words does not.
   const Object& leader() const {
     const auto found = std::ranges::find_if(objects_, holds_words);
     return found == objects_.end() ? objects_.front() : *found;
@@ -104,12 +105,13 @@ class Linker {
     std::vector<std::string> errors;
     for (const Object& object : objects_)
       if (object.cpu != cpu() && holds_words(object))
-        errors.push_back(fmt::format("{}: is of the {}, and {} of the {}; all of a program are of one processor",
-                                     object.name, isa::title(object.cpu), leader().name, isa::title(cpu())));
+        errors.push_back(
+            fmt::format("{}: is for the {}, and {} for the {}; all objects of a program must be for one processor",
+                        object.name, isa::title(object.cpu), leader().name, isa::title(cpu())));
     if (!errors.empty()) throw LinkError(std::move(errors));
   }
 
-  /// Undefined symbols with a size that nobody defines get that many words of .bss.
+  /// Undefined symbols that have a size, and that no object defines, get this number of words of .bss.
   void add_common() {
     std::map<std::string, Word> wanted;
     std::set<std::string> defined;
@@ -146,7 +148,7 @@ class Linker {
     table->for_loader = map_.loader_sets_values;
   }
 
-  /// Where an object's section went, as the distance it moved.
+  /// How far an object's section was moved.
   Word move_of(std::size_t object, std::size_t section) const {
     return placement_.address_of({object, section}) - objects_[object].sections[section].address;
   }
@@ -166,7 +168,7 @@ class Linker {
           complain(fmt::format("{}: '{}' is defined already in {}", objects_[i].name, symbol.name,
                                at->second.object != nullptr ? at->second.object->name : "the memory map"));
       }
-    constexpr Word no_table = 0xFFFFFFFF;  // As TI's linker says it (c40-hardware.md 10.2).
+    constexpr Word no_table = 0xFFFFFFFF;  // The value that TI's linker uses (c40-hardware.md 10.2).
     define_own("cinit", map_.loader_sets_values ? nullptr : placement_.find(".cinit"), false, no_table);
     define_size("__STACK_SIZE", ".stack");
     define_size("__SYSMEM_SIZE", ".sysmem");
@@ -176,7 +178,7 @@ class Linker {
     for (const OutputSection& section : placement_.sections()) define_own(section.name, &section, false, 0);
   }
 
-  /// What TI's linker defines by itself, unless the objects do: the start or end of a section.
+  /// The symbols that TI's linker defines itself, unless the objects do: the start or end of a section.
   void define_own(const std::string& name, const OutputSection* section, bool end, Word otherwise) {
     const bool there = section != nullptr && section->size != 0;
     const Word value = there ? section->address + (end ? section->size : 0) : otherwise;
@@ -185,7 +187,7 @@ class Linker {
     own_.insert({name, "_" + name});
   }
 
-  /// How many words the section has in the end, which its own source cannot know.
+  /// The final number of words of the section, which its own source cannot know.
   void define_size(const std::string& name, std::string_view of) {
     const OutputSection* section = placement_.find(of);
     globals_.insert({name, {section != nullptr ? section->size : 0, nullptr}});
@@ -193,7 +195,7 @@ class Linker {
   }
 
   void check_undefined() {
-    std::map<std::string, std::string> missing;  // With its first reference.
+    std::map<std::string, std::string> missing;  // With the place of its first reference.
     for (const Object& object : objects_)
       for (const ObjectSymbol& symbol : object.symbols)
         if (symbol.section == ObjectSymbol::undefined && !globals_.contains(symbol.name))
@@ -230,13 +232,13 @@ class Linker {
     }
     if (!map_.loader_sets_values) return;
     try {
-      check_overlaps(image, linked_program);  // Initial values may be meant for anywhere.
+      check_overlaps(image, linked_program);  // Initial values may be for any address.
     } catch (const CoffError& error) {
       complain(error.what());
     }
   }
 
-  /// The table itself stays as a section that reserves nothing but its name and size.
+  /// The table itself stays as a section that reserves nothing: only its name and size.
   void return_to_loader(Image::Section& table, Image& image) {
     const std::vector<Word> records = std::move(table.words);
     table.words.clear();
@@ -250,7 +252,7 @@ class Linker {
     }
   }
 
-  /// Of the section that comes next.
+  /// For the next section.
   static std::uint32_t file_number(Image& image, const std::string& name) {
     const auto found = std::ranges::find(image.files, name);
     if (found == image.files.end()) image.files.push_back(name);
@@ -306,8 +308,8 @@ class Linker {
     return out.word;
   }
 
-  /// A high half that refers to a section as a whole does not say where in it; if the section lies in two pages it may
-  /// be the wrong one.
+  /// A high half that refers to a whole section does not say which place in the section. If the section lies in two
+  /// pages, the page may be wrong.
   void check_page(const Object& object, const ObjectSymbol& symbol, const ObjectSection& section,
                   const Relocation& relocation, Word now) {
     const Address size = object.sections[static_cast<std::size_t>(symbol.section)].size;
@@ -319,7 +321,7 @@ class Linker {
         object.name, section.name, relocation.offset, symbol.name, symbol.name, now, size));
   }
 
-  /// Global symbols, and local ones where their name is free.
+  /// Global symbols, and local ones whose name is free.
   void export_symbols(Image& image) const {
     std::set<std::string, std::less<>> referred;
     for (const Object& object : objects_)
@@ -396,7 +398,7 @@ Relocated relocate(Word word, const Relocation& relocation, Word symbol_then, Wo
   const auto mask = static_cast<Word>((std::uint64_t{1} << bits) - 1);
   const auto put = [&](std::int64_t value) { return (word & ~mask) | (static_cast<Word>(value) & mask); };
   if (relocation.type == RelocationType::partms16) {
-    // Without the low half it is that of the symbol, if the high half is.
+    // Without a low half in the object: the low half of the symbol, if the high half belongs to it.
     Word low = relocation.low;
     if (low == 0 && symbol_then >> 16 == (word & mask)) low = symbol_then & 0xFFFF;
     const Word address = ((word & mask) << 16 | low) - symbol_then + symbol_now;
@@ -405,10 +407,10 @@ Relocated relocate(Word word, const Relocation& relocation, Word symbol_then, Wo
   const Word origin_then = is_relative(relocation.type) ? place_then : 0;
   const Word origin_now = is_relative(relocation.type) ? place_now : 0;
   std::int64_t rest = sign_extended((word & mask) - symbol_then + origin_then, bits);
-  // What lies in a section lies behind its start; -3 is the most that a branch takes off.
+  // A place in a section is after its start; a branch subtracts 3 at most.
   if (symbol_is_section && is_relative(relocation.type) && rest < -3) rest += std::int64_t{1} << bits;
   const std::int64_t value = std::int64_t{symbol_now} + rest - std::int64_t{origin_now};
-  // Distances may go around the end of the address space.
+  // Distances may wrap around the end of the address space.
   const std::int64_t distance =
       is_relative(relocation.type) ? sign_extended(static_cast<std::uint64_t>(value), 32) : value;
   Relocated out{put(distance), true, distance};
@@ -435,7 +437,7 @@ Linked link(std::vector<Object> objects, std::vector<Object> library, const Memo
 Linked link_files(const std::vector<std::filesystem::path>& files, const MemoryMap& map) {
   std::vector<Object> objects, library;
   const auto add = [](std::vector<Object>& to, Object object) {
-    if (object.executable) throw LinkError({fmt::format("{}: is linked already", object.name)});
+    if (object.executable) throw LinkError({fmt::format("{}: is already linked", object.name)});
     to.push_back(std::move(object));
   };
   for (const auto& path : files) {

@@ -1,5 +1,5 @@
 #pragma once
-// Objects and libraries to one program with settled addresses (docs/assembler.md, "The linker").
+// Links objects and libraries to a program with assigned addresses (docs/assembler.md, "The linker").
 #include <cstddef>
 #include <filesystem>
 #include <stdexcept>
@@ -13,7 +13,7 @@
 
 namespace toolchain {
 
-/// Everything that keeps objects from being linked. what() is one message per line.
+/// All reasons for which objects cannot be linked. what() has one message per line.
 class LinkError : public std::runtime_error {
  public:
   explicit LinkError(std::vector<std::string> messages);
@@ -25,23 +25,23 @@ class LinkError : public std::runtime_error {
 
 struct Linked {
   Image image;
-  std::string map;  ///< What went where, as text.
+  std::string map;  ///< The addresses of everything, as text.
 };
 
-/// The objects in their order; then, from `library`, those that define what is still undefined, and what these want in
-/// turn. Throws LinkError.
+/// Links the objects in their order; then those of `library` that define symbols which are still undefined, and the
+/// objects that these need. Throws LinkError.
 Linked link(std::vector<Object> objects, std::vector<Object> library, const MemoryMap& map);
 
 /// Files may be objects or libraries. Throws LinkError, CoffError.
 Linked link_files(const std::vector<std::filesystem::path>& files, const MemoryMap& map);
 
-/// The word with a relocation applied: `symbol_now` and `place_now` are the final addresses of the symbol and of the
-/// word, `symbol_then` and `place_then` those that the object was written for. Gives the exact value that the field
-/// should stand for in `target`; none if the field cannot hold it.
+/// The word with a relocation applied. `symbol_now` and `place_now` are the final addresses of the symbol and of the
+/// word, `symbol_then` and `place_then` the addresses in the object. Returns the exact value that the field must have
+/// in `target`; none if the field is too small.
 struct Relocated {
   Word word = 0;
   bool fits = true;
-  std::int64_t value = 0;  ///< Of the field: an address or a distance.
+  std::int64_t value = 0;  ///< Value of the field: an address or a distance.
 };
 Relocated relocate(Word word, const Relocation& relocation, Word symbol_then, Word symbol_now, Word place_then,
                    Word place_now, bool symbol_is_section);

@@ -57,7 +57,7 @@ class MapReader {
     return node->as_table();
   }
 
-  /// A table's entries as the file has them; the parser sorts them by name.
+  /// A table's entries in the order of the file; the parser sorts them by name.
   static Entries in_order(const toml::table* table) {
     std::vector<std::pair<toml::source_position, std::pair<std::string, const toml::node*>>> found;
     if (table != nullptr)

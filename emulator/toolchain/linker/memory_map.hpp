@@ -1,5 +1,5 @@
 #pragma once
-// Where the linker may put what: a TOML file (docs/assembler.md, "The linker").
+// Where the linker may put sections: a TOML file (docs/assembler.md, "The linker").
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -12,7 +12,7 @@
 
 namespace toolchain {
 
-/// A memory map that cannot be used; says file, line and column.
+/// A memory map that cannot be used; the message names file, line and column.
 class MemoryMapError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -29,7 +29,7 @@ struct MemoryMap {
     std::string memory;  ///< Empty if only an address is given.
     std::optional<isa::Address> address;
     isa::Address alignment = 1;
-    isa::Address size = 0;  ///< At least so many words; what the objects do not fill is reserved.
+    isa::Address size = 0;  ///< At least this number of words; words without contents are reserved.
   };
 
   std::vector<Memory> memories;
@@ -37,21 +37,21 @@ struct MemoryMap {
   std::string others;               ///< The memory of sections that are not named.
   std::map<std::string, isa::Word, std::less<>> symbols;
   std::string entry;  ///< A symbol, or empty.
-  /// Who sets the initial values of C variables, the table .cinit: the program from a table in memory (ROM model, TI's
-  /// -c), or whoever loads the program (RAM model, TI's -cr).
+  /// What sets the initial values of C variables, the table .cinit: the program, from a table in memory (ROM model,
+  /// TI's -c), or the loader (RAM model, TI's -cr).
   bool loader_sets_values = false;
   bool is_c = false;  ///< One of the two is asked for, so the program starts at _c_int00, of a library if need be.
 
   const Memory* memory(std::string_view name) const;
 
-  /// One memory, `local`: a megaword from 300000h, as the board `default` has it.
+  /// One memory, `local`: a megaword from 300000h on, as on the board `default`.
   static MemoryMap standard();
 };
 
-/// The C model of that name, `rom` or `ram`, as MemoryMap::loader_sets_values has it; none for another name.
+/// The C model of that name, `rom` or `ram`, as a value of MemoryMap::loader_sets_values; none for another name.
 std::optional<bool> c_model(std::string_view name);
 
-/// `name` stands for the text in messages. Throws MemoryMapError.
+/// `name` is the name of the text in messages. Throws MemoryMapError.
 MemoryMap parse_memory_map(std::string_view toml, const std::string& name);
 MemoryMap read_memory_map(const std::filesystem::path& path);
 

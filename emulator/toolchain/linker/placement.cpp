@@ -132,7 +132,7 @@ void Placement::put_in(OutputSection& section, const MemoryMap::Memory& memory, 
     errors.push_back(
         fmt::format("section '{}' of {} words does not fit in the memory '{}' ({} words at {:08X}h, {} left)",
                     section.name, section.size, memory.name, memory.length, memory.origin, at < end ? end - at : 0));
-    return;  // Nothing else is moved out of the way for it.
+    return;  // No other section is moved to make room.
   }
   check_end(section, errors);
   placed_.push_back(&section);

@@ -12,7 +12,7 @@
 
 namespace toolchain {
 
-/// A section of the program: those of that name of all objects, one behind the other.
+/// A section of the program: the sections of that name of all objects, one after the other.
 struct OutputSection {
   struct Source {
     std::size_t object = 0, section = 0;
@@ -29,7 +29,7 @@ struct OutputSection {
   Address alignment = 1;
   bool blocked = false;
   bool loaded = false;
-  bool for_loader = false;  ///< Worked off by whoever loads the program: it takes no memory, and stands at 0.
+  bool for_loader = false;  ///< Only for the loader: takes no memory and has the address 0.
   std::vector<Part> parts;
 };
 
@@ -37,11 +37,12 @@ class Placement {
  public:
   void add(const ObjectSection& section, OutputSection::Source source);
 
-  /// Settles the addresses: sections with an address in the map first, then those of the map in its order, then .text,
-  /// .data, other loaded ones, .bss, other reserved ones, each at the first place of its memory that is free.
+  /// Assigns the addresses. Sections with an address in the map come first, then the other sections of the map in its
+  /// order, then .text, .data, other loaded ones, .bss, other reserved ones, each at the first free place of its
+  /// memory.
   void place(const MemoryMap& map, isa::Cpu cpu, std::vector<std::string>& errors);
 
-  const std::vector<OutputSection>& sections() const { return sections_; }  ///< By rising address once placed.
+  const std::vector<OutputSection>& sections() const { return sections_; }  ///< By rising address after placement.
   OutputSection* find(std::string_view name);
   const OutputSection* find(std::string_view name) const;
   Address address_of(OutputSection::Source source) const;

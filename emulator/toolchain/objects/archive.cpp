@@ -29,7 +29,7 @@ std::optional<std::size_t> number(std::string_view text) {
   return error == std::errc{} && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
 }
 
-/// It goes into messages; a damaged library may hold anything.
+/// For messages: a damaged library may contain any bytes.
 std::string shown(std::string_view name) {
   std::string out(name);
   for (char& c : out)

@@ -12,32 +12,32 @@
 
 namespace toolchain {
 
-/// A file that is no COFF file of this family, or a damaged one. Says where in the file.
+/// A file that is not a COFF file of this family, or is damaged. The message names the place in the file.
 class CoffError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Reads a file of version 0, 1 or 2, with headers of either byte order. Debugging symbols are passed over, but for the
-/// names of source files and the lines. `name` stands for the file in messages. Throws CoffError.
+/// Reads a file of version 0, 1 or 2, with headers of either byte order. Skips debugging symbols, except the names of
+/// source files and the lines. `name` is the file's name in messages. Throws CoffError.
 Object read_object(std::span<const std::byte> bytes, const std::string& name = "<bytes>");
 Object read_object(const std::filesystem::path& path);
 
-/// Reads an executable. Sections that a loader skips (DSECT, NOLOAD, COPY, BSS, or without data) come as not loaded;
-/// the initial values that a .cinit of type COPY asks for come as sections of their own. Throws CoffError.
+/// Reads an executable. Sections that a loader skips (DSECT, NOLOAD, COPY, BSS, or without data) are marked as not
+/// loaded; the initial values of a .cinit of type COPY become sections of their own. Throws CoffError.
 Image read_coff(std::span<const std::byte> bytes, const std::string& name = "<bytes>");
-/// The text of its source lines comes from the source files, where they are found (source_map.hpp).
+/// The text of the source lines comes from the source files, if they are found (source_map.hpp).
 Image read_coff(const std::filesystem::path& path);
 
 /// The bytes of a file of the object's version. Names of sections are cut to eight characters, but their symbols keep
-/// the whole name. Throws std::runtime_error for what the version cannot hold, CoffError for an executable without a
-/// word.
+/// the whole name. Throws std::runtime_error for contents that the version does not support, CoffError for an
+/// executable without a word.
 std::vector<std::byte> coff_bytes(const Object& object);
 /// The bytes of a version-2 executable with all symbols. Reading them back gives the same sections, symbols and entry.
 std::vector<std::byte> coff_bytes(const Image& image);
 
 void write_coff(const Object& object, std::ostream& out);
-/// Write the file whole or not at all. Throw io::CannotOpen, std::runtime_error.
+/// Writes the file whole or not at all. Throws io::CannotOpen, std::runtime_error.
 void write_coff(const Object& object, const std::filesystem::path& path);
 void write_coff(const Image& image, const std::filesystem::path& path);
 

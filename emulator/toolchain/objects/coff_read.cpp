@@ -63,10 +63,10 @@ class CoffReader {
     return out;
   }
 
-  /// Names go into messages and Python strings; a damaged file may hold anything.
+  /// For messages and Python strings: a damaged file may contain any bytes.
   static char printable(char c) { return c >= ' ' && c <= '~' ? c : '?'; }
 
-  /// Tools on big-endian hosts wrote the headers, but not the words, in their byte order.
+  /// Tools on big-endian hosts wrote the headers in their byte order, but not the words.
   void read_magic() {
     for (const bool big : {false, true}) {
       big_ = big;
@@ -85,7 +85,7 @@ class CoffReader {
     if (object_.version > 0) {
       const std::uint16_t target = u16(20, "the target");
       if (target != target_id)
-        fail(fmt::format("a COFF file for target {:04X}h, not for the C3x/C4x ({:04X}h)", target, target_id));
+        fail(fmt::format("is a COFF file for target {:04X}h, not for the C3x/C4x ({:04X}h)", target, target_id));
     }
     const std::uint16_t flags = u16(18, "the flags");
     object_.executable = (flags & executable) != 0;
@@ -107,7 +107,7 @@ class CoffReader {
     const std::uint32_t where = u32(at + 20, "a section's place");
     const std::uint32_t flags =
         object_.version == 2 ? u32(at + 40, "a section's flags") : u16(at + 36, "a section's flags");
-    // An empty section has no contents to point at: its flags alone say what it is.
+    // An empty section has no contents to point to: only its flags say what it is.
     section.loaded = (where != 0 || section.size == 0) && (flags & (dsect | noload | copy | bss)) == 0;
     section.table_of_copies = where != 0 && (flags & copy) != 0 && section.name == ".cinit";
     section.alignment = Address{1} << (flags >> alignment_shift & 15);
@@ -160,9 +160,9 @@ class CoffReader {
     object_.files.push_back(is_long ? long_name(at) : text(at, file_name, "a file's name"));
   }
 
-  /// Lines stand after an entry that names a symbol: a file's, and they are the file's own numbers, as this assembler
-  /// writes them; or a function's, and they are counted from the function's first line, as compilers do. What lies
-  /// nowhere is passed over: lines are not needed to run a program.
+  /// Lines come after an entry that names a symbol. If it is a file, they are the file's own line numbers, as this
+  /// assembler writes them. If it is a function, they count from the function's first line, as compilers do. Lines
+  /// outside all sections are skipped: lines are not needed to run a program.
   void read_lines(ObjectSection& section, std::size_t header) {
     const std::uint32_t where = u32(header + 28, "a section's lines");
     const std::uint32_t count =
@@ -207,7 +207,7 @@ class CoffReader {
     object_.symbols.push_back(std::move(symbol));
   }
 
-  /// Four zero bytes and the place in the string table.
+  /// Four zero bytes and an offset in the string table.
   std::string long_name(std::size_t at) const {
     const std::uint64_t strings = symbols_at_ + std::uint64_t{symbol_entry} * symbol_count_;
     const std::uint32_t offset = u32(at + 4, "a name");
@@ -227,7 +227,7 @@ class CoffReader {
     if (count == 0) return;
     const std::size_t size = object_.version == 0 ? relocation_v0 : relocation_v12;
     need(where, std::uint64_t{size} * count, fmt::format("the relocations of section '{}'", section.name));
-    if (object_.executable) return;  // A linked program needs them no more.
+    if (object_.executable) return;  // A linked program does not need them.
     for (std::uint32_t i = 0; i < count; ++i)
       section.relocations.push_back(read_relocation(section, where + size * std::size_t{i}));
   }
@@ -251,7 +251,7 @@ class CoffReader {
     if (index == -1) return out;
     const auto symbol = symbol_indices_.find(static_cast<std::uint32_t>(index));
     if (index < 0 || symbol == symbol_indices_.end())
-      fail(fmt::format("the relocation at {:08X}h of section '{}' names symbol {}, which is none", address,
+      fail(fmt::format("the relocation at {:08X}h of section '{}' names symbol {}, which does not exist", address,
                        section.name, index));
     out.symbol = symbol->second;
     return out;
@@ -265,9 +265,9 @@ class CoffReader {
   std::size_t section_count_ = 0, symbols_at_ = 0;
   std::uint32_t symbol_count_ = 0;
   std::uint64_t contents_ = 0;
-  std::map<std::uint32_t, int> symbol_indices_;   ///< From those of the file.
-  std::map<std::uint32_t, std::uint32_t> files_;  ///< Of which source the symbols from a number on are.
-  std::map<std::uint32_t, int> function_lines_;   ///< By the number of the symbol that stands for a function's begin.
+  std::map<std::uint32_t, int> symbol_indices_;   ///< From the file's symbol numbers.
+  std::map<std::uint32_t, std::uint32_t> files_;  ///< The source file of the symbols from a number on.
+  std::map<std::uint32_t, int> function_lines_;   ///< By the number of the symbol at a function's begin.
 };
 
 Image linked(const Object& object) {

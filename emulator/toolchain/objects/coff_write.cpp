@@ -23,7 +23,7 @@ class FileBytes {
   void u8(std::uint32_t value) { little(value, 1); }
   void u16(std::uint32_t value) { little(value, 2); }
   void u32(std::uint32_t value) { little(value, 4); }
-  /// Exactly `size` bytes, cut or filled with zeros.
+  /// Exactly `size` bytes, cut or padded with zeros.
   void text(std::string_view value, std::size_t size) {
     for (std::size_t i = 0; i < size; ++i)
       out_.push_back(i < value.size() ? static_cast<std::byte>(value[i]) : std::byte{0});
@@ -34,7 +34,7 @@ class FileBytes {
   std::vector<std::byte> out_;
 };
 
-/// What kind a section is in the optional header.
+/// The kind of a section in the optional header.
 std::uint32_t kind(const ObjectSection& section) {
   if (section.table_of_copies) return copy;
   if (!section.loaded) return bss;
@@ -71,7 +71,7 @@ class CoffWriter {
     };
     if (object_.executable &&
         std::ranges::all_of(object_.sections, [](const ObjectSection& section) { return section.size == 0; }))
-      throw CoffError("the program holds no word; at least one is expected in a file that can be run");
+      throw CoffError("the program contains no word; an executable has at least one");
     refuse(most_sections, "sections", object_.sections.size());
     for (const auto& section : object_.sections)
       if (!v2_) refuse(65535, "relocations of a section", section.relocations.size());
@@ -99,13 +99,14 @@ class CoffWriter {
     return lines_at() + line_entry * count;
   }
 
-  /// An entry without a number says of which file those that follow are: the place is that of the file's symbol.
+  /// An entry without a line number names the file of the entries after it: its place is the number of the file's
+  /// symbol.
   struct LineEntry {
     std::uint32_t place;
     std::uint16_t number;
   };
   std::vector<LineEntry> entries_of(const ObjectSection& section) const {
-    constexpr int most_lines = 65535;  // Of a file, and before version 2 of a section.
+    constexpr int most_lines = 65535;  // Per file, and before version 2 per section.
     std::vector<LineEntry> entries;
     std::optional<std::uint32_t> file;
     for (const ObjectLine& line : section.lines) {
@@ -195,7 +196,7 @@ class CoffWriter {
     out_.u16(static_cast<std::uint32_t>(relocation.type));
   }
 
-  /// Where it is too long, zeros and its place among the strings.
+  /// A name that is too long becomes zeros and its offset among the strings.
   void write_name(const std::string& name, std::size_t size) {
     if (name.size() <= size) return out_.text(name, size);
     out_.u32(0);
@@ -207,7 +208,7 @@ class CoffWriter {
   void write_file(std::size_t number) {
     const bool last = number + 1 == object_.files.size();
     out_.text(".file", 8);
-    out_.u32(last ? 0 : static_cast<std::uint32_t>(2 * (number + 1)));  // The next one's symbol.
+    out_.u32(last ? 0 : static_cast<std::uint32_t>(2 * (number + 1)));  // The symbol of the next file.
     out_.u16(static_cast<std::uint16_t>(debug_section));
     out_.u16(0);
     out_.u8(class_file);
@@ -242,7 +243,7 @@ class CoffWriter {
   std::uint32_t symbol_entries_ = 0;
 };
 
-/// The section that holds the address, or ObjectSymbol::absolute. A table for the loader is in no memory.
+/// The section that contains the address, or ObjectSymbol::absolute. A table for the loader is not in memory.
 int section_of(const Object& object, Word value) {
   for (std::size_t i = 0; i < object.sections.size(); ++i)
     if (!object.sections[i].table_of_copies && value - object.sections[i].address < object.sections[i].size)
@@ -250,7 +251,7 @@ int section_of(const Object& object, Word value) {
   return ObjectSymbol::absolute;
 }
 
-/// Back into the table that the record came from.
+/// Puts a record back into its table.
 void add_record(ObjectSection& table, const Image::Section& record) {
   table.table_of_copies = true;
   table.words.push_back(record.size);
@@ -265,7 +266,7 @@ Object executable_of(const Image& image) {
   out.executable = true;
   out.cpu = image.cpu;
   out.entry = image.entry;
-  std::vector<std::size_t> numbers;  // Of each section of the image, that of the file.
+  std::vector<std::size_t> numbers;  // For each section of the image, its number in the file.
   for (const Image::Section& section : image.sections) {
     if (section.initial_values && !out.sections.empty()) {
       add_record(out.sections.back(), section);

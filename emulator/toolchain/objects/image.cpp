@@ -51,8 +51,8 @@ std::optional<Address> find_address(std::string_view text, const Image* image) {
 void require_c40(const Image& image, std::string_view name) {
   if (image.cpu == isa::Cpu::c40) return;
   throw WrongProcessor(fmt::format(
-      "{}: a program of the TMS320{}; TMS320C40s are what runs here (asm, link and disasm do take the {}'s)", name,
-      isa::title(image.cpu), isa::title(image.cpu)));
+      "{}: a program of the TMS320{}; only programs for the TMS320C40 run here (asm, link and disasm accept the {}'s)",
+      name, isa::title(image.cpu), isa::title(image.cpu)));
 }
 
 std::string listing(const Image& image) {
@@ -75,7 +75,7 @@ std::string listing(const Image& image) {
   }
   out += "symbols\n";
   for (const auto& [name, value] : image.symbols) out += fmt::format("{:08x} {}\n", value, name);
-  return io::printable(out);  // a listing is looked at in a terminal
+  return io::printable(out);  // a listing is shown in a terminal
 }
 
 }  // namespace toolchain

@@ -1,5 +1,5 @@
 #pragma once
-// A program with its addresses settled: what the assembler and the COFF reader give and what a chip loads.
+// A program with assigned addresses: the result of the assembler, linker and COFF reader, which a chip loads.
 #include <functional>
 #include <map>
 #include <optional>
@@ -15,14 +15,14 @@ namespace toolchain {
 using isa::Address;
 using isa::Word;
 
-/// The source line that a word came from.
+/// The source line of a word.
 struct LineRecord {
   Address address = 0;
   std::uint32_t file = 0;  ///< Index into Image::files.
   int line = 0;            ///< Counted from 1.
   std::string text;
   std::uint32_t section = 0;  ///< Index into Image::sections.
-  std::string second;         ///< Of a parallel instruction, the line with the bars; else empty.
+  std::string second;         ///< For a parallel instruction the line with the bars; else empty.
 };
 
 struct Image {
@@ -33,21 +33,22 @@ struct Image {
     std::vector<Word>
         words;  ///< `size` words if the section is loaded, none if it is only reserved memory (.bss, .usect).
     bool loaded = true;
-    bool initial_values = false;  ///< A record of .cinit that the loader works off (RAM model): of the table before it.
+    bool initial_values = false;  ///< A record of .cinit for the loader (RAM model): it belongs to the table before it.
   };
 
-  isa::Cpu cpu = isa::Cpu::c40;   ///< Whose instructions the words are.
+  isa::Cpu cpu = isa::Cpu::c40;   ///< The processor of the words.
   std::vector<Section> sections;  ///< Only those that are not empty.
-  /// Labels and `.set` constants; those that are floats hold their TI single-precision word.
+  /// Labels and `.set` constants; for a float, its word in TI's single precision.
   std::map<std::string, Word, std::less<>> symbols;
   Address entry = 0;
-  std::vector<std::string> files;       ///< That `lines` are of.
-  std::vector<std::string> files_read;  ///< All: the source and what it includes, in the order of reading.
-  std::vector<LineRecord> lines;        ///< By rising address within each section; empty if the origin has none.
-  /// How the source was read, and why, for the listing's head: "ti: the default". First the program, then included
-  /// files that say it themselves.
+  std::vector<std::string> files;  ///< The files of `lines`.
+  std::vector<std::string>
+      files_read;                 ///< All files: the source and the files that it includes, in the order of reading.
+  std::vector<LineRecord> lines;  ///< By rising address within each section; empty if there are none.
+  /// For the listing's head: the dialect of each file and why: "ti: the default". First the program, then included
+  /// files with a dialect of their own.
   std::vector<std::string> dialects;
-  std::vector<std::string> warnings;  ///< Formatted like the errors of AssemblyError.
+  std::vector<std::string> warnings;  ///< In the format of the errors of AssemblyError.
 
   /// The value of a symbol. Throws std::out_of_range with the symbol's name if there is none.
   Word symbol(std::string_view name) const;
@@ -55,17 +56,18 @@ struct Image {
   Word* word_at(Address address);
 };
 
-/// A program of another processor than the one that runs here.
+/// The program is for another processor than the emulated one.
 class WrongProcessor : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;
 };
 
-/// What whoever puts a program on a chip, or makes an image to boot of it, asks first. `name` stands for it in the
-/// message. \throws WrongProcessor unless it is the C40's.
+/// To be called before a program is put on a chip or into a boot image. `name` is the program's name in the message.
+/// \throws WrongProcessor unless the program is for the C40.
 void require_c40(const Image& image, std::string_view name = "the program");
 
-/// An address as a user writes it: a symbol of the image, if one is given, else 300000h, 0x300000 or a decimal number.
+/// An address as a user writes it: a symbol of the image, if an image is given, else 300000h, 0x300000 or a decimal
+/// number.
 std::optional<Address> find_address(std::string_view text, const Image* image);
 
 /// Address, word and source of every line, as text.

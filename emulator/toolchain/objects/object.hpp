@@ -1,6 +1,6 @@
 #pragma once
-// A TI COFF file taken apart: sections, symbols, relocations (c40-hardware.md 10.1). Relocatable objects and
-// executables alike.
+// The contents of a TI COFF file: sections, symbols, relocations (c40-hardware.md 10.1), for relocatable objects and
+// executables.
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -22,31 +22,31 @@ enum class RelocationType : std::uint16_t {
   partms16 = 33,  ///< the high half of an address
 };
 std::optional<RelocationType> relocation_type(std::uint16_t number);
-std::string_view name(RelocationType type);  ///< As the format's description has it: "R_PCR24".
-/// Low bits of the word that the relocation fills.
+std::string_view name(RelocationType type);  ///< The name in the format's description: "R_PCR24".
+/// Number of low bits of the word that the relocation fills.
 unsigned width(RelocationType type);
 bool is_relative(RelocationType type);
 
 struct Relocation {
   static constexpr int own_section = -1;
 
-  Address offset = 0;  ///< Of the word, from the start of its section.
+  Address offset = 0;  ///< Offset of the word from the start of its section.
   RelocationType type = RelocationType::rellong;
-  int symbol = own_section;  ///< Index into Object::symbols; or the section's own move.
-  Word low = 0;              ///< partms16: the low half of what the field stood for, 0 if not known.
+  int symbol = own_section;  ///< Index into Object::symbols; or own_section: only the move of the section counts.
+  Word low = 0;              ///< partms16: the low half of the address, 0 if not known.
 };
 
 struct ObjectSymbol {
   static constexpr int absolute = -1, undefined = -2;
 
   std::string name;
-  Word value = 0;          ///< Address; of an undefined symbol the words of common storage it wants, or 0.
+  Word value = 0;  ///< Address; for an undefined symbol the number of words of common storage that it requests, or 0.
   int section = absolute;  ///< Index into Object::sections.
   bool global = false;
   bool stands_for_section = false;
 };
 
-/// Where a word comes from.
+/// The source line of a word.
 struct ObjectLine {
   Address offset = 0;      ///< From the start of its section.
   std::uint32_t file = 0;  ///< Index into Object::files.
@@ -59,32 +59,32 @@ struct ObjectSection {
   Address size = 0;         ///< In words.
   std::vector<Word> words;  ///< `size` words if loaded, else none.
   bool loaded = true;
-  bool table_of_copies = false;  ///< A .cinit that the loader works off (COPY): `words` hold it, `loaded` is false.
+  bool table_of_copies = false;  ///< A .cinit for the loader (COPY): `words` has its contents, `loaded` is false.
   Address alignment = 1;         ///< Power of 2.
-  bool blocked = false;          ///< Not to be spread over two pages if it fits into one.
+  bool blocked = false;          ///< Must not be split over two pages if it fits into one.
   std::vector<Relocation> relocations;
   std::vector<ObjectLine> lines;  ///< By rising offset.
 };
 
 struct Object {
-  std::string name;  ///< Stands for the file in messages.
+  std::string name;  ///< The file's name in messages.
   int version = 2;
   isa::Cpu cpu = isa::Cpu::c40;
   bool executable = false;
   Address entry = 0;
   std::vector<ObjectSection> sections;
   std::vector<ObjectSymbol> symbols;
-  std::vector<std::string> files;  ///< That `lines` are of.
+  std::vector<std::string> files;  ///< The files of `lines`.
 };
 
-/// What a loader makes of a .cinit of the RAM model: a section for each record {count, address, words...}, up to a
-/// count of 0. `file` stands for the file in messages. Throws CoffError if a record runs out of the table's end.
+/// Does what a loader does with a .cinit of the RAM model: a section for each record {count, address, words...}, up to
+/// a count of 0. `file` is the file's name in messages. Throws CoffError if a record extends beyond the table's end.
 void add_initial_values(Image& image, const std::string& table, const std::vector<Word>& records,
                         const std::string& file);
-/// Throws CoffError if two loaded sections overlap; `file` stands for the file in its message.
+/// Throws CoffError if two loaded sections overlap; `file` is the file's name in the message.
 void check_overlaps(const Image& image, const std::string& file);
-/// The program that a loader makes of an executable. Throws CoffError if two loaded sections overlap or the copies that
-/// .cinit asks for run out of its end.
+/// The program that a loader makes of an executable. Throws CoffError if two loaded sections overlap, or if .cinit ends
+/// within a record.
 Image image_of(const Object& executable);
 /// The executable file of a program, with all symbols and lines.
 Object executable_of(const Image& image);

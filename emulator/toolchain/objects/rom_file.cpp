@@ -46,18 +46,18 @@ std::string s_line(char type, std::uint32_t address, std::span<const std::uint8_
   return fmt::format("S{}{}\n", type, hex_of(line));
 }
 
-/// What the lines of a text say, by address.
+/// The bytes of the lines of a text, by address.
 class Collected {
  public:
   void add(std::uint64_t address, std::span<const std::uint8_t> data) {
     for (std::size_t i = 0; i < data.size(); ++i)
       if (!bytes_.emplace(address + i, data[i]).second)
-        throw RomError(fmt::format("address {:X}h has had a byte already", address + i));
+        throw RomError(fmt::format("address {:X}h has a byte already", address + i));
     if (!bytes_.empty() && bytes_.rbegin()->first - bytes_.begin()->first >= largest)
       throw RomError(fmt::format("the addresses span more than {} MiB", largest >> 20));
   }
   Bytes all() const {
-    if (bytes_.empty()) throw RomError("holds no byte");
+    if (bytes_.empty()) throw RomError("contains no byte");
     const std::uint64_t first = bytes_.begin()->first;
     Bytes out(bytes_.rbegin()->first - first + 1, erased);
     for (const auto& [address, byte] : bytes_) out[address - first] = byte;
@@ -93,7 +93,7 @@ void check_sum(const Bytes& line, unsigned whole) {
     throw RomError(fmt::format("the checksum is {:02X}h; {:02X}h is expected", line.back(), expected));
 }
 
-/// Lines of Intel hex. True: that was the last.
+/// A line of Intel hex. True: it was the last.
 class IntelLines {
  public:
   bool read(std::string_view text, Collected& out) {
@@ -114,7 +114,7 @@ class IntelLines {
       case 2: base_ = word() << 4; return false;
       case 4: base_ = word() << 16; return false;
       case 3:
-      case 5: return false;  // where a processor starts: none of ours
+      case 5: return false;  // a start address: not used here
       default: throw RomError(fmt::format("record type {:02X}h; 0 to 5 are known", line[3]));
     }
   }
@@ -134,7 +134,7 @@ class SLines {
     const char type = text[1];
     if (type >= '7') return true;
     if (type == '5' || type == '6') return count(std::span(line).subspan(1, line.size() - 2)), false;
-    if (type < '1' || type > '3') return false;  // a head
+    if (type < '1' || type > '3') return false;  // a header
     ++lines_;
     const std::size_t address_bytes = static_cast<std::size_t>(type - '0') + 1;
     if (line.size() < address_bytes + 2) throw RomError("the line ends within its address");
@@ -160,7 +160,7 @@ std::string_view without_blanks(std::string_view line) {
   return line;
 }
 
-/// The first line with anything in it begins as one of Intel hex, or of S-records.
+/// Whether the first line that is not blank begins like Intel hex, or like S-records.
 bool begins_with_intel(std::string_view line) { return line.starts_with(':'); }
 bool begins_with_s(std::string_view line) {
   return line.size() > 1 && line[0] == 'S' && std::isdigit(static_cast<unsigned char>(line[1])) != 0;
@@ -179,7 +179,7 @@ Bytes read_lines(std::string_view text, const std::string& name) {
       const std::string_view line = without_blanks(text.substr(0, end));
       text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
       if (ended && (begins_with_intel(line) || begins_with_s(line)))
-        throw RomError("a record behind the last one: two images in one file");
+        throw RomError("a record after the last one: two images in one file");
       if (!ended && !line.empty()) ended = lines.read(line, out);
     }
     if (!ended) throw RomError("the file ends without its last record: it is cut short");
@@ -215,11 +215,12 @@ Bytes read_rom(const std::filesystem::path& path) {
   const io::Input input = io::read_input(path);
   if (!input.problem.empty()) throw RomError(fmt::format("{} {}", path.string(), input.problem));
   const std::string_view text = input.text;
-  // Blank lines may come first. Bytes that begin so, too, and go on with such a character, are no image to boot from.
+  // Blank lines may come first. A file of plain bytes that begins like this, with such a character next, is not a boot
+  // image.
   const std::string_view first = without_blanks(text);
   if (begins_with_intel(first)) return read_lines<IntelLines>(text, path.string());
   if (begins_with_s(first)) return read_lines<SLines>(text, path.string());
-  if (text.empty()) throw RomError(fmt::format("{}: holds no byte", path.string()));
+  if (text.empty()) throw RomError(fmt::format("{}: contains no byte", path.string()));
   return {text.begin(), text.end()};
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Images of read-only memories, as programmers of EPROMs take them: plain bytes, Intel hex, Motorola S-records.
+// Images of read-only memories in the formats of EPROM programmers: plain bytes, Intel hex, Motorola S-records.
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -24,7 +24,7 @@ class RomError : public std::runtime_error {
 /// The file's text, from address 0 on.
 std::string rom_file(std::span<const std::uint8_t> bytes, RomFormat format);
 
-/// The bytes from the lowest address of the file on, gaps filled with FFh. Which format it is, the file shows. \throws
+/// The bytes from the lowest address of the file on, gaps filled with FFh. The file's contents show its format. \throws
 /// RomError
 std::vector<std::uint8_t> read_rom(const std::filesystem::path& path);
 
@@ -37,7 +37,7 @@ std::vector<isa::Word> read_rom_words(const std::filesystem::path& path, std::op
 /// What lies in memory that is 8, 16 or 32 bits wide, by rising address: the lowest byte of a word comes first.
 std::vector<isa::Word> rom_words(std::span<const std::uint8_t> bytes, unsigned width);
 std::vector<std::uint8_t> rom_bytes(std::span<const isa::Word> words);
-/// The width with which a boot stream for memory begins: 8, 16 or 32; none: these are no such stream.
+/// The width at the beginning of a boot stream for memory: 8, 16 or 32; none: the bytes are not such a stream.
 std::optional<unsigned> boot_width(std::span<const std::uint8_t> bytes);
 
 }  // namespace toolchain

@@ -12,7 +12,7 @@
 namespace toolchain {
 namespace {
 
-/// What stands before the next blank, which is passed.
+/// The text up to the next blank; the blank is skipped.
 std::string_view next_word(std::string_view& line) {
   const std::string_view word = line.substr(0, line.find(' '));
   line.remove_prefix(std::min(word.size() + 1, line.size()));
@@ -25,7 +25,7 @@ Number next_number(std::string_view& line, int base) {
   Number value{};
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value, base);
   if (error != std::errc{} || end != word.data() + word.size())
-    throw std::invalid_argument(fmt::format("source map: \"{}\" is no number", word));
+    throw std::invalid_argument(fmt::format("source map: \"{}\" is not a number", word));
   return value;
 }
 
@@ -79,7 +79,8 @@ void add_source_map(Image& image, std::string_view map) {
       image.lines.back().second = line;
       continue;
     }
-    if (what != "line") throw std::invalid_argument(fmt::format("source map: \"{}\" begins no line of one", what));
+    if (what != "line")
+      throw std::invalid_argument(fmt::format("source map: no line of a source map begins with \"{}\"", what));
     LineRecord record;
     record.address = next_number<Address>(line, 16);
     record.section = next_number<std::uint32_t>(line, 10);

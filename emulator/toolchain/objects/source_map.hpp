@@ -1,5 +1,5 @@
 #pragma once
-// The source lines of an image as text: COFF files carry files and numbers only.
+// The source lines of an image as text: COFF files contain only file names and line numbers.
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -11,11 +11,11 @@ namespace toolchain {
 /// One line per source file and per source line. File names are made relative to `base`.
 std::string source_map(const Image& image, const std::filesystem::path& base);
 
-/// Gives the lines of an image their text, from source files as they are named, else from `beside` or, by their last
-/// name, in it. Lines of a file that is not found, or that is shorter, stay without.
+/// Reads the text of an image's lines from the source files: under their own names, else from the folder `beside` under
+/// the last part of their names. Lines of a file that is not found, or is shorter, stay without text.
 void add_source_text(Image& image, const std::filesystem::path& beside);
 
-/// Gives an image of the same program its files and lines. Throws std::invalid_argument for a text that is no source
+/// Adds files and lines to an image of the same program. Throws std::invalid_argument for a text that is not a source
 /// map.
 void add_source_map(Image& image, std::string_view map);
 

@@ -53,7 +53,7 @@ void random_words(std::uint64_t count, std::uint64_t seed) {
 
 // Text
 
-/// What objdump makes of a short float: C's %f; all of exponent -8 is zero.
+/// objdump's text of a short float: C's %f; all numbers with exponent -8 are zero.
 std::string gnu_float(Word bits) {
   const int exponent = static_cast<int>(bits >> 12) - ((bits >> 12) >= 8 ? 16 : 0);
   if (exponent == -8) return "0.000000";
@@ -62,7 +62,7 @@ std::string gnu_float(Word bits) {
 }
 
 /// Our text in objdump's conventions: no 3 at the end of mnemonics, no marks of exact fields, floats by %f, the last
-/// page loaded in front of direct addresses.
+/// loaded page before direct addresses.
 std::string in_gnu_style(const Instruction& instruction, const std::string& ours, Word page) {
   const isa::Row& row = *instruction.row;
   const bool three = row.format == isa::Format::three_type1 || row.format == isa::Format::three_type2 || row.parallel();
@@ -101,13 +101,13 @@ std::string in_gnu_style(const Instruction& instruction, const std::string& ours
   return out;
 }
 
-/// The first immediate operand as GNU would print it with the other sign.
+/// The first immediate operand with the other sign, as GNU prints it.
 std::string with_immediate(const std::string& text, std::int64_t value) {
   const auto start = text.find(' ') + 1, end = std::min(text.find(','), text.size());
   return text.substr(0, start) + std::to_string(value) + text.substr(end);
 }
 
-/// Known ways in which objdump writes the same instruction otherwise; empty if none of them explains the difference.
+/// Known differences in objdump's text of the same instruction; empty if none of them explains the difference.
 std::string explain(const Instruction& instruction, const std::string& ours, std::string_view gnu) {
   using Op = isa::Operation;
   const isa::Row& row = *instruction.row;
@@ -130,7 +130,7 @@ std::string explain(const Instruction& instruction, const std::string& ours, std
   return {};
 }
 
-/// A word of no row that GNU takes for an instruction: the row that it misses by the fewest bits.
+/// For a word of no row that GNU takes as an instruction: the row that differs in the fewest bits.
 std::string nearest_row(Word word) {
   if (word >> 24 == 0xBD) return "MH2, MH3";
   const isa::Row* best = nullptr;
@@ -203,7 +203,7 @@ Word hexadecimal(std::string_view text) {
   return value;
 }
 
-/// Lines "  address:<tab>word <tab>text"; every word of the file must come, in order.
+/// Lines "  address:<tab>word <tab>text"; they must contain every word of the file, in order.
 void compare(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   Comparison comparison;
@@ -218,7 +218,7 @@ void compare(const std::string& path) {
     if (!file.read(reinterpret_cast<char*>(bytes.data()), 4)) throw std::runtime_error("more lines than words");
     const Word word = bytes[0] | Word{bytes[1]} << 8 | Word{bytes[2]} << 16 | Word{bytes[3]} << 24;
     if (hexadecimal(std::string_view(line).substr(tab + 1, 8)) != word)
-      throw std::runtime_error("another word than in the file: " + line);
+      throw std::runtime_error("a word that differs from the file:  " + line);
     std::string_view text = std::string_view(line).substr(second + 1);
     while (text.ends_with(' ')) text.remove_suffix(1);
     comparison.add(word, address++, text);

@@ -14,7 +14,7 @@ std::string join(const std::vector<Diagnostic>& diagnostics) {
   return out;
 }
 
-/// Blanks up to the caret; tabs are kept so that it stands under its column on any terminal.
+/// Blanks up to the caret; tabs are kept so that the caret is under its column on any terminal.
 std::string indentation(std::string_view text, std::size_t width) {
   std::string out;
   for (std::size_t i = 0; i < width; ++i) out += i < text.size() && text[i] == '\t' ? '\t' : ' ';

@@ -1,5 +1,5 @@
 #pragma once
-// What the assembler has to say about a source text, always with the place.
+// Errors and warnings of the assembler, always with their place.
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -12,7 +12,7 @@ struct SourceLine {
   std::shared_ptr<const std::string> file;
   int number = 0;  ///< Counted from 1.
   std::string text;
-  std::shared_ptr<const SourceLine> expanded_from;  ///< The macro call or loop that this line comes from.
+  std::shared_ptr<const SourceLine> expanded_from;  ///< The macro call or loop that produced this line.
 };
 using SourceLinePtr = std::shared_ptr<const SourceLine>;
 
@@ -23,7 +23,7 @@ struct Diagnostic {
   bool warning = false;
   std::string message;
   std::string text;                ///< The offending line.
-  std::vector<std::string> notes;  ///< Where the macro was called.
+  std::vector<std::string> notes;  ///< The macro calls that led to the line.
 
   /// "file:line:column: error: message", the line, a caret under the column, the notes.
   std::string format() const;
@@ -41,11 +41,11 @@ class AssemblyError : public std::runtime_error {
   std::vector<Diagnostic> diagnostics_;
 };
 
-/// Thrown within the assembler: an error at an offset of the line at hand.
+/// Thrown within the assembler: an error at an offset of the present line.
 struct LineError {
   std::size_t offset = 0;
   std::string message;
-  int half = 0;  ///< 1: the line of a parallel instruction's second half.
+  int half = 0;  ///< 1: in the line of a parallel instruction's second half.
 };
 
 }  // namespace toolchain

@@ -1,5 +1,6 @@
 #pragma once
-// Whose assembler a source was written for, where two read the same line differently (docs/assembler.md, Dialects).
+// The assembler for which a source was written. TI's and GNU's read some lines differently (docs/assembler.md,
+// Dialects).
 #include <cstdint>
 #include <optional>
 #include <string_view>

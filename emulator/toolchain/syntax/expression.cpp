@@ -25,14 +25,14 @@ class Evaluator {
   }
 
  private:
-  /// An address as a plain number, which it is once the sections are placed.
+  /// An address as a plain number: allowed once the sections have addresses.
   std::int64_t number(const Expression& e) const {
     const Value value = (*this)(e);
     if (value.is_real()) throw LineError{e.offset, "an integer is needed here, not a float"};
     if (value.is_absolute()) return value.integer;
     if (!symbols_.is_placed())
       throw LineError{e.offset,
-                      "an address cannot be used here: it is not settled yet (only address + number, "
+                      "an address cannot be used here: it is not assigned yet (only address + number, "
                       "address - number, address - address of one section, hi16 and lo16 can be)"};
     return symbols_.address_of_section(value.section) + value.integer;
   }
@@ -64,7 +64,7 @@ class Evaluator {
     const Value a = (*this)(e.operands[0]), b = (*this)(e.operands[1]);
     if (a.is_real() || b.is_real()) return float_operation(e);
     if (a.half != Value::Half::none || b.half != Value::Half::none)
-      throw LineError{e.offset, "half of an address that is not settled yet cannot be part of an expression"};
+      throw LineError{e.offset, "half of an address that is not assigned yet cannot be part of an expression"};
     if (!symbols_.is_placed() && !a.is_absolute() && b.is_absolute()) {
       if (e.name == ">>" && b.integer == 16) return half(a, Value::Half::high);
       if (e.name == "&" && b.integer == 0xFFFF) return half(a, Value::Half::low);
@@ -135,7 +135,7 @@ class Evaluator {
       if (!word) throw LineError{e.offset, "out of the range of a 32-bit float"};
       return Value::of(std::int64_t{*word});
     }
-    if (e.name == "^" || e.name == "#") {  // of a constant: itself
+    if (e.name == "^" || e.name == "#") {  // for a constant: the constant itself
       const Value address = (*this)(argument);
       if (address.is_real() || address.is_absolute()) return address;
       return call({Expression::Kind::call, {}, e.name == "^" ? "hi16" : "lo16", {argument}, e.offset});

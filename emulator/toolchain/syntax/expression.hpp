@@ -8,14 +8,18 @@
 
 namespace toolchain {
 
-/// A number, an address within a section or beside an external symbol, a half of such an address, or a float.
+/// A number, an address in a section or relative to an external symbol, a half of such an address, or a float.
 struct Value {
   enum class Kind : std::uint8_t { integer, real } kind = Kind::integer;
   std::int64_t integer = 0;
   /// If not absolute, `integer` counts from the start of that section, or from external symbol number -2 - section.
   int section = absolute;
   Real real;
-  enum class Half : std::uint8_t { none, low, high } half = Half::none;  ///< Of an address that is not settled.
+  enum class Half : std::uint8_t {
+    none,
+    low,
+    high
+  } half = Half::none;  ///< The half of an address that is not assigned yet.
 
   static constexpr int absolute = -1;
   static constexpr int first_external = -2;
@@ -43,14 +47,15 @@ struct Expression {
   std::size_t offset = 0;            ///< in its line
 };
 
-/// Where expressions find their symbols and their sections' addresses.
+/// Gives expressions their symbols and the addresses of sections.
 class SymbolSource {
  public:
   virtual ~SymbolSource() = default;
   /// Throws LineError if there is no such symbol.
   virtual Value value_of(const std::string& name, std::size_t offset) const = 0;
   virtual bool is_defined(const std::string& name) const = 0;
-  /// True once sections have addresses. Until then *, << and the like do not take addresses, and hi16, lo16 are halves.
+  /// True once sections have addresses. Until then *, << and the like do not accept addresses, and hi16, lo16 give
+  /// halves.
   virtual bool is_placed() const = 0;
   virtual std::int64_t address_of_section(int section) const = 0;
 };

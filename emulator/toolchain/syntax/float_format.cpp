@@ -10,7 +10,7 @@
 namespace toolchain {
 namespace {
 
-/// 0.d1d2d3... * 10^exponent, d1 not 0; no digits for zero.
+/// 0.d1d2d3... * 10^exponent, d1 not 0; zero has no digits.
 struct Decimal {
   std::string digits;
   long exponent = 0;
@@ -114,7 +114,7 @@ std::optional<std::uint64_t> convert(FloatFormat format, Real value) {
   const std::int64_t one = std::int64_t{1} << format.fraction_bits;
   std::int64_t fraction = significand - one;
   if (negative) {
-    // The mantissa -2 + f of a negative number: -1.0 is -2.0 at the next lower exponent.
+    // A negative number has the mantissa -2 + f: -1.0 is -2.0 at the next lower exponent.
     fraction = significand == one ? 0 : 2 * one - significand;
     if (significand == one) --exponent;
   }
@@ -141,7 +141,7 @@ std::optional<isa::Word> to_ieee(Real value) {
   const double exact = value.nearest;
   auto rounded = static_cast<float>(exact);
   if (exact != rounded && value.residue != 0) {
-    // Half-way by the double alone: the residue decides.
+    // The double is exactly half-way: the residue decides.
     const float other = std::nextafter(rounded, exact > rounded ? HUGE_VALF : -HUGE_VALF);
     if (double{other} - exact == exact - double{rounded})
       rounded = value.residue > 0 ? std::max(rounded, other) : std::min(rounded, other);

@@ -8,7 +8,7 @@
 
 namespace toolchain {
 
-/// A number that may lie a little beside the double that stands for it, as most decimals do.
+/// A number that may differ a little from its nearest double, as most decimals do.
 struct Real {
   double nearest = 0;
   int residue = 0;  ///< Sign of (exact value - nearest).

@@ -1,4 +1,4 @@
-// Numbers and characters, as written.
+// Numbers and characters in the source text.
 #include <fmt/format.h>
 
 #include <cctype>
@@ -24,7 +24,7 @@ bool all_of(std::string_view text, std::string_view allowed) {
 
 constexpr std::string_view hex_digits = "0123456789abcdefABCDEF";
 
-/// TI's and GNU's integer forms: 0FFh 101b 17q 0xFF 0b101 255. A leading 0 means nothing: 017 is 17 (ruling 33).
+/// TI's and GNU's forms of integers: 0FFh 101b 17q 0xFF 0b101 255. A leading 0 has no meaning: 017 is 17 (ruling 33).
 std::optional<std::int64_t> integer_literal(std::string_view text) {
   const char first = text[0], last = static_cast<char>(std::tolower(static_cast<unsigned char>(text.back())));
   const auto body = text.substr(0, text.size() - 1);
@@ -58,15 +58,15 @@ Expression Parser::character() {
   return Expression{Expression::Kind::constant, Value::of(value), {}, {}, at};
 }
 
-/// A number that was octal once.
+/// Earlier assemblers read this number as octal.
 void Parser::warn_of_octal(std::string_view word, std::size_t at) const {
   if (context_.warnings == nullptr || word.size() < 2 || word[0] != '0' || !all_of(word, "01234567")) return;
   const auto octal = integer_in_base(word, 8), decimal = integer_in_base(word, 10);
   if (octal && octal != decimal)
-    context_.warnings->push_back({at, fmt::format("{0} is decimal. It was octal before: {0}q", word)});
+    context_.warnings->push_back({at, fmt::format("{0} is decimal here. The octal number is {0}q", word)});
 }
 
-/// GNU's 0f1.5, where it is no hexadecimal number.
+/// GNU's 0f1.5, unless it is a hexadecimal number.
 std::optional<Real> Parser::prefixed_float() {
   if (peek() != '0' || lower(text_.substr(position_, 2)) != "0f") return std::nullopt;
   std::size_t end = position_ + 2;
@@ -110,7 +110,7 @@ Expression Parser::number() {
   const auto value = is_float && ends_cleanly ? parse_real(text_.substr(at, end - at)) : std::nullopt;
   if (!value) {
     while (end < text_.size() && is_identifier(text_[end])) ++end;
-    throw LineError{at, fmt::format("'{}' is no number (255, 0FFh, 0xFF, 377q, 101b, 1.5, 2.5e-3, 'A')",
+    throw LineError{at, fmt::format("'{}' is not a number (255, 0FFh, 0xFF, 377q, 101b, 1.5, 2.5e-3, 'A')",
                                     text_.substr(at, end - at))};
   }
   position_ = end;

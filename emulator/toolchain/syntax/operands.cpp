@@ -1,4 +1,4 @@
-// Operands of instructions, as written.
+// Operands of instructions in the source text.
 #include <fmt/format.h>
 
 #include "toolchain/syntax/diagnostics.hpp"
@@ -34,7 +34,7 @@ std::optional<isa::Register> Parser::accept_register() {
   const auto found = register_called(identifier());
   if (!found) position_ = start;
   if (found && marked && context_.dialect != Dialect::gnu)
-    throw LineError{start, "'%' before a register is GNU as's: --dialect gnu, or .dialect gnu"};
+    throw LineError{start, "'%' before a register is GNU syntax: --dialect gnu, or .dialect gnu"};
   return found;
 }
 
@@ -44,8 +44,9 @@ bool Parser::accept_half_of_address(char mark) {
   if (context_.dialect != Dialect::gnu)
     throw LineError{
         position_,
-        fmt::format("'{0}' at the beginning of an operand is GNU as's, {1} of an address: --dialect gnu, or {2}(x)",
-                    mark, mark == '^' ? "the upper half" : "the lower half", mark == '^' ? "hi16" : "lo16")};
+        fmt::format(
+            "'{0}' at the beginning of an operand is GNU syntax for {1} of an address: --dialect gnu, or {2}(x)", mark,
+            mark == '^' ? "the upper half" : "the lower half", mark == '^' ? "hi16" : "lo16")};
   ++position_;
   return true;
 }

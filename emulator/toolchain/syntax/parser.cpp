@@ -13,8 +13,9 @@ namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-/// The line without its comment: from ';' outside quotes, or all of it if it starts with '*'; for GNU as also if its
-/// first character that is no blank is '#', as in the lines that a preprocessor writes.
+/// The line without its comment. A comment begins with ';' outside quotes, or is the whole line if it starts with '*'.
+/// For GNU as the whole line is also a comment if its first character other than a blank is '#', as in the output of a
+/// preprocessor.
 std::string_view without_comment(std::string_view line, Dialect dialect) {
   if (!line.empty() && line[0] == '*') return {};
   const std::size_t first = line.find_first_not_of(" \t");
@@ -38,7 +39,7 @@ std::string_view without_comment(std::string_view line, Dialect dialect) {
   return line;
 }
 
-/// Binary operators from the loosest to the tightest, as in C.
+/// Binary operators from the weakest to the strongest, as in C.
 constexpr std::array<std::array<std::string_view, 4>, 8> operator_levels{{
     {"&&"},
     {"|"},
@@ -87,7 +88,7 @@ void Parser::expect(std::string_view token) {
 }
 
 void Parser::expect_end() {
-  if (!at_end()) throw LineError{position_, fmt::format("nothing more expected here, but there is '{}'", rest())};
+  if (!at_end()) throw LineError{position_, fmt::format("end of line expected, not '{}'", rest())};
 }
 
 std::string Parser::identifier() {
@@ -99,7 +100,7 @@ std::string Parser::identifier() {
   if (name.size() == 2 && name[0] == '$' && is_digit(name[1])) name += context_.block_suffix;
   if (peek() == '?') {
     const std::size_t mark = position_++;
-    while (is_digit(peek())) ++position_;  // A macro argument brings the scope of its caller along.
+    while (is_digit(peek())) ++position_;  // A macro argument contains the scope of its caller.
     name += position_ > mark + 1 ? std::string(text_.substr(mark, position_ - mark)) : context_.local_suffix;
   }
   return name;
@@ -135,7 +136,7 @@ std::string Parser::quoted() {
       else if (c == '0')
         c = '\0';
       else if (c != '\\' && c != '"')
-        out += '\\';  // No escape: TI's strings have none, a path for instance.
+        out += '\\';  // Not an escape: TI's strings have none, and a path may contain it.
     }
     out += c;
   }
@@ -170,7 +171,7 @@ Expression Parser::expression() {
   return binary_expression(0);
 }
 
-/// Trees are walked by recursion, so their depth has a bound.
+/// Recursive functions walk through trees, so the depth has a limit.
 void Parser::count_operator(std::size_t offset) {
   constexpr int most_operators = 500;
   if (++operators_ > most_operators)
@@ -184,7 +185,7 @@ std::vector<Expression> Parser::expression_list() {
   return out;
 }
 
-/// The operator that stands here, if it binds at least as tightly as `loosest`: its level and its text.
+/// The operator at this place, if it binds at least as strongly as `loosest`: its level and its text.
 std::pair<int, std::string_view> Parser::operator_ahead(int loosest) {
   skip_blanks();
   const auto tightest = static_cast<int>(operator_levels.size());
@@ -202,7 +203,7 @@ std::pair<int, std::string_view> Parser::operator_ahead(int loosest) {
   return {};
 }
 
-/// By precedence climbing, so that a parenthesis costs two calls and not one for every level.
+/// Precedence climbing: a parenthesis costs two calls instead of one for every level.
 Expression Parser::binary_expression(int loosest) {
   Expression left = unary_expression();
   for (;;) {
@@ -265,7 +266,8 @@ Expression Parser::call(const std::string& function, std::size_t at) {
   bool known = false;
   for (const auto name : functions) known = known || name == function;
   if (!known)
-    throw LineError{at, fmt::format("no function '{}'; there are hi16, lo16, page, single and defined", function)};
+    throw LineError{
+        at, fmt::format("there is no function '{}'; hi16, lo16, page, single and defined are possible", function)};
   expect("(");
   count_operator(at);
   Expression argument = binary_expression(0);

@@ -1,5 +1,5 @@
 #pragma once
-// One line of assembler source to its parts (c40-isa.md 11, docs/assembler.md).
+// Splits one line of assembler source into its parts (c40-isa.md 11, docs/assembler.md).
 #include <map>
 #include <optional>
 #include <string>
@@ -16,42 +16,42 @@ namespace toolchain {
 
 inline bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// An operand as written. What it means depends on the instruction.
+/// An operand in the source text. Its meaning depends on the instruction.
 struct OperandSyntax {
   enum class Kind : std::uint8_t { reg, expansion, direct, indirect, expression } kind = Kind::expression;
   isa::Register reg = isa::Register::R0;  ///< For indirect: the ARn.
   isa::Expansion expansion = isa::Expansion::IVTP;
   std::uint8_t modn = 0;
-  bool exact = false;                    ///< Marked by '=': the field's very contents.
-  std::optional<Expression> expression;  ///< Of direct, expression; the displacement of indirect, if one is written.
+  bool exact = false;                    ///< Marked by '=': exactly this value of the field.
+  std::optional<Expression> expression;  ///< Of direct, expression; for indirect the displacement, if the text has one.
   std::size_t offset = 0;
 };
 
 struct HalfSyntax {
   std::string mnemonic;  ///< Lower case.
-  std::string written;   ///< As it stands in the source.
+  std::string written;   ///< As in the source.
   std::vector<OperandSyntax> operands;
   std::size_t offset = 0;
 };
 
-/// Names that stand for registers (`FP .set AR3`).
+/// Names that mean registers (`FP .set AR3`).
 using RegisterNames = std::map<std::string, isa::Register, std::less<>>;
 
-/// What '$' stands for, how local labels are made unique, and which further names registers have.
+/// The value of '$', the suffixes that make local labels unique, and further names of registers.
 struct ParseContext {
   Value here;
   std::string local_suffix;  ///< Of names ending in '?'.
   std::string block_suffix;  ///< Of $0 to $9.
   const RegisterNames* registers = nullptr;
   Dialect dialect = Dialect::ti;
-  std::vector<LineError>* warnings = nullptr;  ///< Of what has a meaning, perhaps another than it was meant to have.
+  std::vector<LineError>* warnings = nullptr;  ///< For text that has a meaning, perhaps not the intended one.
   isa::Cpu cpu = isa::Cpu::c40;
 };
 
 bool is_identifier_start(char c);
 bool is_identifier(char c);
 std::string lower(std::string_view text);
-/// How many characters the character constant at the text's beginning has, quotes included; 0: there is none.
+/// Number of characters of the character constant at the text's beginning, quotes included; 0: there is none.
 std::size_t character_constant(std::string_view text);
 
 /// Reads a line from left to right. Errors are LineErrors at offsets of that line.
@@ -70,21 +70,21 @@ class Parser {
   void expect(std::string_view token);
   void expect_end();
 
-  /// As written, local labels made unique; empty if there is none here.
+  /// As in the source, with local labels made unique; empty if there is none here.
   std::string identifier();
   std::string required_identifier(std::string_view what);
   std::string quoted();  ///< A string in double quotes, with "" for a quote and C's escapes.
   /// A file or section name, with or without quotes.
   std::string name_or_quoted(std::string_view what);
   std::string_view rest() const { return text_.substr(position_); }
-  std::string_view next_word();  ///< The identifier ahead, if there is one; it is not taken.
+  std::string_view next_word();  ///< The next identifier, if there is one; it stays unread.
 
-  /// The register named here, if one is, and nothing but blanks or a comma follows it.
+  /// The register named here, if there is one and only blanks or a comma follow.
   std::optional<isa::Register> lone_register();
   Expression expression();
   std::vector<Expression> expression_list();
   HalfSyntax half();
-  bool at_bars();  ///< Whether "||" comes next.
+  bool at_bars();  ///< Whether "||" is next.
 
  private:
   std::pair<int, std::string_view> operator_ahead(int loosest);
@@ -106,7 +106,7 @@ class Parser {
 
   std::string_view text_;
   std::size_t position_ = 0;
-  int operators_ = 0;  ///< In the expression at hand.
+  int operators_ = 0;  ///< In the present expression.
   ParseContext context_;
 };
 

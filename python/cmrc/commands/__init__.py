@@ -1,4 +1,4 @@
-"""``cmrc`` and ``python -m cmrc``: one home for what looks at runs and for studies of many. Each command is thin over
+"""``cmrc`` and ``python -m cmrc``: commands that show runs, and studies of many runs. Each command is a thin layer over
 functions of the package."""
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from cmrc.commands import pages, signals, studies, sweeps
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """The command line: 0; 1 as each command says; 2 for bad input; 130, 143 or 129 after a signal."""
+    """The command line. Returns 0; 1 as each command says; 2 for bad input; 130, 143 or 129 after a signal."""
     try:
         with signals.raised():
-            parser = argparse.ArgumentParser(prog="cmrc", description="Looks at runs of the emulator, and makes many.")
+            parser = argparse.ArgumentParser(prog="cmrc", description="Shows runs of the emulator, and makes studies of many runs.")
             commands = parser.add_subparsers(dest="command", required=True)
             for part in (pages, sweeps, studies):
                 part.add(commands)

@@ -1,4 +1,4 @@
-"""What commands share: how bad input is told, settings and grids on the command line, checks of output files."""
+"""Shared by all commands: messages for bad input, settings and grids on the command line, checks of output files."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ MOST_POINTS = 1000
 def command(
     commands: Commands, name: str, help: str, do: Callable[[argparse.Namespace], int]
 ) -> argparse.ArgumentParser:
-    """A new command, whose options are to be added."""
+    """A new command; the caller adds its options."""
     parser: argparse.ArgumentParser = commands.add_parser(name, help=help, description=help)
     parser.set_defaults(do=lambda given: told(name, do, given))
     return parser
 
 
 def told(name: str, do: Callable[[argparse.Namespace], int], given: argparse.Namespace) -> int:
-    """What a user can get wrong is a sentence and status 2, work that breaks down a sentence and status 1."""
+    """Bad input becomes a message and status 2, a failure of the work a message and status 1."""
     from cmrc.sweeps.grid import GridError
     from cmrc.sweeps.store import SweepError
 
@@ -62,12 +62,12 @@ def setting(text: str) -> tuple[str, Setting]:
 
 
 def settings(given: argparse.Namespace) -> dict[str, Setting]:
-    """Of the options ``--set``. Raises ValueError."""
+    """The settings of ``--set``. Raises ValueError."""
     return dict(setting(text) for text in given.set)
 
 
 def numbers(text: str, option: str) -> list[float]:
-    """FROM:TO:STEP (STEP is 1 where it is not given) or VALUE,VALUE,... Raises ValueError."""
+    """FROM:TO:STEP (default STEP: 1) or VALUE,VALUE,... Raises ValueError."""
     try:
         parts = [float(part) for part in text.split(":" if ":" in text else ",")]
     except ValueError:
@@ -75,7 +75,7 @@ def numbers(text: str, option: str) -> list[float]:
     if ":" in text and len(parts) == 2:
         parts.append(1.0)
     if not parts or (":" in text and len(parts) != 3) or not all(abs(part) < 1e9 for part in parts):
-        raise ValueError(f"{option}: {text!r} is no grid; FROM:TO:STEP or VALUE,VALUE,... is expected")
+        raise ValueError(f"{option}: {text!r} is not a grid; FROM:TO:STEP or VALUE,VALUE,... is expected")
     if ":" not in text:
         return parts
     begin, end, step = parts
@@ -85,7 +85,7 @@ def numbers(text: str, option: str) -> list[float]:
 
 
 def output(option: str, path: str | Path | None) -> None:
-    """Before work that takes hours. Raises ValueError for what cannot become a file."""
+    """Checks an output file before work that takes hours. Raises ValueError for a path that cannot become a file."""
     if path is None:
         return
     folder = Path(path).absolute().parent
@@ -96,10 +96,10 @@ def output(option: str, path: str | Path | None) -> None:
 
 
 def picture(option: str, path: str | Path | None) -> None:
-    """The same of a picture. Raises ValueError, ImportError."""
+    """The same for a picture. Raises ValueError, ImportError."""
     if path is None:
         return
     output(option, path)
     kinds = needed("matplotlib.backend_bases", "plot", option).FigureCanvasBase.get_supported_filetypes()
     if Path(path).suffix[1:].lower() not in kinds:
-        raise ValueError(f"{option}: {path}: no kind of picture; its ending may be {', '.join(sorted(kinds))}")
+        raise ValueError(f"{option}: {path}: not a picture file; its ending may be {', '.join(sorted(kinds))}")

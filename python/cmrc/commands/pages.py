@@ -1,4 +1,4 @@
-"""``cmrc page``, ``replay``, ``events`` and ``demo``: one run, to look at."""
+"""``cmrc page``, ``replay``, ``events`` and ``demo``: show one run."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ def add(commands: Commands) -> None:
     parser.add_argument("run", metavar="RUN", help="an event trace, or a configuration (.toml) to run")
     parser.add_argument("-o", "--output", metavar="FILE.parquet", required=True, help="the table")
     _settings(parser)
-    parser = command(commands, "demo", "what the emulator tells, in five scenes, and a page of them", _demo)
+    parser = command(commands, "demo", "what the emulator shows, in five scenes, and a page of them", _demo)
     parser.add_argument("--out", metavar="FOLDER", default="demo", help="where the page is written (default: demo)")
 
 
 def _settings(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--set", metavar="KEY=VALUE", action="append", default=[], help="a setting, where RUN is a configuration"
+        "--set", metavar="KEY=VALUE", action="append", default=[], help="a setting, if RUN is a configuration"
     )
 
 
@@ -76,7 +76,7 @@ def _events(given: argparse.Namespace) -> int:
 
 def _page(given: argparse.Namespace) -> int:
     if given.command == "replay":
-        print("cmrc replay: it is called cmrc page now, and writes the same page", file=sys.stderr)
+        print("cmrc replay: the command is now cmrc page, and writes the same page", file=sys.stderr)
     run, plots = Path(given.run), Path(given.plots) if given.plots else None
     if run.suffix == ".toml":
         _write(run, Path(given.out or run.with_suffix(".html")), plots, settings(given))
@@ -86,7 +86,7 @@ def _page(given: argparse.Namespace) -> int:
 
 
 def _write(run: Path, out: Path, plots: Path | None, given: dict[str, Setting]) -> None:
-    """Runs a configuration. Each file whole or not at all."""
+    """Runs a configuration. Writes each file whole or not at all."""
     _check_outputs(run, out, plots)
     simulation = Simulation(config=run, settings=given)
     simulation.record()
@@ -99,19 +99,19 @@ def _write(run: Path, out: Path, plots: Path | None, given: dict[str, Setting]) 
 
 
 def _plot(run: Path, plots: Path | None, given: argparse.Namespace) -> None:
-    """Of a page that is there."""
+    """Plots an existing page."""
     if run.suffix == ".json":
         raise ValueError(
             f"{run}: recordings in JSON are no longer read; run the configuration again (cmrc page CONFIG.toml)"
         )
     if plots is None or given.out or given.set:
-        raise ValueError(f"{run}: of a page only --plots can be made; a configuration (.toml) is expected for all else")
+        raise ValueError(f"{run}: only --plots is possible for a page; a configuration (.toml) is expected for all else")
     _check_outputs(run, None, plots)
     _draw(run, plots)
 
 
 def _check_outputs(run: Path, out: Path | None, plots: Path | None) -> None:
-    """Before a run that takes minutes. Raises ValueError, ImportError."""
+    """To be called before a run that takes minutes. Raises ValueError, ImportError."""
     roles = files.FileRoles()
     roles.reads("RUN", run)
     for role, path in (("--out", out), ("--plots", plots)):

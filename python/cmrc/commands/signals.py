@@ -1,4 +1,4 @@
-"""SIGINT, SIGTERM and SIGHUP end a command with status 130, 143 and 129, as of the emulator (docs/cli.md, Signals)."""
+"""SIGINT, SIGTERM and SIGHUP end a command with status 130, 143 and 129, like ``emulator`` (docs/cli.md, Signals)."""
 
 from __future__ import annotations
 
@@ -20,21 +20,22 @@ class Ended(KeyboardInterrupt):
 
 
 def status(stop: KeyboardInterrupt) -> int:
-    """The exit status of a command that this has ended."""
+    """The exit status of a command that this signal has ended."""
     return 128 + (stop.number if isinstance(stop, Ended) else signal.SIGINT)
 
 
 def end_quietly() -> None:
-    """For workers of a pool, as its ``initializer``: a worker ends when its pool does, without a traceback. It would
-    inherit the handlers of ``raised``; Ctrl-C, which reaches each process of the terminal, is the parent's matter."""
+    """The ``initializer`` of a pool's workers: a worker ends when its pool does, without a traceback. Otherwise it
+    would inherit the handlers of ``raised``; but Ctrl-C, which reaches each process of the terminal, is handled by the
+    parent."""
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 @contextmanager
 def raised() -> Iterator[None]:
-    """The first of them raises Ended in here; the second ends the process at once. One that is ignored stays ignored,
-    as under ``nohup``."""
+    """The first signal raises Ended in this block; the second ends the process at once. A signal that is ignored stays
+    ignored, as under ``nohup``."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

@@ -20,11 +20,11 @@ SETTINGS: tuple[tuple[str, str, type, str, str], ...] = (
     ("--turn-order", "run.turn_order", int, "SEED", "shuffle which chip is advanced first; changes nothing"),
     ("--programs", "machine.programs", str, "DIR", "assemble the DSP programs from this directory"),
     ("--board", "machine.board", str, "default|FILE.toml", "memories and clock of the boards (docs/boards.md)"),
-    ("--topology", "bus.topology", str, "NAME", "what stands on which bus (docs/buses.md)"),
+    ("--topology", "bus.topology", str, "NAME", "which device is on which bus (docs/buses.md)"),
     ("--idle-policy", "machine.idle_policy", str, "NAME", "how a DSP without work waits: doorbell, pause or spin"),
     ("--eq7", "scheduling.equation", str, "NAME", "reading of equation (7): restored or as_printed"),
 )
-"""Settings with an option of their own, the same as of ``emulator``; they come before ``--set``."""
+"""Settings with an option of their own, the same as for ``emulator``; they come before ``--set``."""
 
 
 def add(commands: Commands) -> None:
@@ -43,7 +43,7 @@ def _configuration(parser: argparse.ArgumentParser) -> None:
 
 
 def _configured(given: argparse.Namespace) -> _core.cmrc.Config:
-    """The configuration that is asked for; ``--json`` can be written and is no file that is read."""
+    """The configuration of the options; checks that ``--json`` can be written and is not an input file."""
     asked = vars(given)
     own = {key: asked[key] for _, key, _, _, _ in SETTINGS if asked[key] is not None}
     made = configured(given.config, given.preset, {**settings(given), **own}, (), {})
@@ -68,7 +68,7 @@ def _limits(commands: Commands) -> None:
     parser.add_argument("--cycles", metavar="GRID", help="factors on the time of an instruction cycle, 1:3:0.25")
     parser.add_argument("--dsps-grid", metavar="GRID", help="numbers of DSPs, 1:8")
     parser.add_argument("--servo", metavar="GRID", help="servo frequencies in Hz, 500,1000,2000")
-    parser.add_argument("--errors", action="store_true", help="run every point to its end, and say what it cost")
+    parser.add_argument("--errors", action="store_true", help="run every point to its end, and report its errors")
 
 
 def _do_limits(given: argparse.Namespace) -> int:
@@ -88,7 +88,7 @@ def _do_limits(given: argparse.Namespace) -> int:
 
 
 def _compare(commands: Commands) -> None:
-    _configuration(command(commands, "compare", "a run beside the same run with instant execution", _do_compare))
+    _configuration(command(commands, "compare", "a run and the same run with instant execution", _do_compare))
 
 
 def _do_compare(given: argparse.Namespace) -> int:
@@ -106,7 +106,7 @@ def _show(given: argparse.Namespace, text: str, report: dict[str, Any]) -> None:
 
 
 def _diff(commands: Commands) -> None:
-    parser = command(commands, "diff", "what is different between two results; status 1 if anything is", _do_diff)
+    parser = command(commands, "diff", "the differences between two results; status 1 if there are any", _do_diff)
     parser.add_argument("left", metavar="A", help="a saved result, or a JSON report")
     parser.add_argument("right", metavar="B", help="another one")
     parser.add_argument("--json", metavar="FILE", help="write all of it as JSON")

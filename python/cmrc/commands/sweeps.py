@@ -23,14 +23,14 @@ def add(commands: Commands) -> None:
 
 
 def _where(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--out", metavar="FOLDER", help="where the runs are kept (default: FILE without its ending)")
+    parser.add_argument("--out", metavar="FOLDER", help="folder of the runs (default: FILE without its ending)")
     parser.add_argument(
         "--workers", type=int, metavar="N", help="processes of this machine (default: one per processor)"
     )
     parser.add_argument(
         "--cluster",
         metavar="ADDRESS",
-        help="a Dask cluster instead, tcp://HOST:8786; who can reach it can run code on it",
+        help="a Dask cluster instead, tcp://HOST:8786; anyone who can reach it can run code on it",
     )
     for option, meaning in (("ca", "certificate authority"), ("cert", "certificate"), ("key", "private key")):
         parser.add_argument(f"--tls-{option}", metavar="FILE", help=f"{meaning} for a cluster at tls://")
@@ -53,10 +53,10 @@ def _folder(given: argparse.Namespace) -> Path:
 
 
 def _sweep(commands: Commands) -> None:
-    parser = command(commands, "sweep", "runs every point of a grid, and keeps the reports in a folder", _do_sweep)
+    parser = command(commands, "sweep", "runs every point of a grid; keeps the reports in a folder", _do_sweep)
     parser.add_argument("file", metavar="FILE.toml", help="the grid (docs/sweeps.md)")
     _where(parser)
-    parser.add_argument("--metric", metavar="NAME", action="append", help="what the table shows; may be given again")
+    parser.add_argument("--metric", metavar="NAME", action="append", help="a metric of the table; may be given again")
     parser.add_argument("--csv", metavar="FILE", help="write one row per run")
     parser.add_argument("--plot", metavar="PICTURE", help="draw the first metric over the grid")
     parser.add_argument("--again-failed", action="store_true", help="run again what failed")
@@ -115,8 +115,8 @@ def _draw(found: Sweep, metrics: list[str], path: Path) -> None:
 
 
 def _search(commands: Commands) -> None:
-    parser = command(commands, "search", "looks for the best settings, or for the last that pass", _do_search)
-    parser.add_argument("file", metavar="FILE.toml", help="what is looked for, [search] (docs/sweeps.md)")
+    parser = command(commands, "search", "looks for the best settings, or for the last ones that pass", _do_search)
+    parser.add_argument("file", metavar="FILE.toml", help="a grid with a table [search] (docs/sweeps.md)")
     _where(parser)
 
 

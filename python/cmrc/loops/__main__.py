@@ -41,7 +41,8 @@ def margins_table() -> str:
 
 
 def poses_table() -> str:
-    """The range over all poses and loads: the inertia moved, how well the gain knows it, and the delay margin of both presets."""
+    """The range over all poses and loads: the inertia moved, how well the gain fits it, and the delay margin of both
+    presets."""
     crane = _core.plant.CraneParameters()
     lines = [
         "| joint | inertia moved | assumed / moved | delay margin `base`, ms | delay margin `tight`, ms |",
@@ -72,14 +73,14 @@ def found() -> list[tuple[str, str, float, float, float]]:
 
 
 def found_table(rows: list[tuple[str, str, float, float, float]]) -> str:
-    """Predicted margins beside those that runs show."""
+    """Predicted margins and those found in runs."""
     lines = ["| preset | joint | predicted, ms | stable with, ms | unstable with, ms |", "|---|---|---|---|---|"]
     lines += [f"| `{preset}` | {joint} | {p:.2f} | {a:.3f} | {b:.3f} |" for preset, joint, p, a, b in rows]
     return "\n".join(lines)
 
 
 def bode() -> Figure:
-    """The open loops of both presets, and what the sensitivity is at each frequency."""
+    """The open loops of both presets, and the sensitivity at each frequency."""
     figure = Figure(figsize=(8, 7), layout="constrained")
     size, phase, sensitivity = figure.subplots(3, 1, sharex=True)
     hertz = FREQUENCIES / (2 * math.pi)
@@ -104,7 +105,7 @@ def bode() -> Figure:
 
 
 def by_delay(rows: list[tuple[str, str, float, float, float]]) -> Figure:
-    """The delay margin over the bandwidth, and what runs show."""
+    """The delay margin over the bandwidth, and the results of runs."""
     figure = Figure(figsize=(7, 4), layout="constrained")
     axis = figure.subplots()
     bandwidths = np.linspace(15, 110, 60)
@@ -128,12 +129,12 @@ def by_delay(rows: list[tuple[str, str, float, float, float]]) -> Figure:
 
 
 def marks(block: str) -> tuple[str, str]:
-    """What stands before and after a table of the page."""
+    """The marks before and after a table of the page."""
     return f"<!-- loops {block}: python -m cmrc.loops --page docs/control.md -->", f"<!-- end of {block} -->"
 
 
 def replaced(page: str, block: str, table: str) -> str:
-    """The page with this table put in."""
+    """The page with this table."""
     first, last = marks(block)
     begin, end = page.index(first) + len(first), page.index(last)
     return f"{page[:begin]}\n\n{table}\n\n{page[end:]}"
@@ -150,7 +151,7 @@ def main() -> int:
     arguments = parser.parse_args()
     page = arguments.page
     if page is not None and not page.is_file():
-        print(f"cmrc.loops: {page} is no file; the page docs/control.md is expected", file=sys.stderr)
+        print(f"cmrc.loops: {page} is not a file; the page docs/control.md is expected", file=sys.stderr)
         return 2
     text = "" if page is None else page.read_text()
     missing = [mark for block in BLOCKS for mark in marks(block) if page is not None and mark not in text]

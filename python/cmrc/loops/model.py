@@ -58,12 +58,13 @@ class Loop:
 
 @dataclass(frozen=True)
 class Margins:
-    """What is left of a loop before it is unstable."""
+    """The margins of a loop before it becomes unstable."""
 
     crossover_hz: float
     phase_deg: float
     delay_ms: float
-    """ms of delay more that make it unstable: phase margin over crossover frequency, the least of all crossovers."""
+    """Additional delay in ms that makes it unstable: phase margin over crossover frequency, the least of all
+    crossovers."""
     peak: float
     """Ms, the largest of |1 / (1 + L)|."""
 
@@ -108,7 +109,7 @@ YAW_PER_KG = 3.85e5 / 30480
 
 
 def assumed_inertias(pose: Pose, crane: _core.plant.CraneParameters) -> list[float]:
-    """What the gains assume, kg or kg m2, by joint (docs/control.md, Inertias)."""
+    """The inertias that the gains assume, kg or kg m2, by joint (docs/control.md, Inertias)."""
     c = math.cos(pose.luff_rad)
     rotors = [d.rotor_inertia * d.gear**2 for d in crane.drives]
     jib = crane.jib_inertia + crane.jib_mass * crane.jib_centre**2
@@ -123,8 +124,9 @@ def assumed_inertias(pose: Pose, crane: _core.plant.CraneParameters) -> list[flo
 
 
 def moved_inertias(pose: Pose, crane: _core.plant.CraneParameters) -> list[float]:
-    """What each drive moves where the load is free to swing and the other joints are free to give way, kg or kg m2: 1 / (M^-1)_jj
-    of the plant's mass matrix at rest, rotors included. Well above every loop's crossover that is what a torque meets."""
+    """The inertia that each drive moves if the load can swing and the other joints can give way, kg or kg m2: 1 /
+    (M^-1)_jj of the plant's mass matrix at rest, rotors included. A torque acts on this inertia well above every loop's
+    crossover."""
     q = [0.0, 0.9, pose.luff_rad, pose.rope_m, 0.0, 0.0, 0.0]
     yaw = crane.spreader_inertia + YAW_PER_KG * (pose.mass_kg - crane.spreader_mass)
     inverse = np.linalg.inv(np.array(_core.plant.Crane(crane).mass_matrix(q, pose.mass_kg, yaw)))
@@ -132,7 +134,7 @@ def moved_inertias(pose: Pose, crane: _core.plant.CraneParameters) -> list[float
 
 
 def poses(masses_kg: Sequence[float] = (10e3, 34e3, 50e3)) -> Iterator[Pose]:
-    """The corners of the crane's reach, and some between."""
+    """The corners of the crane's reach, and some poses between them."""
     for luff_deg in (20, 35, 50, 65, 80):
         for rope_m in (6.0, 20.0, 45.0):
             for mass in masses_kg:

@@ -1,8 +1,8 @@
-"""The dock without any DSP: a crane by itself, and the whole scene (docs/plant.md). SI units, angles in radians.
+"""The dock without any DSP: a single crane, and the whole scene (docs/plant.md). SI units, angles in radians.
 
-``Crane`` is driven by motor torques, ``Agv`` by speed and steering, ``Scene`` by what a controller writes to its
-devices; ``CraneEnv`` is a crane in the manner of gymnasium. What a dock is made of (layouts, movers, ship, wind,
-sensors, landing) are the classes of ``parts``.
+``Crane`` is driven by motor torques, ``Agv`` by speed and steering, ``Scene`` by the values that a controller writes to
+its devices. ``CraneEnv`` is a crane as a gymnasium environment. The classes of ``parts`` describe a dock: layouts,
+movers, ship, wind, sensors, landing.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -130,7 +130,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """``CraneEnv`` is imported when it is asked for, and gymnasium with it."""
+    """``CraneEnv`` is imported on first use, together with gymnasium."""
     if name != "CraneEnv":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from cmrc.plant.environment import CraneEnv

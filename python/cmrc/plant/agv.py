@@ -1,4 +1,4 @@
-"""An AGV by itself."""
+"""A single AGV."""
 
 from __future__ import annotations
 
@@ -29,11 +29,13 @@ class AgvStatus:
 
 
 class Agv:
-    """An AGV by itself: single track with both axles steered, or ``drive="differential"`` (plant-and-bus.md 1.5), with its drive's speed loop.
+    """A single AGV: single track with both axles steered, or ``drive="differential"`` (plant-and-bus.md 1.5), with its
+    drive's speed loop.
 
-    ``config`` holds parameters under the names of ``AgvParameters`` (``mass``, ``adhesion``, ...), and besides ``start`` (x, y in m, heading in rad), ``load_mass`` kg,
-    ``load_inertia`` kg m2, ``tolerance``. Raises ValueError for an unknown name or a vehicle that cannot be. With differential drive front and rear
-    of the state are the speeds of the left and the right wheel, m/s.
+    ``config`` has parameters with the names of ``AgvParameters`` (``mass``, ``adhesion``, ...), and also ``start`` (x,
+    y in m, heading in rad), ``load_mass`` kg, ``load_inertia`` kg m2, ``tolerance``. Raises ValueError for an unknown
+    name or an impossible vehicle. With differential drive the state's front and rear are the speeds of the left and the
+    right wheel, m/s.
     """
 
     def __init__(self, config: Mapping[str, object] | None = None, **keywords: object) -> None:
@@ -61,29 +63,32 @@ class Agv:
         )
 
     def step(self, speed: float, front: float, rear: float, dt: float, turn: float = 0.0) -> None:
-        """Goes on by ``dt`` seconds, 0 to 60, with this set-point held: m/s, steering angles in rad; ``turn`` in rad/s for differential drive.
+        """Advances by ``dt`` seconds, 0 to 60, with this set-point: m/s, steering angles in rad; ``turn`` in rad/s for
+        differential drive.
 
-        The drive's ramp and loop (100 Hz), the steering's rate and lag stand between. Raises ValueError for another ``dt`` and for what is no finite number.
+        The drive's ramp and loop (100 Hz), and the steering's rate and lag, act on the set-point. Raises ValueError for
+        another ``dt`` and for a value that is not finite.
         """
         self._core.step(speed, front, rear, turn, dt)
 
     def set_load(self, mass: float, inertia: float = 0.0) -> None:
-        """What it carries, kg and kg m2. What is added was at rest: the momentum is kept, unless brakes hold the vehicle; what is taken off has its speed, which is kept.
+        """Sets the load, kg and kg m2. An added load was at rest: momentum is conserved, unless brakes hold the
+        vehicle. A removed load has the vehicle's speed, which does not change.
 
         Raises ValueError below zero.
         """
         self._core.set_load(mass, inertia)
 
     def reset(self, x: float, y: float, heading: float) -> None:
-        """At rest there, at time zero; what it carries stays."""
+        """At rest at this pose, at time zero; the load stays."""
         self._core.reset(Pose(x, y, heading))
 
     def snapshot(self) -> AgvSnapshot:
-        """The whole state; ``restore`` it and go on, bit for bit."""
+        """The whole state; after ``restore`` the vehicle continues bit for bit."""
         return self._core.snapshot()
 
     def restore(self, snapshot: AgvSnapshot) -> None:
-        """Back to a snapshot of an AGV of the same config."""
+        """Goes back to a snapshot of an AGV with the same config."""
         self._core.restore(snapshot)
 
     def energy(self) -> float:

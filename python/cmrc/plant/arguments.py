@@ -1,4 +1,4 @@
-"""What is given by name or as numbers, with errors that say so."""
+"""Arguments by name or as numbers, with their error messages."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 
 def assign(target: object, what: str, values: object, *others: str) -> None:
-    """Sets attributes by name; ``others`` are names taken elsewhere."""
+    """Sets attributes by name; ``others`` are names that the caller handles."""
     if not isinstance(values, Mapping):
         raise TypeError(f"the parameters of {what} must be given by name, not {values!r}")
     known = sorted({name for name in dir(target) if not name.startswith("_")}.union(others))
@@ -32,7 +32,7 @@ def numbers(what: str, values: object, count: int) -> list[float]:
 
 
 def device_code(what: str, value: float, scale: float, least: int, most: int) -> int:
-    """A device's integer, of a value in SI units."""
+    """A value in SI units as a device's integer."""
     if not least <= value * scale <= most:
         raise ValueError(f"{what} must be {least / scale:g} to {most / scale:g} (got {value})")
     return round(value * scale)

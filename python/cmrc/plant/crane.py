@@ -1,4 +1,4 @@
-"""A crane by itself, driven by motor torques."""
+"""A single crane, driven by motor torques."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 COORDINATES = ("s", "psi", "phi", "l", "alpha", "beta", "kappa")
 """Gantry m, slew, luff rad, rope m, radial and tangential sway, rotator rad."""
 JOINTS = ("gantry", "slew", "luff", "hoist", "rotator")
-"""What has a motor, in the order of torques."""
+"""The joints with a motor, in the order of torques."""
 ACTUATED = (0, 1, 2, 3, 6)
 """The joints' indices in the coordinates."""
 INTEGRATORS = ("erk", "adams", "bdf")
@@ -43,7 +43,7 @@ _OPTIONS: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class CraneState:
-    """What moves: coordinates and speeds in the order of COORDINATES, motor torques in that of JOINTS."""
+    """The moving state: coordinates and speeds in the order of COORDINATES, motor torques in the order of JOINTS."""
 
     time_s: float
     q: Array
@@ -53,7 +53,8 @@ class CraneState:
 
 @dataclass(frozen=True)
 class Sensors:
-    """What a controller sees: 24-bit encoder counts (16384 per motor turn) and sway codes (2048 is 10 degrees), with the sensor's noise, without latency."""
+    """The controller's sensors: 24-bit encoder counts (16384 per motor turn) and sway codes (2048 is 10 degrees), with
+    the sensor's noise, without latency."""
 
     encoders: tuple[int, ...]
     sway: tuple[int, ...]
@@ -61,7 +62,8 @@ class Sensors:
 
 @dataclass(frozen=True)
 class Event:
-    """What happened, found as a root by the integrator: ``limit``, ``stuck``, ``slipped`` (a joint's name), ``slack``, ``swung_out`` (None)."""
+    """An event, found as a root by the integrator: ``limit``, ``stuck``, ``slipped`` (a joint's name), ``slack``,
+    ``swung_out`` (None)."""
 
     time_s: float
     kind: str
@@ -70,7 +72,8 @@ class Event:
 
 @dataclass(frozen=True)
 class Work:
-    """Where energy went since the start, J: put in by the motors and by the wind; lost in gears (negative where the load drives), joints, sway, impacts."""
+    """Energy since the start, J: from the motors and the wind; lost in gears (negative if the load drives), joints,
+    sway, impacts."""
 
     motors: float
     gears: float
@@ -92,7 +95,8 @@ class Sensitivity:
 
 @dataclass(frozen=True)
 class Linearization:
-    """dx/dt = A x + B u, y = C x + D u (``Crane.linearize``): x coordinates, speeds and motor torques, u commanded torques, y what encoders and sway sensors see."""
+    """dx/dt = A x + B u, y = C x + D u (``Crane.linearize``): x coordinates, speeds and motor torques, u commanded
+    torques, y the values of encoders and sway sensors."""
 
     A: Array
     B: Array
@@ -109,11 +113,13 @@ class Linearization:
 class Crane:
     """The slewing, luffing crane with its drives, at level L1 (``model="sway"``) or L0 (``"rigid"``).
 
-    ``machine="gantry"`` is the ship-to-shore gantry: psi stays at pi/2, phi is its trolley's place in m, the second torque does nothing.
-    ``config`` holds parameters under the names of docs/plant.md (``jib``, ``spreader_mass``, ...), and besides: ``home`` (s, x, y, z, yaw of the spreader),
-    ``load_mass`` and ``load_inertia`` of what hangs below the spreader, ``rated_load``, ``model``, ``tolerance``, ``integrator`` ("erk", "adams", "bdf"), ``order`` of "erk" (3 to 5),
-    ``bookkeeping`` (keeps ``work``), ``seed``,
-    ``sway_noise`` in rad, ``wind`` ({mean, gust, direction, side_area, end_area, spreader_area, seed}: m/s, rad, m2), ``drives`` ({joint: {parameter: value}}). Raises ValueError for an unknown name or a crane that cannot be.
+    ``machine="gantry"`` is the ship-to-shore gantry: psi stays at pi/2, phi is its trolley's place in m, the second
+    torque has no effect. ``config`` has parameters with the names of docs/plant.md (``jib``, ``spreader_mass``, ...),
+    and also: ``home`` (s, x, y, z, yaw of the spreader), ``load_mass`` and ``load_inertia`` of the load below the
+    spreader, ``rated_load``, ``model``, ``tolerance``, ``integrator`` ("erk", "adams", "bdf"), ``order`` of "erk" (3 to
+    5), ``bookkeeping`` (computes ``work``), ``seed``, ``sway_noise`` in rad, ``wind`` ({mean, gust, direction,
+    side_area, end_area, spreader_area, seed}: m/s, rad, m2), ``drives`` ({joint: {parameter: value}}). Raises
+    ValueError for an unknown name or an impossible crane.
     """
 
     def __init__(self, config: Mapping[str, object] | None = None, **keywords: object) -> None:
@@ -160,12 +166,13 @@ class Crane:
         self.maximum_torques: Array = np.array([drive.maximum_torque for drive in drives])
         """Motor torques at which the drives saturate, N m."""
         self.step = self._core.step
-        """``step(torques, dt)``: goes on by ``dt`` seconds, 0 to 60, with the five motor torques (N m) held.
+        """``step(torques, dt)``: advances by ``dt`` seconds, 0 to 60, with the five motor torques (N m) held.
 
-        Torques saturate; one that is no finite number faults its drive: its brake closes until ``reset``. Raises ValueError for another ``dt``.
+        Torques saturate; a torque that is not finite faults its drive: its brake closes until ``reset``. Raises
+        ValueError for another ``dt``.
         """
         self.run = self._core.run
-        """``run(torques, dt, steps)``: so many equal steps, without holding the GIL."""
+        """``run(torques, dt, steps)``: this number of equal steps, without holding the GIL."""
 
     @property
     def state(self) -> CraneState:
@@ -187,11 +194,11 @@ class Crane:
         self._core.set_load(mass, inertia)
 
     def snapshot(self) -> CraneSnapshot:
-        """The whole state; ``restore`` it and go on, bit for bit."""
+        """The whole state; after ``restore`` the crane continues bit for bit."""
         return self._core.snapshot()
 
     def restore(self, snapshot: CraneSnapshot) -> None:
-        """Back to a snapshot of a crane of the same config."""
+        """Goes back to a snapshot of a crane with the same config."""
         self._core.restore(snapshot)
 
     def mass_matrix(self) -> Array:
@@ -225,13 +232,16 @@ class Crane:
         return np.array(self._core.model.payload_position(self._core.q))
 
     def sensitivity(self, torques: Sequence[float], seconds: float) -> Sensitivity:
-        """How the state after ``seconds`` with these torques held depends on the payload's mass and the rope's length (CVODES, Adams). The crane stays."""
+        """How the state after ``seconds`` with these torques depends on the payload's mass and the rope's length
+        (CVODES, Adams). The crane's state does not change."""
         return Sensitivity(*(np.array(part) for part in self._core.sensitivity(torques, seconds)))
 
     def linearize(self, state: CraneSnapshot | None = None) -> Linearization:
-        """The crane about a snapshot (by default the present state), which need not be one of rest: the deviations from its motion obey dx/dt = A x + B u, y = C x + D u.
+        """The crane linearised around a snapshot (by default the present state), which need not be at rest: the
+        deviations from its motion obey dx/dt = A x + B u, y = C x + D u.
 
-        Dry friction is taken as it is smoothed; what brakes or friction hold has rows and columns of zeros. Differences of fourth order: 1e-6 or better of A's entries.
+        Dry friction is smoothed; coordinates that brakes or friction hold have rows and columns of zeros. Differences
+        of fourth order: 1e-6 or better of A's entries.
         """
         snapshot = self.snapshot() if state is None else state
         lags = np.array([drive.torque_lag for drive in self.parameters.drives])
@@ -255,13 +265,13 @@ class Crane:
 
     @property
     def faulted(self) -> tuple[str, ...]:
-        """Joints whose drive was given a torque that is no number; all of them once the load swung beyond 40 degrees."""
+        """Joints whose drive got a torque that is not a number; all joints once the load swung beyond 40 degrees."""
         mask = 0b11111 if self._core.swung_out else self._core.faulted
         return tuple(joint for j, joint in enumerate(JOINTS) if mask >> j & 1)
 
     @property
     def events(self) -> list[Event]:
-        """What happened since the start or the last ``reset`` or ``restore``."""
+        """Events since the start or the last ``reset`` or ``restore``."""
         return [
             Event(time * 1e-12, kind, JOINTS[joint] if kind in ("limit", "stuck", "slipped") else None)
             for time, kind, joint in self._core.events

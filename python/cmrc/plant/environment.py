@@ -1,4 +1,5 @@
-"""A crane in the manner of gymnasium. A module of its own, for gymnasium takes longer to import than all of cmrc."""
+"""A crane as a gymnasium environment. A separate module, because importing gymnasium takes longer than importing all of
+cmrc."""
 
 from __future__ import annotations
 
@@ -18,7 +19,7 @@ except ImportError:
 
 
 class _PlainBox:
-    """What is needed of gymnasium's Box where that package is missing."""
+    """The used part of gymnasium's Box, if that package is missing."""
 
     def __init__(self, low: float | Array, high: float | Array, shape: tuple[int, ...], dtype: DTypeLike) -> None:
         self.shape = shape
@@ -45,11 +46,14 @@ _Box: Any = _PlainBox if gymnasium is None else gymnasium.spaces.Box
 
 
 class CraneEnv(_Environment):  # type: ignore[misc]
-    """A crane as an environment of gymnasium (a ``gymnasium.Env`` where that package is installed; it works the same without).
+    """A crane as an environment of gymnasium (a ``gymnasium.Env`` if that package is installed; it works in the same
+    way without).
 
-    Action: five shares of the maximum torque, -1 to 1. Observation: q, qd and the load's way to ``target`` (17 numbers). Reward: minus that way in m and
-    minus the sway in rad, times ``dt``. An episode terminates when the load is within 0.1 m of the target and slower than 0.05 m/s, or a drive faults; it is
-    truncated after ``duration`` seconds. The same actions after ``reset`` with the same seed give the same numbers, bit for bit.
+    Action: five shares of the maximum torque, -1 to 1. Observation: q, qd and the vector from the load to ``target``
+    (17 numbers). Reward: minus the length of that vector in m and minus the sway in rad, times ``dt``. An episode
+    terminates when the load is within 0.1 m of the target and slower than 0.05 m/s, or a drive has a fault; it is
+    truncated after ``duration`` seconds. The same actions after ``reset`` with the same seed give the same numbers, bit
+    for bit.
     """
 
     metadata: dict[str, list[str]] = {"render_modes": []}  # noqa: RUF012 (gymnasium's own form)
@@ -77,7 +81,8 @@ class CraneEnv(_Environment):  # type: ignore[misc]
     def reset(
         self, *, seed: int | None = None, options: Mapping[str, float] | None = None
     ) -> tuple[Array, dict[str, float]]:
-        """Back to the start, the sway angles within ``options["sway"]`` rad of plumb, drawn from ``seed``; without one the draws go on, at first those of seed 0."""
+        """Goes back to the start, with sway angles within ``options["sway"]`` rad, drawn from ``seed``; without a seed
+        the sequence of draws continues, beginning with seed 0."""
         if unknown := sorted(set(options or {}) - {"sway"}):
             raise ValueError(f'reset has the option "sway", not {unknown}')
         if seed is not None or getattr(self, "_random", None) is None:

@@ -1,5 +1,5 @@
-"""The dock's parts, as they stand in C++ (plant/parameters/config.hpp gives each value's unit and source); they can be
-copied and pickled."""
+"""The dock's parts as in C++ (plant/parameters/config.hpp gives each value's unit and source); they can be copied and
+pickled."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import Any
 from cmrc import _core
 
 default_dock = _core.plant.default_dock
-"""``default_dock(agv_count)``: the configuration of docs/plant.md, every value of which may be changed."""
+"""``default_dock(agv_count)``: the configuration of docs/plant.md; every value may be changed."""
 gantry_dock = _core.plant.gantry_dock
-"""``gantry_dock(agv_count)``: the same dock with a ship-to-shore gantry for a crane."""
+"""``gantry_dock(agv_count)``: the same dock with a ship-to-shore gantry as its crane."""
 gantry_crane = _core.plant.gantry_crane
 """Parameters of a ship-to-shore gantry (plant-and-bus.md 1.4)."""
 apply_layout = _core.plant.apply_layout
@@ -21,7 +21,8 @@ load_layout = _core.plant.load_layout
 LayoutError = _core.plant.LayoutError
 """A layout file that is wrong: where, and what would be right. A ValueError."""
 inverse_kinematics = _core.plant.inverse_kinematics
-"""``inverse_kinematics(crane_parameters, crane_pose)``: the coordinates (7) at which the load hangs plumb there. Raises ValueError out of reach."""
+"""``inverse_kinematics(crane_parameters, crane_pose)``: the coordinates (7) at which the load hangs vertically there.
+Raises ValueError out of reach."""
 mover_place = _core.plant.mover_place
 """``mover_place(mover, seconds)``: x, y in m and their rates in m/s."""
 wind_speed = _core.plant.wind_speed
@@ -33,7 +34,7 @@ DockConfig = _core.plant.DockConfig
 CraneParameters = _core.plant.CraneParameters
 DriveParameters = _core.plant.DriveParameters
 Portal = _core.plant.Portal
-"""Where a crane's legs stand (``CraneParameters.portal``)."""
+"""The legs of a crane (``CraneParameters.portal``)."""
 CranePose = _core.plant.CranePose
 LandingParameters = _core.plant.LandingParameters
 AgvParameters = _core.plant.AgvParameters
@@ -55,13 +56,13 @@ AgvSignal = _core.plant.AgvSignal
 ContainerStatus = _core.plant.ContainerStatus
 """A container: state, AGV or -1, centre of its top in m, yaw in rad, mass in kg (``Scene.containers``)."""
 DockEvent = _core.plant.Event
-"""What happened on the dock: time in ps, kind, index, two values (``EventKind`` of plant/dock/dock.hpp says which)."""
+"""An event of the dock: time in ps, kind, index, two values (``EventKind`` of plant/dock/dock.hpp says which)."""
 DockState = _core.plant.DockState
 """A dock's complete state at a latch; opaque (``Scene.snapshot``)."""
 CraneSnapshot = _core.plant.CraneAloneState
 AgvSnapshot = _core.plant.AgvAloneState
 Handover = _core.plant.Handover
-"""Phase of a container's change of hands, whether it is released, attempts (``Scene.handover``)."""
+"""Phase of a container's hand-over, whether it is released, attempts (``Scene.handover``)."""
 Switch = _core.plant.Switch
 """Energy (J) and momentum (kg m/s, kg m2/s) before and after a change between levels, an attach or a detach (``Scene.switches``)."""
 Momentum = _core.plant.Momentum
@@ -78,7 +79,7 @@ def _parameters(cls: type, values: dict[str, object]) -> object:
 
 
 def _reduce(value: object) -> tuple[Any, ...]:
-    """For ``copy`` and ``pickle``: a class of parameters that is made empty, and what of it can be set."""
+    """For ``copy`` and ``pickle``: a class of parameters that is constructed empty, and its settable members."""
     names = [
         name for name, member in vars(type(value)).items() if isinstance(member, property) and member.fset is not None
     ]
@@ -86,7 +87,7 @@ def _reduce(value: object) -> tuple[Any, ...]:
 
 
 def _reduce_made(value: object) -> tuple[Any, ...]:
-    """The same of one that is made of its values."""
+    """The same for a class that is constructed from its values."""
     return type(value), tuple(getattr(value, name) for name in _MADE_OF[type(value)])
 
 

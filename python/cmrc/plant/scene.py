@@ -1,4 +1,4 @@
-"""The whole dock, driven as a controller drives it."""
+"""The whole dock, driven like a controller drives it."""
 
 from __future__ import annotations
 
@@ -13,9 +13,11 @@ from cmrc.plant.parts import AgvSignal, ContainerStatus, DockConfig, DockEvent, 
 
 
 class Scene:
-    """The whole dock: crane, 0 to 16 AGVs, containers, landing. A controller's devices are its inputs; time goes on by ``step``.
+    """The whole dock: crane, 0 to 16 AGVs, containers, landing. A controller's devices are its inputs; ``step``
+    advances time.
 
-    ``config`` is a ``DockConfig`` (``cmrc.plant.default_dock``), by default that of docs/plant.md with ``agvs`` vehicles.
+    ``config`` is a ``DockConfig`` (``cmrc.plant.default_dock``), by default that of docs/plant.md with ``agvs``
+    vehicles.
     """
 
     def __init__(self, config: DockConfig | None = None, agvs: int = 1) -> None:
@@ -28,9 +30,10 @@ class Scene:
         return self._time * 1e-12
 
     def step(self, torques: Sequence[float] | None, dt: float) -> None:
-        """Goes on by ``dt`` seconds, 0 to 60. ``torques`` (motor, N m) become the drives' 12-bit codes; None leaves the drives off, brakes holding.
+        """Advances by ``dt`` seconds, 0 to 60. ``torques`` (motor, N m) become the drives' 12-bit codes; None leaves
+        the drives off, with brakes holding.
 
-        A torque that is no finite number faults its drive: the brake holds from then on.
+        A torque that is not finite faults its drive: the brake holds from then on.
         """
         if not 0.0 <= dt <= 60.0:
             raise ValueError(f"a step must be 0 to 60 s (got {dt})")
@@ -52,7 +55,7 @@ class Scene:
             self._time = self._dock.time  # less after Ctrl-C
 
     def drive(self, agv: int, speed: float, front: float, rear: float) -> None:
-        """A set-point into that AGV's FIFO: m/s, steering angles in rad. ``hold`` says how long each is held."""
+        """Writes a set-point into that AGV's FIFO: m/s, steering angles in rad. ``hold`` sets how long each is held."""
         most = 2**31 - 1
         angles = [
             device_code(f"{name}, rad,", angle, 1e6, -most, most) for name, angle in (("front", front), ("rear", rear))
@@ -60,7 +63,7 @@ class Scene:
         self._dock.agv_push(agv, device_code("speed, m/s,", speed, 1e3, -most, most), angles[0], angles[1], self._time)
 
     def hold(self, agv: int, seconds: float) -> None:
-        """Each set-point of that AGV is held for so long, at least 1 ms."""
+        """Sets how long each set-point of that AGV is held, at least 1 ms."""
         self._dock.agv_period(agv, device_code("a set-point's time, s,", seconds, 1e6, 0, 2**32 - 1), self._time)
 
     def lock(self, closed: bool) -> None:
@@ -72,7 +75,7 @@ class Scene:
         return self._dock.agv(index)
 
     def ranges(self, index: int) -> Array:
-        """The range sensor's 180 rays in m, from the right to the left."""
+        """The range sensor's 180 rays in m, from right to left."""
         return np.array(self._dock.agv_scan(index, self._time)) * 1e-3
 
     @property
@@ -82,22 +85,22 @@ class Scene:
 
     @property
     def containers(self) -> list[ContainerStatus]:
-        """Every container: where it is and who has it."""
+        """Every container: its place and its carrier."""
         return self._dock.containers
 
     @property
     def handover(self) -> Handover:
-        """Where a container's change of hands stands."""
+        """The phase of a container's hand-over."""
         return self._dock.handover
 
     @property
     def switches(self) -> list[Switch]:
-        """The books of every change between levels, attach and detach so far."""
+        """Energy and momentum of every change between levels, attach and detach so far."""
         return self._dock.switches
 
     @property
     def events(self) -> list[DockEvent]:
-        """What has happened, in order of time."""
+        """The events so far, in the order of time."""
         return self._dock.events
 
     def energy(self) -> float:
@@ -109,6 +112,7 @@ class Scene:
         return self._dock.snapshot()
 
     def restore(self, snapshot: DockState) -> None:
-        """Back to a snapshot of a scene of the same config. One taken off the 125-us grid goes back to the latch before it."""
+        """Goes back to a snapshot of a scene with the same config. A snapshot between two points of the 125-us grid
+        goes back to the latch before it."""
         self._dock.restore(snapshot)
         self._time = int(self._dock.time)

@@ -1,5 +1,5 @@
-"""``python -m cmrc.sweeps.alone``: the process in which one run is alone (work.Alone); it talks on its standard
-streams."""
+"""``python -m cmrc.sweeps.alone``: a process for one run alone (work.Alone); it uses its standard streams for requests
+and answers."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from cmrc.processes import die_with_parent
 
 
 def first_to_go() -> None:
-    """Where memory runs out, the kernel ends this process and not its worker."""
+    """If memory runs out, the kernel ends this process and not its worker."""
     try:
         with open("/proc/self/oom_score_adj", "w", encoding="ascii") as file:
             file.write("1000")
@@ -22,7 +22,7 @@ def main() -> None:
     import cloudpickle
 
     answers = os.dup(1)
-    os.dup2(2, 1)  # what a run prints is no part of the answer
+    os.dup2(2, 1)  # a run's own output is not part of the answer
     execute, key, toml, parent = cloudpickle.loads(sys.stdin.buffer.read())
     die_with_parent(parent)
     first_to_go()

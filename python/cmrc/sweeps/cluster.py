@@ -1,4 +1,4 @@
-"""Where the runs of a sweep are run: on this machine, or on a Dask cluster by its address."""
+"""The workers of a sweep: on this machine, or on a Dask cluster at an address."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ GONE = "the cluster's scheduler is gone; what was answered is kept, and the same
 START_AGAIN_S = 0.2
 ASK_S = 1.0
 SETTINGS = {
-    # One death is told at once; what follows from it is decided here (runner.py).
+    # Dask reports one death at once; runner.py decides what follows.
     "distributed.scheduler.allowed-failures": 0,
     "distributed.scheduler.worker-saturation": 1.0,
 }
@@ -33,11 +33,11 @@ QUIET = {
     "distributed.scheduler.active-memory-manager.start": False,
     "distributed.scheduler.work-stealing": False,
 }
-"""What Dask watches itself with costs a local sweep as much as its own work, and nobody looks at it."""
+"""Dask's own monitoring costs a local sweep as much as its work, and its results are not used."""
 
 
 class Workers:
-    """A client, and the care for its workers."""
+    """A client and its workers."""
 
     def __init__(self, client: Any, workers: _Processes | None) -> None:
         self.client = client
@@ -45,7 +45,7 @@ class Workers:
         self._asked_at, self._threads = float("-inf"), 0
 
     def mend(self) -> None:
-        """Starts again what has died on this machine. Raises SweepError where the cluster is gone."""
+        """Restarts dead workers on this machine. Raises SweepError if the cluster is gone."""
         if self.client.status not in ("running", "connecting"):
             raise SweepError(GONE)
         if self._processes is not None:
@@ -63,16 +63,16 @@ class Workers:
 
 
 class _Processes:
-    """Workers of this machine, one process each: one that dies is started again, and so is what forks them."""
+    """Workers of this machine, one process each. A dead worker is restarted, and so is the process that forks them."""
 
     def __init__(self, count: int) -> None:
         self.count = count
         self.address = ""
         self.number = 0
-        self._start()  # it imports what workers need while this process does the same
+        self._start()  # it imports the workers' modules while this process does the same
 
     def join(self, address: str) -> None:
-        """Workers for the scheduler at that address."""
+        """Connects the workers to the scheduler at that address."""
         self.address = address
         self._fork_all()
 
@@ -130,8 +130,8 @@ class _Processes:
 def workers(address: str | None, count: int | None, security: Mapping[str, Any] | None) -> Iterator[Workers]:
     """A local cluster of ``count`` workers (default: one per processor), or the cluster at ``address``.
 
-    ``security`` has the fields of ``distributed.Security`` (tls_ca_file, tls_client_cert, ...). Raises SweepError where
-    no cluster answers.
+    ``security`` has the fields of ``distributed.Security`` (tls_ca_file, tls_client_cert, ...). Raises SweepError if no
+    cluster answers.
     """
     if address is None:
         with _local(count or os.cpu_count() or 1) as found:
@@ -145,7 +145,7 @@ def workers(address: str | None, count: int | None, security: Mapping[str, Any] 
             )
         for name, path in (security or {}).items():
             if name.startswith("tls_") and isinstance(path, (str, os.PathLike)) and not os.path.isfile(path):
-                raise SweepError(f"security.{name}: {path} is no file; a certificate or a key is expected")
+                raise SweepError(f"security.{name}: {path} is not a file; a certificate or a key is expected")
         try:
             safe = distributed.Security(**(security or {}))
             _greet(address, safe)
@@ -159,8 +159,8 @@ def workers(address: str | None, count: int | None, security: Mapping[str, Any] 
 
 
 def _greet(address: str, security: Any) -> None:
-    """A cluster says who it is within CONNECT_S. Dask's client waits for ever for whoever accepts and says nothing.
-    Raises OSError, ValueError, TypeError."""
+    """A cluster identifies itself within CONNECT_S. Dask's client would wait forever for a server that accepts and does
+    not answer. Raises OSError, ValueError, TypeError."""
     connect: Any = needed("distributed.comm", "sweep", "cmrc.sweep").connect
 
     async def greeted() -> None:
@@ -169,7 +169,7 @@ def _greet(address: str, security: Any) -> None:
                 connect(address, timeout=CONNECT_S, **security.get_connection_args("client")), CONNECT_S + 1
             )
         except asyncio.TimeoutError:
-            raise OSError(f"whoever listens there has not answered within {CONNECT_S:g} s") from None
+            raise OSError(f"the server at this address has not answered within {CONNECT_S:g} s") from None
         await comm.close()
 
     with ThreadPoolExecutor(1) as beside:  # a notebook has a loop of its own in this thread

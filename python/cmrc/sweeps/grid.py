@@ -22,7 +22,7 @@ TABLES = ("fixed", "axes", "together", "repeats", "events", "futures", "fork", "
 RANGE = ("from", "to", "step", "count", "scale")
 REPEATS = ("seeds", "first", "phases")
 APART = ("preset", "config")
-"""What is no setting and may be fixed; a preset may be an axis, too."""
+"""Names that are not settings but may be fixed; a preset may also be an axis."""
 FUTURE = "future"
 """The axis of [[futures]]."""
 MOST_RUNS = 10_000_000
@@ -32,7 +32,7 @@ SEED, PHASES = "run.seed", "run.phase_jitter"
 
 
 class GridError(Error, ValueError):
-    """A grid that cannot be run. Says where, and what would be right."""
+    """A grid that cannot be run. The message says where, and what would be right."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Point:
     """One run of the grid."""
 
     place: Mapping[str, Setting]
-    """Its value on every axis, by the setting's full name; the seed apart."""
+    """Its value on every axis, by the setting's full name; the seed is separate."""
     seed: int | None
     """None: the seed is not varied."""
     settings: Mapping[str, Setting]
@@ -107,7 +107,7 @@ def read(path: str | os.PathLike[str]) -> Grid:
 
 
 def made(tables: Mapping[str, Any], name: str = "grid", folder: Path | None = None) -> Grid:
-    """A grid from a dictionary as TOML gives it. ``folder`` is where a relative ``config`` is looked for. Raises
+    """A grid from a dictionary in the form of TOML. A relative ``config`` is looked for in ``folder``. Raises
     GridError."""
     try:
         return _Reader(tables, name, folder).grid()
@@ -130,7 +130,7 @@ def _shorts() -> dict[str, list[str]]:
 
 
 def full_name(key: str, where: str) -> str:
-    """The setting of that name, or of that last part. Raises GridError with the nearest one."""
+    """The setting with that name, or with that last part. Raises GridError with the nearest one."""
     if key in schema() or key == "preset":
         return key
     found = _shorts().get(key, [])
@@ -145,7 +145,7 @@ def full_name(key: str, where: str) -> str:
 
 
 def axis_name(key: str, where: str) -> str:
-    """The axis of that name, or of the setting with that last part. Raises GridError with the nearest one."""
+    """The axis with that name, or of the setting with that last part. Raises GridError with the nearest one."""
     return key if key == FUTURE else full_name(key, where)
 
 
@@ -234,7 +234,7 @@ class _Reader:
                 raise GridError(f"{where}: settings that go together have equally many values, not {told}")
             together = [dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)]
             if any(one in together[:i] for i, one in enumerate(together)):
-                raise GridError(f"{where}: a combination stands there twice; each is run once")
+                raise GridError(f"{where}: a combination is given twice; each is run once")
             yield together
 
     def _repeats(self) -> tuple[list[int], bool | None]:
@@ -280,9 +280,9 @@ class _Reader:
                     raise GridError(f"{where}.{key}: unknown; name and events are known")
             name = _text(row.get("name"), f"{where}.name")
             if not name:
-                raise GridError(f"{where}.name: what the table calls this future is expected")
+                raise GridError(f"{where}.name: a name for this future is expected")
             if name in found:
-                raise GridError(f"{where}.name: {name!r} stands there twice; each is run once")
+                raise GridError(f"{where}.name: {name!r} is given twice; each is run once")
             found[name] = self._events(f"{where}.events", row.get("events", []))
         return found
 
@@ -298,7 +298,7 @@ class _Reader:
             raise GridError("fork.at_s: an instant of the runs in s, above 0, is expected")
         if len(futures) < 2:
             raise GridError(
-                "fork: runs share their beginnings where [[futures]] tell them apart; at least two are expected"
+                "fork: only runs that differ by [[futures]] can share their beginnings; at least two futures are expected"
             )
         for n, events in enumerate(futures.values()):
             for i, event in enumerate(events):
@@ -312,10 +312,10 @@ class _Reader:
 
 
 def flat(table: Mapping[str, Any], where: str, ranges: bool, prefix: str = "") -> Iterator[tuple[str, Any, str]]:
-    """Keys with dots, which TOML takes for tables in tables."""
+    """Keys with dots; TOML reads them as tables in tables."""
     for key, value in table.items():
         if not isinstance(key, str):
-            raise GridError(f"{where}: {key!r} is no name of a setting")
+            raise GridError(f"{where}: {key!r} is not the name of a setting")
         name = f"{prefix}{key}"
         if isinstance(value, Mapping) and not (ranges and "from" in value):
             if not value:
@@ -333,7 +333,7 @@ def _scalar(value: Any, where: str) -> Setting:
     if isinstance(value, int) and not -MOST_WHOLE <= value <= MOST_WHOLE:
         raise GridError(f"{where}: {value} is beyond 64 bits")
     if isinstance(value, float) and not math.isfinite(value):
-        raise GridError(f"{where}: {value} is no number that a setting can have")
+        raise GridError(f"{where}: {value} is not a number that a setting can have")
     return value
 
 
@@ -355,7 +355,7 @@ def values_of(key: str, value: Any, where: str, unique: bool = True) -> list[Set
     values = [_scalar(one, f"{where}[{n}]") for n, one in enumerate(value)]
     for n, one in enumerate(values):
         if unique and any(one == before and type(one) is type(before) for before in values[:n]):
-            raise GridError(f"{where}[{n}]: {one!r} stands there twice; each is run once")
+            raise GridError(f"{where}[{n}]: {one!r} is given twice; each is run once")
     return values
 
 
@@ -421,7 +421,7 @@ def _seeds(seeds: Any, first: Any, has_first: bool) -> list[int]:
         ):
             raise GridError(f"{where}: whole numbers from 0 to 2^63 - 1 are expected, at least one")
         if len(set(seeds)) < len(seeds):
-            raise GridError(f"{where}: a seed stands there twice; each is run once")
+            raise GridError(f"{where}: a seed is given twice; each is run once")
         return list(seeds)
     for place, number, least in ((where, seeds, 1), ("repeats.first", first, 0)):
         if not isinstance(number, int) or isinstance(number, bool) or not least <= number <= MOST_RUNS:

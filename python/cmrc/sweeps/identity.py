@@ -1,4 +1,4 @@
-"""What makes a run: its key is the same on every machine, and differs where its result might."""
+"""The identity of a run: its key is the same on every machine, and differs if its result might differ."""
 
 from __future__ import annotations
 
@@ -17,13 +17,14 @@ from cmrc.sweeps.grid import Point
 
 @cache
 def build() -> str:
-    """SHA-256 of the emulator's library without its version: builds that differ in more never share results."""
+    """SHA-256 of the emulator's library without its version: builds that differ in anything else never share
+    results."""
     return digest_without_version(Path(_core.__file__).read_bytes(), _core.cmrc.emulator_version)
 
 
 def digest_without_version(library: bytes, version: str) -> str:
-    """SHA-256 of a library whose version (emulator/report/version.cpp.in) reads as zeros. Raises ValueError if the
-    version does not stand there once."""
+    """SHA-256 of a library with its version (emulator/report/version.cpp.in) replaced by zeros. Raises ValueError
+    unless the version occurs exactly once."""
     text = version.encode().ljust(64, b"\0")
     if library.count(text) != 1:
         raise ValueError(f"the version {version} stands {library.count(text)} times in the library; once is expected")
@@ -31,15 +32,15 @@ def digest_without_version(library: bytes, version: str) -> str:
 
 
 class Keys:
-    """Makes keys. Files that several configurations name are read once."""
+    """Makes keys. A file that several configurations name is read once."""
 
     def __init__(self) -> None:
-        self._digests: dict[tuple[str, ...], str] = {(): ""}  # where no files are named, the build has them all
+        self._digests: dict[tuple[str, ...], str] = {(): ""}  # if no files are named, the build contains everything
 
     def of(self, config: _core.cmrc.Config) -> str:
         """SHA-256 over the canonical full configuration with its events (without turn order, strictness and paths,
-        which change no result), the program and the files that it names, and the build. Raises what a missing file
-        raises."""
+        which change no result), the program and the files that it names, and the build. Raises the error of a missing
+        file."""
         inputs = tuple(_core.cmrc.inputs_of(config))
         if inputs not in self._digests:
             self._digests[inputs] = _core.cmrc.inputs_digest(config)
@@ -48,7 +49,7 @@ class Keys:
 
 
 def key_of_refused(point: Point) -> str:
-    """Of a point that makes no configuration: over what was asked for."""
+    """The key of a point without a valid configuration: over its settings."""
     asked: Mapping[str, Any] = {
         "settings": dict(point.settings),
         "preset": point.preset,
@@ -66,7 +67,7 @@ class Run:
     point: Point
     refused: str = ""
     group: str = ""
-    """Runs of one group may share one ideal run; where runs fork, their beginning comes before it."""
+    """Runs of one group may share one ideal run; if runs fork, the group names their beginning first."""
 
     def toml(self) -> str:
         """Its whole configuration."""
@@ -74,7 +75,7 @@ class Run:
 
 
 def run_of(point: Point, keys: Keys, fork_at_s: float | None = None) -> Run:
-    """A point with its key; one whose configuration is not allowed, or names a file that is not there, is refused."""
+    """A point with its key. A point with an invalid configuration, or a missing file, is refused."""
     try:
         config = _config(point)
         group = _digest(_core.cmrc.reference_key(config))

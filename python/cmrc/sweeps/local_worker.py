@@ -1,8 +1,9 @@
 """``python -m cmrc.sweeps.local_worker PARENT``: forks Dask workers with one thread each, for a sweep on this machine.
 
-A line ``ADDRESS NAME`` on its standard input starts a worker; a line ``NAME died`` on its standard output tells of one
-that has ended. It has imported all that a worker needs, so that a worker is there in a fraction of the time of a new
-Python."""
+A line ``ADDRESS NAME`` on its standard input starts a worker; a line ``NAME died`` on its standard output reports one
+that has ended. This process has imported all modules of a worker, so that a worker starts in a fraction of the time of
+a new Python.
+"""
 
 from __future__ import annotations
 
@@ -59,7 +60,7 @@ def ended(children: dict[int, str]) -> list[str]:
 
 def main() -> None:
     [parent] = sys.argv[1:]
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the sweep, which ends its workers
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the sweep handles Ctrl-C and ends its workers
     die_with_parent(int(parent))
     import dask
     import distributed  # noqa: F401 (for the workers to be)

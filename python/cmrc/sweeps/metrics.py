@@ -1,4 +1,4 @@
-"""Numbers of a report by name, and what repeats say of them."""
+"""Numbers of a report by name, and their spread over repeats."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ NAMED: dict[str, tuple[str, Callable[[Mapping[str, Any]], Any]]] = {
     "lag": ("s", lambda report: _at(report, "errors.lag.crane.end_s")),
     "worst_response_us": ("us", lambda report: _worst(report)),
 }
-"""Short names: unit and what it is. ``any_miss`` is yes or no, so that its mean is a share of the runs."""
+"""Short names: unit and meaning. ``any_miss`` is yes or no, so that its mean is a share of the runs."""
 USUAL = ("misses", "f_p_missed", "load_rms", "lag")
 
 
 def value(report: Mapping[str, Any], metric: Metric) -> float | bool:
     """A metric of a report: a short name, a dotted place (``tasks.pid.response_ps.p99``, ``dsps[0].cycles``), or a
-    function of the report. NaN where nothing was measured. Raises KeyError for a place that no report has."""
+    function of the report. NaN if nothing was measured. Raises KeyError for a place that no report has."""
     found = metric(report) if callable(metric) else NAMED[metric][1](report) if metric in NAMED else _at(report, metric)
     if found is None:
         return math.nan
@@ -43,7 +43,7 @@ def name_of(metric: Metric) -> str:
 
 
 def unit_of(metric: Metric) -> str:
-    """Of a short name, or as the ending of a place says; empty where it is not known."""
+    """The unit of a short name, or from the ending of a place; empty if unknown."""
     if not isinstance(metric, str):
         return ""
     if metric in NAMED:
@@ -55,7 +55,7 @@ def unit_of(metric: Metric) -> str:
 
 
 def _at(report: Mapping[str, Any], place: str) -> Any:
-    """What stands at a dotted place; names with a dot in them (task kinds) are found, too. None below a null."""
+    """The value at a dotted place; names that contain a dot (task kinds) are found too. None below a null."""
     node: Any = report
     rest = place
     while rest:
@@ -89,12 +89,12 @@ class Spread:
     """A metric over the repeats of one point."""
 
     n: int
-    """Repeats that were measured."""
+    """Number of measured repeats."""
     mean: float
     low: float
     high: float
-    """95 % interval of the mean: Wilson's of a share of runs, else by bootstrap with a fixed seed. NaN where nothing
-    varies: then an interval would say something that nobody knows."""
+    """95 % interval of the mean: Wilson's for a share of runs, else by bootstrap with a fixed seed. NaN if nothing
+    varies, because then there is no information on an interval."""
     varies: bool
 
     def __str__(self) -> str:
@@ -104,7 +104,7 @@ class Spread:
 
 
 def spread(values: Sequence[float | bool]) -> Spread:
-    """Of the values that are there (NaN is not)."""
+    """The spread of the values (NaN is left out)."""
     known = [one for one in values if isinstance(one, bool) or not math.isnan(one)]
     if not known:
         return Spread(0, math.nan, math.nan, math.nan, False)

@@ -1,4 +1,4 @@
-"""Runs what is due on a cluster, and puts every answer into the folder exactly once, whoever dies."""
+"""Runs the due points on a cluster, and writes every answer into the folder exactly once, whichever process dies."""
 
 from __future__ import annotations
 
@@ -22,39 +22,39 @@ from cmrc.sweeps.work import Alone, Answer, Execute, RunDied
 BATCH_ROWS = 100
 BATCH_S = 5.0
 SUSPECTED = 2
-"""After so many deaths of its workers a run gets a process of its own."""
+"""After this number of deaths of its workers a run gets a process of its own."""
 STRIKES = 3
-"""So often may a run end the process in which it is alone."""
+"""How often a run may end the process in which it is alone."""
 LOST_ANSWERS = 100
-"""So often may an answer be lost without any worker having died, before the cluster is taken for broken."""
+"""How often an answer may be lost without a dead worker, before the cluster counts as broken."""
 LOOK_S = 0.2
 
 
 @dataclass
 class Status:
-    """What a sweep has done so far, for ``on_progress``."""
+    """The progress of a sweep, for ``on_progress``."""
 
     runs: int
     """All of the grid."""
     done: int
-    """Of them in the folder or to be written with the next batch; with those that were there before."""
+    """Those in the folder or to be written with the next batch; including earlier ones."""
     known: int
-    """Were there before."""
+    """Those that were there before."""
     refused: int = 0
     failed: int = 0
     begun_again: int = 0
-    """Runs that were begun again because their worker died."""
+    """Runs that were started again because their worker died."""
     workers: int = 0
     elapsed_s: float = 0.0
     planned: int = 0
-    """Points whose keys are known: below ``runs`` as long as no run has begun."""
+    """Points whose keys are known: less than ``runs`` until the first run begins."""
 
 
 @dataclass
 class _Due:
     run: Run
     deaths: int = 0
-    """So many workers have died while they may have run this."""
+    """Number of workers that have died while they may have run this."""
     strikes: int = 0
     lost: int = 0
 
@@ -62,9 +62,10 @@ class _Due:
 class Runner:
     """Runs each of ``due`` and writes the answers in batches of 5 s or 100 runs.
 
-    A worker that dies costs the runs in progress: they are begun again. A run that has lost two workers gets a process
-    of its own, so that a run that kills its process is told from one whose worker was killed. After three such deaths
-    of one run it is a failure."""
+    If a worker dies, its runs are started again. A run that has lost two workers gets a process of its own, to
+    distinguish a run that kills its process from one whose worker was killed. After three such deaths of one run it
+    counts as failed.
+    """
 
     def __init__(
         self,
@@ -82,7 +83,7 @@ class Runner:
         self.number = 0
 
     def run(self, due: Sequence[Run]) -> None:
-        """Raises SweepError; what was answered until then is written, also where it is interrupted."""
+        """Raises SweepError; the answers until then are written, also after an interruption."""
         waiting = deque(_Due(run) for run in due)
         out: dict[int, Any] = {}  # futures, so that the cluster keeps them
         fetchers = ThreadPoolExecutor(8, "cmrc-sweep")
@@ -128,7 +129,7 @@ class Runner:
         return future
 
     def _hear(self, out: dict[int, Any], waiting: deque[_Due]) -> None:
-        """One answer, and all that have come with it."""
+        """One answer, and all others that have arrived."""
         try:
             heard = [self.answers.get(timeout=LOOK_S)]
         except queue.Empty:
@@ -223,7 +224,7 @@ def _died(error: BaseException) -> bool:
 
 
 def _gone(error: BaseException) -> bool:
-    """An answer that got lost on its way."""
+    """An answer that was lost on its way."""
     import asyncio
     from concurrent.futures import CancelledError
 

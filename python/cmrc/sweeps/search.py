@@ -1,5 +1,5 @@
-"""Looks for the best settings, or for the last that passes, in batches of fixed size: the same runs on 1 worker or
-100."""
+"""Looks for the best settings, or for the last value that passes, in batches of fixed size: the same runs on 1 worker
+or 100."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ OPTIMISE = ("goal", "trials", "seed", "space")
 
 @dataclass
 class Trial:
-    """One place that was tried: the metric over the search's seeds."""
+    """One tried place: the metric over the search's seeds."""
 
     place: dict[str, Setting]
     spread: Spread
@@ -55,16 +55,17 @@ class Found:
 
     metric: str
     best: dict[str, Setting] | None
-    """The settings that were found; None where no place passes, or none could be run."""
+    """The best settings; None if no place passes, or none could be run."""
     value: float
-    """The metric there: worst of the search's seeds of a bisection, else their mean."""
+    """The metric there: for a bisection the worst of the search's seeds, else their mean."""
     checked: Spread
-    """The metric of the answer over seeds that the search has not used; n = 0 where ``check_seeds`` is 0."""
+    """The metric of the answer with seeds that the search has not used; n = 0 if ``check_seeds`` is 0."""
     check_passed: bool | None
-    """Of a bisection: the answer passes with those seeds, too. Else None."""
+    """For a bisection: the answer passes with those seeds, too. Else None."""
     trials: list[Trial]
     exceptions: list[float] = field(default_factory=list)
-    """Of a bisection: values that pass beyond the answer, or do not pass before it: it is not monotone there."""
+    """For a bisection: values that pass beyond the answer, or do not pass before it: there the metric is not
+    monotone."""
     sweep: Sweep | None = None
     """All runs."""
 
@@ -84,7 +85,7 @@ class Found:
             lines.append(f"With seeds that the search has not used: {self.checked} (n = {self.checked.n}).{word}")
         if self.exceptions:
             values = ", ".join(f"{value:g}" for value in self.exceptions)
-            lines.append(f"Not monotone: {values} says otherwise than the answer. A grid (cmrc sweep) tells more.")
+            lines.append(f"Not monotone: {values} contradicts the answer. A grid (cmrc sweep) shows more.")
         return "\n".join(lines) + "\n"
 
 
@@ -97,10 +98,11 @@ def search(
     security: Mapping[str, Any] | None = None,
     on_progress: Callable[[Status], object] | None = None,
 ) -> Found:
-    """Looks for settings as the table ``[search]`` of a grid says (docs/sweeps.md, Search). Arguments as of ``sweep``.
+    """Looks for settings by the table ``[search]`` of a grid (docs/sweeps.md, Search). Arguments as for ``sweep``.
 
-    A search goes on from what is in the folder: the same search runs nothing twice. The answer is run again with seeds
-    that the search has not used. Raises GridError, SweepError, ImportError."""
+    A search continues from the contents of the folder: the same search runs nothing twice. The answer is run again with
+    seeds that the search has not used. Raises GridError, SweepError, ImportError.
+    """
     grid = grid_of(spec)
     asked = _Asked(grid)
     arguments.function("on_progress", on_progress, "a function of a Status or None")
@@ -212,7 +214,7 @@ class _Asked:
 
 
 class _Trier:
-    """Runs places with all seeds, a batch at a time."""
+    """Runs places with all seeds, one batch at a time."""
 
     def __init__(self, session: Session, grid: Grid, metric: str) -> None:
         self.session, self.grid, self.metric = session, grid, metric
@@ -243,7 +245,8 @@ class _Trier:
 
 
 def _bisected(trier: _Trier, asked: _Asked) -> Found:
-    """A section into ``batch`` + 1 parts at a time, between the last value that passes and the first that does not."""
+    """Divides an interval into ``batch`` + 1 parts at a time, between the last value that passes and the first that
+    does not."""
     passed: dict[float, bool] = {}
     worst: dict[float, float] = {}
 
@@ -336,7 +339,7 @@ def _optimised(trier: _Trier, asked: _Asked) -> Found:
 
 
 def _check(found: Found, trier: _Trier, asked: _Asked) -> None:
-    """The answer with seeds that come after those of the search."""
+    """Runs the answer with the seeds after those of the search."""
     if found.best is None or asked.check_seeds == 0:
         return
     first = max(asked.grid.seeds, default=int(asked.grid.fixed.get(SEED, 1))) + 1

@@ -1,4 +1,4 @@
-"""A folder that is held and, from the first run that is due on, a cluster."""
+"""A folder that is locked and, from the first due run on, a cluster."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ TELL_EVERY = 200
 
 @dataclass(frozen=True)
 class Place:
-    """Where runs are run: ``workers`` processes of this machine, or the cluster at ``address``."""
+    """Where runs are made: ``workers`` processes of this machine, or the cluster at ``address``."""
 
     address: str | None = None
     workers: int | None = None
@@ -37,8 +37,7 @@ class Place:
 
 
 class Session:
-    """``with Session(...) as session: session.run(points)``, as often as is wanted. The folder is compacted at the
-    end."""
+    """``with Session(...) as session: session.run(points)``, as often as needed. At the end the folder is compacted."""
 
     def __init__(
         self,
@@ -115,7 +114,7 @@ class Session:
         return self._workers
 
     def _same_build(self) -> None:
-        """Raises SweepError for a folder with runs of another build: their numbers are not this emulator's."""
+        """Raises SweepError for a folder with runs of another build, whose numbers may differ."""
         for row in self.folder.rows(("build", "emulator_version")):
             if row["build"] != build():
                 raise SweepError(

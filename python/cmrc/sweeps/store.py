@@ -1,4 +1,4 @@
-"""The folder of a sweep: Parquet parts that appear whole or not at all, a lock, and what wrote them."""
+"""The folder of a sweep: Parquet parts that appear whole or not at all, a lock, and a description of their writer."""
 
 from __future__ import annotations
 
@@ -46,11 +46,11 @@ Row = dict[str, Any]
 
 
 class SweepError(Error, RuntimeError):
-    """A sweep that cannot go on. What was written stays, and the next call goes on from there."""
+    """A sweep that cannot continue. Everything written stays, and the next call continues from there."""
 
 
 class Folder:
-    """One user at a time may write (``with Folder(path) as folder``); everybody may read."""
+    """One user at a time may write (``with Folder(path) as folder``); any number may read."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
@@ -61,7 +61,7 @@ class Folder:
             raise SweepError(f"{self.path}: is a file; a folder, or a name that is free, is expected")
         if self.path.is_dir() and not (self.path / HEAD).exists() and any(p.name != LOCK for p in self.path.iterdir()):
             raise SweepError(
-                f"{self.path}: has files in it, and is no folder of a sweep; an empty or a new one is expected"
+                f"{self.path}: contains files, and is not a folder of a sweep; an empty or a new one is expected"
             )
         try:
             self.path.mkdir(parents=True, exist_ok=True)
@@ -88,7 +88,7 @@ class Folder:
             self._lock = None
 
     def _locked(self) -> IO[str]:
-        file = open(self.path / LOCK, "a+", encoding="utf-8")  # noqa: SIM115 (open as long as the folder is held)
+        file = open(self.path / LOCK, "a+", encoding="utf-8")  # noqa: SIM115 (open as long as the folder is locked)
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
@@ -114,7 +114,7 @@ class Folder:
             )
 
     def head(self) -> dict[str, Any] | None:
-        """What wrote the folder; None where it is new. Raises SweepError."""
+        """The description of the folder's writer; None for a new folder. Raises SweepError."""
         try:
             found = json.loads((self.path / HEAD).read_text(encoding="utf-8"))
         except FileNotFoundError:
@@ -129,7 +129,7 @@ class Folder:
         return sorted(self.path.glob("part-*.parquet"))
 
     def rows(self, columns: Sequence[str] | None = None) -> Iterator[Row]:
-        """Every run once, in the order in which they were written; ``columns`` None: all. Raises SweepError."""
+        """Every run once, in the order of writing; ``columns`` None: all. Raises SweepError."""
         parquet = needed("pyarrow.parquet", "sweep", "cmrc.sweep")
         names = None if columns is None else list(dict.fromkeys(["key", *columns]))
         seen: set[str] = set()
@@ -144,17 +144,17 @@ class Folder:
                                 seen.add(row["key"])
                                 yield row
             except FileNotFoundError:
-                parts = self.parts()  # compacted meanwhile: its rows stand in a later part
+                parts = self.parts()  # compacted meanwhile: its rows are in a later part
             except (OSError, ValueError, KeyError) as error:
                 raise SweepError(f"{part}: cannot be read: {error}") from None
 
     def write(self, rows: Sequence[Row]) -> None:
-        """A new part. Raises SweepError; what was there stays, and no part of the new one."""
+        """Writes a new part. Raises SweepError; then the old parts stay, and nothing of the new one."""
         self._put(self._next(), [rows])
 
     def compact(self, without: str | None = None) -> None:
-        """All parts in one, those rows left out that have the status ``without``. Killed at any instant, no row is
-        lost: one that stands in two parts counts once."""
+        """Joins all parts into one, without the rows with the status ``without``. If it is killed at any instant, no
+        row is lost: a row in two parts counts once."""
         parts = self.parts()
         if len(parts) < (2 if without is None else 1):
             return
@@ -203,7 +203,7 @@ class Folder:
 
 
 def _array(arrow: Any, kind: str, values: Sequence[Any]) -> Any:
-    """A column; None is null. ``pyarrow.array`` would import pandas, which takes half a second, to look at the list."""
+    """A column; None is null. ``pyarrow.array`` would import pandas, which takes half a second, to inspect the list."""
     there = np.packbits([value is not None for value in values], bitorder="little")
     if kind in ("string", "binary"):
         texts = [_bytes(value) for value in values]
@@ -214,7 +214,7 @@ def _array(arrow: Any, kind: str, values: Sequence[Any]) -> Any:
 
 
 def _bytes(value: str | bytes | None) -> bytes:
-    """A path in a message may hold bytes that are no UTF-8."""
+    """A path in a message may contain bytes that are not UTF-8."""
     return value.encode(errors="backslashreplace") if isinstance(value, str) else value or b""
 
 
@@ -227,7 +227,7 @@ def _sync(folder: Path) -> None:
 
 
 def packed(report: Mapping[str, Any] | str) -> bytes:
-    """A report as a part holds it."""
+    """A report in the form of a part."""
     text = report if isinstance(report, str) else json.dumps(report)
     return zlib.compress(text.encode(), 6)
 

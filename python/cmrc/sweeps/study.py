@@ -1,4 +1,4 @@
-"""A sweep: what it is asked for, and its results."""
+"""A sweep: its request, and its results."""
 
 from __future__ import annotations
 
@@ -29,17 +29,18 @@ LIGHT = tuple(name for name, _ in store.COLUMNS if name != "report")
 
 
 class Sweep:
-    """Runs that are in a folder. Reports are read when they are asked for.
+    """The runs in a folder. Reports are read when they are needed.
 
-    ``sweep.table("misses", "tasks.pid.response_ps.p99")`` is one row per run, ``sweep.summary("misses")`` one per point
-    of the grid, over its repeats."""
+    ``sweep.table("misses", "tasks.pid.response_ps.p99")`` has one row per run, ``sweep.summary("misses")`` one per
+    point of the grid, over its repeats.
+    """
 
     def __init__(self, folder: str | os.PathLike[str], of: Sequence[Run] | None = None) -> None:
         """``of``: the points of one grid. None: every run of the folder, whichever grids it was filled from."""
         self.folder = Folder(folder)
         self.folder.check()
         if self.folder.head() is None:
-            raise SweepError(f"{folder}: no folder of a sweep")
+            raise SweepError(f"{folder}: not a folder of a sweep")
         rows = {row["key"]: row for row in self.folder.rows(LIGHT)}
         if of is None:
             self._runs = self._completed([_opened(row) for row in rows.values()])
@@ -104,7 +105,7 @@ class Sweep:
                 yield run, report
 
     def report(self, seed: int | None = None, **place: Any) -> dict[str, Any]:
-        """The report of one run, by its place (``dsps=2``) and seed. Raises KeyError unless exactly one is there."""
+        """The report of one run, by its place (``dsps=2``) and seed. Raises KeyError unless exactly one run fits."""
         asked = {grids.axis_name(name, name): value for name, value in place.items()}
         found = [
             run
@@ -125,16 +126,15 @@ class Sweep:
         return simulation.run(settings=settings, **apart, **more)
 
     def values(self, metric: Metric) -> dict[str, float | bool]:
-        """A metric of every run that was done, by key. It runs nothing. Raises KeyError for a place that no report
-        has."""
+        """A metric of every finished run, by key. Runs nothing. Raises KeyError for a place that no report has."""
         return {key: values[0] for key, values in self._measured([metric]).items()}
 
     def _measured(self, of: Sequence[Metric]) -> dict[str, list[float | bool]]:
-        """All of them in one reading of the reports."""
+        """All of them with one reading of the reports."""
         return {run["key"]: [metrics.value(report, metric) for metric in of] for run, report in self.reports()}
 
     def table(self, *of: Metric) -> Table:
-        """One row per run: its axes, ``seed``, ``status``, ``message``, and the metrics; NaN where nothing was
+        """One row per run: its axes, ``seed``, ``status``, ``message``, and the metrics; NaN if nothing was
         measured."""
         asked = of or metrics.USUAL
         names = [metrics.name_of(metric) for metric in asked]
@@ -198,7 +198,7 @@ class Sweep:
         spreads = [one for summary in summaries for _, one in summary if one.n > 1]
         if spreads and not any(one.varies for one in spreads):
             text += (
-                "All repeats of every point agree: in these numbers nothing was random, and there are no intervals.\n"
+                "All repeats of every point agree: these numbers have no randomness, and no intervals.\n"
             )
         elif any(one.varies for one in spreads):
             text += "Intervals of 95 %: Wilson's of shares of runs, else bootstrap of the mean; "
