@@ -153,7 +153,7 @@ WRONG: list[tuple[Given, str]] = [
     ({"rom": ["rom.hex@80000000h", "rom.bin@80000020h"], "boot": "80000000h"}, "its words 80000020h to 8000002Dh overlap those of"),
     ({"rom": "rom.hex@80000000h"}, "--rom: needs --boot"),
     ({"rom": "rom.hex@80000000h", "boot": "310000h"}, "the pins choose"),
-    ({"rom": "rom.hex@80000000h", "boot": "reset"}, "says nothing of its pins"),
+    ({"rom": "rom.hex@80000000h", "boot": "reset"}, "has no [pins]"),
     ({"rom": "gone@80000000h", "boot": "80000000h"}, "gone"),
     ({"rom": "rom.hex", "boot": "80000000h"}, "is not FILE@ADDRESS"),
     ({"board": "bcut.toml", "boot": "reset"}, "bcut.toml:22: region.file of EPROM: "),
@@ -246,4 +246,4 @@ def test_a_port_brings_no_program_to_a_debugger(folder: Path) -> None:
 def test_what_stands_in_memory_at_the_start_is_of_programs_and_not_of_the_dock(folder: Path) -> None:
     for option in (["--poke", "300200h=1"], ["--load", folder / "data"], ["--until", "end"]):
         done = emulator("debug", *option, stdin="")
-        assert done.returncode == 2 and "are of programs and networks" in done.stderr
+        assert done.returncode == 2 and "are for programs and networks" in done.stderr

@@ -20,7 +20,7 @@ def test_the_python_of_the_readme(capsys: pytest.CaptureFixture[str]) -> None:
     misses, explained = capsys.readouterr().out.splitlines()
     [missed] = re.findall(r"deadlines missed\"\)\s+# (\d+)", program)
     assert misses == f"{missed} deadlines missed" and int(missed) > 0
-    assert "In its way" in explained and "what helps against that" in explained
+    assert "In its way" in explained and "this helps" in explained
 
 
 def test_the_python_of_its_page(

@@ -147,7 +147,7 @@ def test_a_search_goes_on_in_the_folder_of_a_sweep(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("tables", "says"), [
-    ({}, "there is no table [search]"),
+    ({"fixed": {}}, "there is no table [search]"),
     ({"axes": {"dsps": [1]}, "search": {"bisect": "dsps", "from": 1, "to": 2}}, "not with axes"),
     ({"search": {"bisect": "dspss", "from": 1, "to": 2}}, "search.bisect: dspss: there is no such setting"),
     ({"fixed": {"dsps": 1}, "search": {"bisect": "dsps", "from": 1, "to": 2}}, "machine.dsps is fixed, too"),

@@ -10,9 +10,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from c_library import Library, link
 from cmrc import c40
 from locations import BUILD, ROOT
-from programs.c_library import Library, link
 
 FOLDER = ROOT / "build-foreign" / "ti"
 EMULATOR = BUILD / "bin" / "emulator"
