@@ -59,11 +59,12 @@ Time Network::Node::horizon_of_follower() const {
 }
 
 /// By what is on its links and nets, or by what any chip may do from now on. Where all others wait, that is an answer
-/// to what it does itself; and that on a link stops it, its pins' next event is known. In a loop it stays near the
-/// others: the network's end may be near (Network::at_rest_since).
+/// to what it does itself; and that on a link stops it. At a pin that somebody hears, an instruction may do something
+/// at any time, so that it stays near. In a loop, too: the network's end may be near (Network::at_rest_since).
 Time Network::Node::others_reach_it() const {
-  const bool others_wait = !patience.loop && network.scheduler_.earliest_of_others(*this) == never;
-  const Time first = others_wait ? next_pin_event() : network.scheduler_.earliest(), ahead = lookahead();
+  const bool others_wait = !patience.loop && std::ranges::none_of(nets_out, &Net::is_heard) &&
+                           network.scheduler_.earliest_of_others(*this) == never;
+  const Time first = others_wait ? never : network.scheduler_.earliest(), ahead = lookahead();
   Time reach = first < never - ahead ? first + ahead : never;
   for (const std::size_t link : links) reach = std::min(reach, network.links_[link]->next_event());
   for (const Net* net : nets_in) reach = std::min(reach, net->reaches(number));

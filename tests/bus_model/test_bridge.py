@@ -58,6 +58,20 @@ def test_a_word_is_not_taken_before_its_time() -> None:
     ]
 
 
+@pytest.mark.parametrize(("clock", "bursts"), [(-1, [(0, 2)]), (0, [(0, 1), (1, 1)])])
+def test_a_word_of_the_clock_of_the_frame_is_left_for_later(clock: int, bursts: list[tuple[int, int]]) -> None:
+    bus, (bridge,), _ = make()
+    bridge.write(0, 1, 0)
+    bus.advance_to(20)
+    frame = bus.attempts[0].frame
+    bus, (bridge,), _ = make()
+    bridge.write(0, 1, 0)
+    bridge.write(1, 2, frame + clock)
+    bus.advance_to(100)
+    assert bus.attempts[0].frame == frame
+    assert [(a.address, a.words) for a in bus.attempts] == bursts
+
+
 def test_a_full_fifo_holds_the_processor_until_words_have_left() -> None:
     bus, (bridge,), memory = make(depth=4)
     for i in range(4):
@@ -97,7 +111,7 @@ def test_the_cost_of_a_read_by_hand() -> None:
 
 
 def test_the_line_goes_with_a_write_and_with_a_register_read() -> None:
-    for drop in ("write", "register"):
+    for drop, register in (("write", 0), ("register", 0), ("register", 3)):
         bus, (bridge,), _ = make()
         bridge.read(0, 0)
         finish_read(bus, bridge)
@@ -106,7 +120,7 @@ def test_the_line_goes_with_a_write_and_with_a_register_read() -> None:
         if drop == "write":
             bridge.write(500, 1, 50)
         else:
-            bridge.read(LINE_LIMIT + 3, 50)
+            bridge.read(LINE_LIMIT + register, 50)
             assert finish_read(bus, bridge)[1] == 50 + 10
         assert bridge.look_up(5) is None
 

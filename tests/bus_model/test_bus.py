@@ -263,6 +263,34 @@ def test_a_delayed_read_is_fetched_while_the_bus_is_free() -> None:
     assert ended.words == [77] and ended.retries >= 1 and ended.first_data >= 22
 
 
+def test_a_delayed_read_is_answered_from_the_clock_on_in_which_its_word_is_there() -> None:
+    """The target fetches for `fetch` clocks from the first attempt on, and refuses those before."""
+    just_in_time = 0
+    for fetch in range(1, 40):
+        bus = pci.Bus()
+        bus.add_master()
+        bus.add_memory(config(pci.TargetConfig, delayed_read=True, fetch=fetch, **ZERO_WAIT))
+        bus.read(0, 3, 1, 0)
+        bus.advance_to(200)
+        first, *again, last = [attempt.frame for attempt in bus.attempts]
+        assert all(frame - first < fetch for frame in again) and last - first >= fetch
+        just_in_time += last - first == fetch
+    assert just_in_time > 0
+
+
+def test_a_target_that_takes_as_much_as_the_master_gives_still_disconnects() -> None:
+    """Who stops is the target: REQ# goes, as with a master without a limit of its own."""
+    ends = []
+    for most in (0, 4):
+        bus = pci.Bus(config(pci.BusConfig, parking=pci.Parking.none, grant_clocks=4))
+        bus.add_master(config(pci.MasterConfig, max_burst=most))
+        bus.add_memory(config(pci.TargetConfig, max_burst=4, **ZERO_WAIT))
+        bus.write(0, 0, list(range(16)), 0)
+        (ended,) = bus.advance_to(1000)
+        ends.append((ended.disconnects, [attempt.frame for attempt in bus.attempts]))
+    assert ends[0] == ends[1] and ends[0][0] == 3
+
+
 def test_nobody_answers() -> None:
     bus, memory = one_master(pci.TargetConfig())
     bus.read(0, 0x5000, 2, 0)

@@ -226,6 +226,20 @@ def test_when_the_last_dsp_is_gone_the_plant_goes_on_braked() -> None:
     assert not any("drive_resumed" in failure["message"] for failure in report["failures"])
 
 
+def test_the_sway_at_the_end_is_that_of_two_seconds_and_of_the_instant_at_which_they_begin() -> None:
+    """The account ends at 1.5 s, the run at 3.75 s, and the load swings ever less from 1.5 s on: the most is at 1.75 s."""
+    settings = {**EVERY_LATCH, "run.after_stop_s": 2.25, "report.reference": "none"}
+    result = cmrc.run(dsps=1, duration_s=4.0, events=[{"at_s": 1.0, "action": "fail", "dsp": 0}], settings=settings)
+    report = result.report
+    ended, told = (report["account_end_s"], report["simulated_s"]), report["after_stop"]["sway_end_rad"]
+    assert ended == (1.5, 3.75)
+    sway = np.hypot(result.signals["sway_alpha_rad"], result.signals["sway_beta_rad"])
+    begins = np.searchsorted(result.signals["time_s"], 1.75 - 1e-9)
+    before, most, after = float(sway[begins - 1]), float(sway[begins]), float(sway[begins + 1 :].max())
+    assert before > most > after
+    assert told == pytest.approx(most, rel=1e-9)
+
+
 def test_a_run_interrupted_after_its_account_has_ended_goes_on_with_the_same_reason() -> None:
     whole = cmrc.run(dsps=1, duration_s=1.5, events=[{"at_s": 0.1, "action": "unplug", "dsp": 0}])
     cut = cmrc.Simulation(dsps=1, duration_s=1.5, events=[{"at_s": 0.1, "action": "unplug", "dsp": 0}])

@@ -134,6 +134,14 @@ def test_the_host_pauses() -> None:
         assert sum(what == "transaction" and v[0] == 0 and v[4] for _, what, v in m.events) == writes
 
 
+def test_a_host_that_pauses_hears_no_answer_before_the_end() -> None:
+    m = machine.Machine(assemble(""), config(dsps=1), host=[(110 * US, 0x100, [], 1)], record=True)
+    m.run_until(110 * US + US // 10)  # the read is under way
+    m.act(Action.pause_host, 0, 20 * US)
+    m.run_until(200 * US)
+    assert [answered for _, answered, _ in m.reads] == [130 * US + US // 10]
+
+
 # What befalls the dock, by its own functions.
 FAILS: dict[str, Callable[[plant.Dock, int, bool, int], None]] = {
     "drive": plant.Dock.fail_drive,

@@ -220,3 +220,19 @@ def test_by_hand_rotating_priority_takes_every_other_slot_and_dma_first_all(plac
     # RPTS takes the cycles 0 to 3, and the first load reads in cycle 3 (c40-hardware.md 7.1, 7.2): of the DMA's reads only the first, in cycle 1, meets nobody.
     for priority in (ROTATING, DMA_FIRST):
         assert beside[priority].stalls == beside[priority].cycles - alone.cycles == words - 1
+
+
+@pytest.mark.parametrize("priority", [ROTATING, DMA_FIRST])
+@pytest.mark.parametrize("waits", [1, 2, 3])
+def test_a_saturated_bus_with_wait_states_carries_one_access_at_a_time(waits: int, priority: int, tmp_path: Path) -> None:
+    """Stores one after the other, and a DMA that writes to the same bus: each takes 2 cycles and the wait states, and none goes beside another.
+
+    The last store, and the last word, may be under way when the program ends.
+    """
+    stores, access = 20, 2 + waits
+    text = "        .text\n" + "        sti r0,*ar0\n" * stores + "        nop\n        nop\nend:    bu end\n"
+    board = board_with({"local": 0, "global": waits}, tmp_path)
+    dma = (PLACES["block 0"] + 0x80, PLACES["global"] + 0x100)
+    outcome = run(text, board, ON_CHIP, {"AR0": PLACES["global"]}, (*dma, priority))
+    assert outcome.words >= stores - 1
+    assert (stores + outcome.words - 2) * access <= outcome.cycles <= (stores + outcome.words) * access

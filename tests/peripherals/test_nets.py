@@ -208,6 +208,21 @@ def test_an_input_that_is_made_an_output_is_a_fault() -> None:
     assert "pin IIOF1 becomes an output, and a net drives it" in network.chips[1].message
 
 
+# ---- links beside nets ----
+
+
+def test_a_word_that_is_asked_for_by_a_pin_interrupts_its_driver_that_runs_on() -> None:
+    """Chip 0 alone is awake. Its timer's edges wake chip 1, which answers each by a word: ICRDY of port 0 (vector Eh) interrupts chip 0."""
+    vector = "        ldi 0,r2\n        ldhi hi16(isr),r0\n        or lo16(isr),r0\n        sti r0,*+ar1(0eh)\n        ldi 4,iie\n        or 2000h,st\n"
+    first = assembled(vector + clock(1000) + "wait:   addi 1,r4\n        b wait\nisr:    ldi *+ar0(41h),r1\n        addi 1,r2\n        reti\n")
+    second = listener(4, iiof(1), "isr:    addi 1,r2\n        sti r2,*+ar0(72h)\n        reti\n")
+    network = run([first, second], ["0.TCLK0>1.IIOF1"], 1100, links=["0.0:1.3"])
+    asked = [at for at, kind in edges(network) if kind == "fall"]
+    # To take the interrupt, to store the word and to send it; before the first, chip 1 also has to get the token.
+    after = [answer - edge for answer, edge in zip(interrupts(network, 0), asked, strict=True)]
+    assert len(after) == 6 and all(16 * CYCLE < cycles < 28 * CYCLE for cycles in after)
+
+
 # ---- the end ----
 
 

@@ -80,16 +80,19 @@ def test_a_touch_is_as_fast_as_it_is_against_the_container_that_moves():
 
     def touched():
         if not [event for event in dock.events if event.kind == "touch"]:
-            before.append((dock.time, dock.signal.payload[2], dock.containers[1].z))
+            box = dock.containers[1]
+            before.append((dock.time, np.array(dock.signal.payload), np.array([box.x, box.y, box.z])))
             return False
         return True
 
     crane.move(crane.pose(12.7, 24.0, 6.0), 20.0, touched)
     (touch,) = [event for event in dock.events if event.kind == "touch"][:1]
-    (t0, z0, top0), (t1, z1, top1) = before[-6], before[-1]
+    (t0, spreader0, box0), (t1, spreader1, box1) = before[-6], before[-1]
     seconds = (t1 - t0) * 1e-12
-    closing, own = ((z0 - top0) - (z1 - top1)) / seconds, (z0 - z1) / seconds
+    x, y, closing = ((spreader0 - box0) - (spreader1 - box1)) / seconds
+    own = (spreader0[2] - spreader1[2]) / seconds
     assert touch.values[0] == pytest.approx(closing, abs=0.03)
+    assert touch.values[1] == pytest.approx(math.hypot(x, y), abs=0.001) and math.hypot(x, y) > 0.02
     assert abs(own - closing) > 0.06  # against the quay it would be another speed
 
 

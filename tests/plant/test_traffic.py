@@ -79,6 +79,19 @@ def test_a_post_stops_a_vehicle_off_its_middle_and_turns_it():
     assert d.agv(0).heading > 1e-4  # pushed back on its left side, it turns left
 
 
+def test_an_impact_leaves_no_gap_and_no_overlap():
+    """Within 125 us a vehicle of 1.6 m/s comes 0.2 mm deep: it is put out of the post by just that."""
+    config = plant.default_dock(1)
+    config.layout.movers = [plant.Mover(0.3, 2.0, [plant.Waypoint(0, 33.0, 8.0)])]
+    d = plant.Dock(config)
+    for _ in range(100):
+        if collisions(d):
+            break
+        run(d, 0.05, (0, 1500, 0, 0))
+    assert collisions(d)[0].values[0] > 1.5 and d.agv(0).speed == 0.0
+    assert 32.7 - (d.agv(0).x + 7.4) == pytest.approx(0.0, abs=1e-7)
+
+
 def test_movers_follow_their_waypoints_smoothly():
     path = [plant.Waypoint(1, 0, 0), plant.Waypoint(3, 4, 0), plant.Waypoint(5, 4, 6)]
     mover = plant.Mover(0.4, 1.8, path, True)

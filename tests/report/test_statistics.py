@@ -51,6 +51,13 @@ def test_nearest_ranks_of_long_rows(samples_max: int, count: int, p50: int, p99:
     assert summary.exact_percentiles == (count <= samples_max)
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_percentile_from_bins_is_the_middle_of_its_bin_on_either_side_of_zero(sign: int) -> None:
+    """2^20 + 1000 shares its bin with 2^20 to 2^20 + 1023."""
+    summary = report.summary([sign * 2_000_000, 0] + [sign * (2**20 + 1000)] * 58, 50)
+    assert summary.p50 == sign * (2**20 + 512) and not summary.exact_percentiles
+
+
 def test_histogram_bins_are_powers_of_two() -> None:
     histogram = report.summary([0, 1, 2, 3, 4, 7, 8, 1023, 1024]).log2_histogram
     assert histogram[:5] == [1, 1, 2, 2, 1]
@@ -73,6 +80,16 @@ def test_each_outcome_is_what_ruling_16_says() -> None:
     assert pid["misses"] == 5  # all but the one on time and the one still running before its deadline
     assert pid["longest_miss_streak"] == 4
     assert pid["lateness_ps"]["worst"] == 1
+
+
+@pytest.mark.parametrize("progress", ["running", "waiting"])
+def test_what_is_not_done_by_the_end_is_a_miss_when_its_deadline_has_passed(progress: str) -> None:
+    misses = []
+    for now in (100, 101):
+        book = account()
+        book.add(0, progress, released=0, deadline=100, claimed=10, now=now)
+        misses.append(tasks(book)["pid"]["misses"])
+    assert misses == [0, 1]
 
 
 def test_outcomes_always_sum_to_released() -> None:
@@ -98,6 +115,13 @@ def test_jitter_is_taken_between_neighbouring_ticks_only() -> None:
     # Deviations: +30, -40, (2 to 5 is no neighbour), 0.
     assert (jitter["count"], jitter["peak_to_peak"], jitter["worst"]) == (3, 70, 40)
     assert jitter["rms"] == pytest.approx((2500 / 3) ** 0.5)
+
+
+def test_a_tick_that_comes_63_later_still_has_both_its_neighbours() -> None:
+    book = account()
+    for tick in (0, *range(2, 65), 1):
+        book.add(0, "finished", released=tick * PERIOD, claimed=tick * PERIOD, finished=tick * PERIOD + 5, now=65 * PERIOD, tick=tick)
+    assert tasks(book)["pid"]["start_jitter_ps"]["count"] == 64
 
 
 def test_causes_of_another_length_are_refused() -> None:
