@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import atexit
 import functools
+import shutil
 import struct
 import subprocess
 import tempfile
@@ -31,6 +33,7 @@ def assemble(source: Path, folder: Path, *options: str) -> Path:
 @functools.cache
 def objects(convention: str) -> tuple[Path, ...]:
     folder = Path(tempfile.mkdtemp(prefix="c_library"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
     options = ["-D", "REGPARM"] if convention == "registers" else []
     return tuple(assemble(source, folder, *options) for source in SOURCES)
 
