@@ -338,6 +338,7 @@ def test_actions_that_cannot_be() -> None:
         (lambda: network.drive("snyc", True, 1), "there is no net snyc; sync, free is expected"),
         (lambda: network.drive(7, True, 1), "there is no net 7; the network has 2"),
         (lambda: network.pulse("free", 1, width_us=0), "a width of more than 0 us is expected"),
+        (lambda: network.pulse("free", 1, width_us=3, period_us=3, count=2), "a period of more than the width is expected"),
         (lambda: network.pulse("free", 1, width_us=3, period_us=2), "a period of more than the width is expected"),
     ):
         with pytest.raises(NetworkError) as error:

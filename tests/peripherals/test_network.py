@@ -579,6 +579,28 @@ def test_a_lock_never_given_back_is_a_deadlock() -> None:
     assert network.chips[1].waits_for == 0 and "which chip 0 has locked" in network.chips[1].message
 
 
+def test_actions_at_one_instant_are_done_in_the_order_in_which_they_were_given() -> None:
+    for names, status in ((("hold", "release"), "halt"), (("release", "hold"), "held")):
+        network = Network([program("        rpts 99\n        nop\n" + STOP)] * 2, links=["0.0:1.3"])
+        for name in names:
+            getattr(network, name)(1, 1)
+        network.run(until_us=50)
+        assert network.chips[1].status == status
+
+
+def test_an_action_may_be_at_the_very_time_up_to_which_a_network_has_been_run() -> None:
+    network = Network([program("        rpts 999\n        nop\n" + STOP)] * 2, links=["0.0:1.3"])
+    network.run(until_us=10)
+    network.hold(1, 10)
+    network.run(until_us=50)
+    assert network.chips[1].status == "held"
+
+
+@pytest.mark.parametrize("mhz", [0.001, 1000])
+def test_the_slowest_clock_and_the_quickest(mhz: float) -> None:
+    assert Network(program(STOP), clocks_mhz=mhz).run().reason == "ended"
+
+
 # ---- bad input ----
 
 
