@@ -1,5 +1,5 @@
 ; CRC-32 (Ethernet, zlib; polynomial EDB88320h, reflected) of `length` bytes at `message`, four bytes to a word, the
-; first in bits 7-0. Bit by bit, then by a table of 256 words that the program makes. Results: crc_by_bits, crc_by_table.
+; first in bits 7-0. Bit by bit, then by a table of 256 words that the program makes: crc_by_bits, crc_by_table.
 ;
 ; To see: LSH leaves the bit that it shifts out in the carry, and LDIC turns the carry into a mask without a branch;
 ; LBU0-LBU3 unpack bytes; a macro parameter that is part of a mnemonic; IR0 as a table index.

@@ -1,4 +1,4 @@
-; Our versions of routines that publications time without showing them (docs/validation.md). scripts/validation runs them.
+; Our versions of routines that publications time but do not show (docs/validation.md). scripts/validation runs them.
 
                 .text
 

@@ -24,7 +24,7 @@ destination_index .set  5
 words_in        .set    7
 vectors         .set    2ff800h
 dmaint0         .set    25h                     ; in the vector table, and bit 25 of IIE
-; Control words: split mode, transfer mode 01 (stop at 0), TCC (interrupt at the end) of both halves, events of the port.
+; Control words: split mode, transfer mode 01 (stop at 0), TCC (interrupt at the end) of both halves, port's events.
 common          .set    4000h + 14h + 0c0000h + 0c0h
 halted          .set    02800000h               ; START = AUX START = 10
 sends           .set    02c00000h               ; START = 11, AUX START = 10
