@@ -1,6 +1,6 @@
 ; Sub-process 5 as a dynamic window, the stress test: 11 speeds that the drive can reach times 11 curvatures about the
-; lane's. Each arc has 10 steps of 0.4 s (at least 1.6 m); each step is tested against 16 discs (nearest echoes, padded).
-; An arc that meets a disc may be taken only at speeds that still allow braking before it. The best of the others maximises
+; lane's. Each arc has 10 steps of 0.4 s (at least 1.6 m), tested against 16 discs (nearest echoes, filled up if few).
+; An arc that meets a disc may be taken only at speeds that still allow braking before it. The best one maximises
 ;   W_speed v + W_clear min(clearance, 2 m) - W_lane (distance of the end of a 12-m arc of this curvature from the lane)
 
 DW_SAMPLES      .set 11

@@ -1,5 +1,5 @@
 ; ---- moving things: compares lateral places beside the lane with those about 0.4 s before (16 to 48 points). A thing
-; that enters the way before the rear has passed blocks it now; one that comes along it shortens it by its own path. ----
+; that enters the way before the rear has passed blocks it; one that comes along it shortens it by its own path. ----
 avoid_motion:
         call    alive
         ldi     @AV_COUNT, r0

@@ -1,6 +1,6 @@
 ; Sub-process 5 as a potential field: each of the 16 nearest echoes (one per 11 degrees) repels by k (1/d - 1/d0)/d^2,
-; limited, turned by 60 degrees to the passing side, so that an obstacle straight ahead makes no minimum. The force's
-; sum of the forces across the vehicle, over the spring to the lane, is the shift; the sum along the vehicle slows it.
+; limited, turned by 60 degrees to the passing side, so that an obstacle straight ahead makes no minimum. The sum
+; of the forces across the vehicle, over the spring to the lane, is the shift; the sum along the vehicle slows it.
 
 PF_SECTORS      .set 64
 

@@ -1,6 +1,6 @@
 ; Sub-process 5 as a vector-field histogram. The nearest echo within 25 m in each of 72 sectors of 2.5 degrees adds
 ; (1 - d/25)^2 to the sectors that the vehicle's half width covers at its distance. The histogram is smoothed over five
-; sectors. The method steers for the free sector nearest to the lane; the present side, or away from echoes, comes first.
+; sectors. The method steers for the free sector nearest to the lane; present side, or away from echoes, first.
 
 VF_SECTORS      .set 72
 VF_HISTOGRAM    .set AV_MINIMA              ; f, after the method has made points of the sectors' minima

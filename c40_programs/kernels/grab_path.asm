@@ -1,8 +1,8 @@
 ; Process 2: the grab path, and the planner that homing shares (docs/kernels_job.md).
 ;
 ; Route 1 leads from the crane's last commanded pose to CR_CLEARANCE above the target. Route 2 leads from there, with
-; the container, to CR_CLEARANCE above the deck of the highest AGV in the loading spot, present or not. Route 3 leads
-; home. A box that must not be entered is grown by half the load's plan and a margin, and upwards by the hanging load.
+; the container, to CR_CLEARANCE above the deck of the highest AGV in the loading spot, present or not (process 4 aligns
+; the load). Route 3 leads home. A no-go box grows by half the load's plan and a margin, and upwards: no way below it.
 ;
 ; 1. The end over the bay gets a column: a point straight above it, raised in steps while the way from the column to the other end is blocked.
 ; 2. If it stays blocked, every box that blocks the straight way gets the face with the cheapest exit: the least depth behind the face

@@ -25,7 +25,7 @@ ID_TIER             .set SCRATCH + 524          ; i
 ID_BEST_TIER        .set SCRATCH + 525          ; i, 0: none yet
 ID_BEST_RANGE       .set SCRATCH + 526          ; m^2
 ID_BEST             .set SCRATCH + 528          ; x, y, z, yaw
-ID_BOX              .set SCRATCH + 532          ; m, height of the tested tier
+ID_BOX              .set SCRATCH + 532          ; m, height of a container
 ID_ENOUGH           .set SCRATCH + 533          ; least score
 ID_TOP              .set SCRATCH + 534          ; m, highest surface of all rows
 ID_FIRST            .set SCRATCH + 535          ; i, lowest sample above the deck, of all rows

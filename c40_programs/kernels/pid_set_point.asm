@@ -1,7 +1,7 @@
 ; PID's set-point (docs/kernels.md): the point of the path, the cubic between two joint points.
 
 ; Consume the joint points that are due: a segment's point is due N_t after the one before, however late this tick is.
-; The segment begins now only if the buffer was dry at the last tick, or for point 0. R10 <- 1 if a due point was missing.
+; The segment begins now only if the buffer was dry at the last tick, or for point 0. R10 <- 1 if a due one was missing.
 pid_advance:
         ldi     0, r10
         ldi     @PD_CONSUMED, r0

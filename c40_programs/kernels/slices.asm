@@ -1,4 +1,4 @@
-; Long tasks in several blocks (scheduling.slice_cycles; plant-and-bus.md 4.6 item 4). MUST_CONTINUE loads the kernel again, with
+; Long tasks in several blocks (scheduling.slice_cycles; plant-and-bus.md 4.6 item 4). MUST_CONTINUE: loaded again, with
 ; TB_SLICE one higher. Any DSP may take that block, so the task keeps what it still needs in shared memory, at SV_BASE.
 ;
 ; Slice k reads the half that slice k - 1 has written and writes the other half, so that a slice can run again.

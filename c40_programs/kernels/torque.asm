@@ -29,7 +29,7 @@ kernel_torque:
         call    torque_closed_form
         br      torque_motors
 
-; Q, QD, QDD <- the set-point of TB_TICK, SV_LOAD <- kg on the rope; while STAGE is 0, nothing else.
+; Q, QD, QDD <- the set-point of TB_TICK, SV_LOAD <- kg on the rope; if STAGE is 0, only STAGE.
 torque_set_point:
         call    servo_head
         ldi     ar6, ar0
@@ -106,7 +106,7 @@ torque_rated:
         nop     *ar0++
         rets
 
-; SV_LOAD <- kg on the rope: the load cell's value, low-pass filtered (K_TQ_LOAD_FILTER); LOAD_TICK. The same tick again
+; SV_LOAD <- kg on the rope: load cell, low-pass filtered (K_TQ_LOAD_FILTER); LOAD_TICK. No change at the same tick.
 ; changes nothing. WIND <- whether the anemometer is above its limit.
 torque_load:
         ldhi    hi16(WINDOW_B), ar0

@@ -20,7 +20,7 @@ TJ_END          .set SCRATCH + 8        ; P_n
 TJ_DURATION     .set SCRATCH + 12       ; T_i, 8 words
 TJ_PERIOD       .set SCRATCH + 20       ; s between points
 TJ_CHAIN        .set SCRATCH + 32       ; P_0 .. P_n, 4 words each
-TJ_SUM          .set SCRATCH + 80       ; p and its derivatives 1..4, 4 words each; the output overwrites them
+TJ_SUM          .set SCRATCH + 80       ; p and its derivatives 1..4, 4 words each; the output is built in place
 TJ_START        .set SCRATCH + 112      ; t_i, 8 words
 TJ_TOTAL        .set SCRATCH + 120
 TJ_SELECTOR     .set SCRATCH + 121
@@ -222,7 +222,7 @@ trajectory_crane_segment:
 trajectory_crane_coordinate:
         nop     *ar1++
         br      trajectory_crane_segment_after
-trajectory_crane_passed:                        ; segment and all before it are complete: p = P_i
+trajectory_crane_passed:                        ; this segment and all before it are complete: p = P_i
         ldi     ar3, ar0
         addi    4, ar0
         ldhi    hi16(TJ_SUM), ar1

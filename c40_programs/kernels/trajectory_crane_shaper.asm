@@ -2,8 +2,8 @@
 ;
 ; The path is that of trajectory_crane.asm with quintics as blends. What is written is the path through a ZVD shaper,
 ;   X(t) = p(t)/4 + p(t - T/2)/2 + p(t - T)/4,    T = 2 pi sqrt(l/g), l the mean of the rope's lengths at the leg's two ends,
-; all four coordinates alike, so that the path in space does not change. When a leg begins, the joints' speeds are
-; computed at 16 points; if one passes its limit, all segments are stretched.
+; all four coordinates alike: the path in space is unchanged. When a leg begins, the joints' speeds are
+; computed at 16 points of the path; if one passes its limit, all segments are stretched.
 
 TJ_HALF         .set SCRATCH + 123      ; s, T/2
 TJ_LOOK         .set SCRATCH + 124      ; i, points not yet tested
