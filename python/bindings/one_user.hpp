@@ -22,7 +22,7 @@ class OneUser {
     if (call_ != nullptr) refuse(call);
   }
 
-  /// A long call, until its end. A long call that only reads may be nested in another; then the outer call stays marked.
+  /// A long call, until its end. A long call that only reads may be nested in another; the outer call stays marked.
   class Long {
    public:
     Long(OneUser& user, const char* call, bool only_reads) : user_(user), outermost_(user.call_ == nullptr) {
