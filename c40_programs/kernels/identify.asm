@@ -1,14 +1,14 @@
 ; Process 1: is the job done, or where is the next container? (docs/kernels_job.md)
 ;
-; Each row of the bay is scanned: h_i, the height of the topmost surface above the deck at x_i = x0 + i dx. For tier T of containers, whose
-; tops lie at H = T CR_BOX_HEIGHT, a sample fits by g_i = max(0, 1 - ((h_i - H)/0.25 m)^2). The template of a container
+; Each row of the bay is scanned: h_i is the height of the topmost surface above the deck at x_i = x0 + i dx. Tops of
+; tier T are at H = T CR_BOX_HEIGHT; a sample fits by g_i = max(0, 1 - ((h_i - H)/0.25 m)^2). A container's template
 ; is W = floor(12.192 m / dx) ones with a guard of -1/2 on either side; its correlation with g over all shifts m is
 ;     c_m = g_m + ... + g_(m+W-1) - (g_(m-1) + g_(m+W)) / 2
 ; A maximum of at least 0.93 W is a container. A sample is the mean height of a cell dx long, so its edges show in the
 ; cells they cut: with i the last cell to the left that no longer fits (g = 0), and j the first to the right,
 ;     left edge at i + 3/2 - (h_i + h_(i+1))/H,  right edge at j - 3/2 + (h_j + h_(j-1))/H,  in cells
-; and its middle is theirs. Of all containers the one in the highest tier is next, and of those the one nearest to the
-; crane's column. Everything that stands in the bay is boxed into CR_BAY for the grab path.
+; and its middle is the middle of these. The next container is in the highest tier, and there the nearest to the
+; crane's column. CR_BAY is the box around everything in the bay, for the grab path.
 
 ID_FIT              .set SCRATCH + 128          ; g, 128 samples between two zeros
 ID_TEMPLATE         .set SCRATCH + 258          ; up to 126 ones between two guards

@@ -1,4 +1,4 @@
-; Sub-process 3, second build: the joint forces by the general recursive Newton-Euler method over a table of links (docs/kernels.md).
+; Sub-process 3, second build: joint forces by recursive Newton-Euler over a table of links (docs/kernels.md).
 ;
 ; Six links hang on each other: gantry (P, x), slewing platform (R, z), jib (R, -y), a massless link that turns back by the luff angle,
 ; because the load does not tilt (R, y, the same angle), load (P, -z), spreader's yaw (R, z). Each joint turns or slides along one coordinate axis k;

@@ -1,11 +1,11 @@
 ; Sub-process 1 of an AGV: the next point of its leg (docs/kernels_job.md).
 ;
-; A leg is a chain of at most 8 lines and arcs. With s the arc length and v the speed at the point before, dt = AG_STEP_TIME:
+; A leg is at most 8 lines and arcs. With s the arc length and v the speed at the last point, dt = AG_STEP_TIME:
 ;     v' = min( v + a dt, limit of the segment at s, sqrt(q) - h/2 ),  h = B dt,  q = h^2/4 - h v + min over what lies ahead of (u^2 + 2 B d)
 ;     s' = s + (v + v') dt / 2
-; where d is the distance to a segment ahead and u its speed limit, or the distance to the end of the leg and u = 0: v' is the largest
-; speed from which the brake B still meets every u. The state is kept at 40 bits and twice, by the parity of k, so that running a block
-; again gives the same point. At the end of the leg the same point is repeated until the vehicle stands there.
+; where d is the distance to a segment ahead and u its speed limit, or the distance to the leg's end and u = 0: from v'
+; the brake B still meets every u. The state is kept at 40 bits and twice, by the parity of k: a block that runs
+; again gives the same point. At the end of the leg the point repeats until the vehicle stands there.
 
 TA_SEGMENTS         .set SCRATCH                ; 8 segments of 8 words: x0, y0, heading0, length, curvature, speed
 TA_DT               .set SCRATCH + 64           ; s

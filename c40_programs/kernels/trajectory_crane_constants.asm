@@ -1,4 +1,4 @@
-; Limits of the crane's motion, as factors of the segment's length: T >= c h / v, T^2 >= c h, T^4 >= c h (docs/kernels.md); v: CR_SPEED.
+; Limits of the crane's motion by segment length: T >= c h / v, T^2 >= c h, T^4 >= c h (docs/kernels.md); v: CR_SPEED.
 K_TJ_XY1            .set $ - LIFT               ; S'max
                     .float 2.4609375
 K_TJ_XY2            .set $ - LIFT               ; S''max / 0.4 m/s2
