@@ -1,5 +1,5 @@
-; The boot loader in the on-chip ROM (c40-hardware.md 9), written from the description of what TI's does: its streams, its
-; choice of the source by the pins, the state in which it leaves the chip. It uses no memory and no stack.
+; The boot loader in the on-chip ROM (c40-hardware.md 9), written from the description of TI's loader: its streams, how
+; the pins choose the source, and the state of the chip afterwards. It uses no memory and no stack.
 ;
 ;   AR0  peripheral registers          R4  where the program begins (the first block)
 ;   AR1  next word of a memory source  R5  1 once R4 is known
@@ -37,13 +37,13 @@ pins:   ldi iif,r0
         cmpi 10h,r0
         bz width
         ldi word,ar5
-width:  laju ar5                ; the width again, whole
+width:  laju ar5                ; the full word with the width
         nop
         nop
         nop
         b load
 
-; From the first port that has a word; meanwhile the pins may change.
+; From the first port that has a word; the pins may change while the loader waits.
 ports:  ldhi 10h,ar3
         or 40h,ar3
         ldi 5,rc
@@ -83,7 +83,7 @@ block:  laju ar5
         bnz copy
         ldi r0,r4
         ldi 1,r5
-; The routine that fetches a word comes back to `stored` by itself, and is gone to from there: 8 cycles a word from a port (9.6 has 8 to 10).
+; The routine that fetches a word jumps to `stored`, and `stored` to it: 8 cycles a word from a port (9.6: 8 to 10).
 copy:   subi 1,r6
         ldi r6,ar6
         ldi stored,r11
@@ -145,6 +145,6 @@ byte:   ldi *ar1++,r0
         lsh 24,r2
         or r2,r0
 
-; By the pins IIOF3, 2, 1; 000 and 111 are no memory.
+; By the pins IIOF3, 2, 1; 000 and 111 do not select memory.
 sources:
         .word 0, 0c0000000h, 0a0000000h, 80000000h, 60000000h, 40000000h, 00300000h, 0

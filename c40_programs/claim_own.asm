@@ -1,10 +1,10 @@
-; The claim where tasks have a DSP of their own (dsp of [[tasks]], docs/add-a-task.md). It is in the image only then.
+; The claim where tasks have a DSP of their own (dsp of [[tasks]], docs/add-a-task.md). Only such an image contains it.
 ;
-; A block whose TB_OWNER is 0 is for any DSP, else for that one alone. From the work pointer on, by falling J, a DSP
-; passes what is taken and what is another's, and takes the first block that is left. It moves the work pointer only if
-; that is the block it pointed to: so all before the pointer are taken, and nobody passes a block that anyone may claim.
+; A block whose TB_OWNER is 0 is for any DSP; any other block is for one DSP only. A DSP starts at the work pointer and
+; takes the first free block that it may run, by falling J. It moves the work pointer only if that block is the one it
+; points to. So all blocks before the pointer are taken, and no DSP passes a block that any DSP may claim.
 
-; Goes on from exec_claim, which has the list and has read the work pointer: R0 the pointer, not 0; AR0 window A; AR1
+; Continues exec_claim, which has acquired the list and read the work pointer: R0 the pointer, not 0; AR0 window A; AR1
 ; the semaphore. Ends as exec_claim does.
 own_claim:
         ldi     @EXEC_SLOT, r4
@@ -13,14 +13,14 @@ own_claim:
 own_look:
         addi3   r0, ar0, ar2
         ldi     *+ar2(TB_J), r0
-        beq     exec_none                               ; the rest is not to be run early
+        beq     exec_none                               ; the other blocks are not to be run early
         ldi     *+ar2(TB_LINK), r0
         ldi     *+ar2(TB_OWNER), r1
-        beq     own_take                                ; it waits, for anybody: a taken one has an owner
+        beq     own_take                                ; it waits, for any DSP: a taken block has an owner
         cmpi    r4, r1
         bne     own_next
         ldi     *+ar2(TB_FLAG), r1
-        beq     own_take                                ; it waits for this DSP, or else is what this DSP took before
+        beq     own_take                                ; it waits for this DSP, or this DSP took it before
 own_next:
         cmpi    0, r0
         bne     own_look

@@ -82,7 +82,7 @@ K_15120             .set $ - LIFT
                     .float 15120
 
 ; ---- read by several kernels
-K_GRAVITY           .set $ - LIFT               ; m/s2, and its reciprocal: the plant's, as those of plant_constants.asm
+K_GRAVITY           .set $ - LIFT               ; m/s2, and its reciprocal: filled in like plant_constants.asm
                     .space 1
 K_ONE_OVER_G        .set $ - LIFT
                     .space 1

@@ -17,7 +17,7 @@ vectors:
 
 ; Written by the loader before the DSP starts.
 dsp_slot:       .word 0                 ; number of this DSP
-idle_policy:    .word 0                 ; what it does when no block waits: IDLE_DOORBELL, IDLE_PAUSE, IDLE_SPIN
+idle_policy:    .word 0                 ; what the DSP does when no block waits: IDLE_DOORBELL, IDLE_PAUSE, IDLE_SPIN
 pause_count:    .word 400               ; IDLE_PAUSE: NOPs between two looks at the list, less one
 
         .include "constants.asm"
@@ -44,7 +44,7 @@ pause_count:    .word 400               ; IDLE_PAUSE: NOPs between two looks at 
         .include "kernels/user.asm"     ; empty: the place for a user's own tasks
         .include "kernels/gantry.asm"   ; the crane's tasks on a ship-to-shore gantry
         .include "kernels/gantry_constants.asm"
-        .ifdef  OWN_BLOCKS              ; last: all else stands where it does without it
+        .ifdef  OWN_BLOCKS              ; last, so that the other addresses do not depend on OWN_BLOCKS
         .include "claim_own.asm"
         .endif
 

@@ -1,16 +1,16 @@
-; The executive: claim the block at the work pointer (ruling 21), run it, mark it done, claim again; idle when none waits.
-; With OWN_BLOCKS it claims the first that is for this DSP (claim_own.asm).
+; The executive: claims the block at the work pointer (ruling 21), runs it, marks it done, and claims the next one.
+; It idles when no block waits. With OWN_BLOCKS it claims the first block that this DSP may run (claim_own.asm).
 
 IDLE_DOORBELL   .set 0                  ; announce idleness, sleep until IIOF0 rings
 IDLE_PAUSE      .set 1                  ; look again after pause_count NOPs
 IDLE_SPIN       .set 2                  ; look again at once
 
 IIF_DOORBELL    .set 9                  ; IIF: IIOF0 is an edge-triggered interrupt, enabled
-IIF_RING        .set 4                  ; its flag
+IIF_RING        .set 4                  ; IIOF0's interrupt flag
 ST_CACHE        .set 0800h              ; ST: instruction cache enabled
 ST_GIE          .set 2000h
 
-; The doorbell, and pins that nets drive: their only use is to end IDLE.
+; The doorbell, and pins that nets drive: these interrupts only end IDLE.
 isr_wake:
         reti
 
@@ -24,14 +24,14 @@ _start:
         or      lo16(vectors), ar0
         ldpe    ar0, ivtp
         ldi     0, iie
-        ldi     IIF_DOORBELL, iif                       ; the other nibbles are a task's, if it uses the pins
+        ldi     IIF_DOORBELL, iif                       ; the other nibbles belong to the task that uses the pins
 
         ldi     ar0, ar2
         addi    dsp_slot - vectors, ar2
         ldi     *ar2, r0
         sti     r0, @EXEC_SLOT
         addi    1, r0
-        sti     r0, *+ar3(2)                            ; AR3 <- loader: the port's CPCR. The answer to whoever sent the program
+        sti     r0, *+ar3(2)                            ; AR3 <- loader: the port's CPCR. Answer to the program's sender
         ldi     *+ar2(1), r0
         sti     r0, @EXEC_POLICY
         ldi     *+ar2(2), r0
@@ -71,16 +71,16 @@ exec_done:
         ldi     FLAG_DONE, r2
         sti     r0, *+ar0(TB_RESULT)
         sti     r1, *+ar0(TB_NOTIFY)
-        sti     r2, *+ar0(TB_FLAG)                      ; last: from here the block is the host's
+        sti     r2, *+ar0(TB_FLAG)                      ; last: from here on the block belongs to the host
         br      exec_next
 
-; A kind this image has no kernel for: result FFFFFFFFh, no notice, done. The host sees it; the list goes on.
+; This image has no kernel for the kind: result FFFFFFFFh, no notice, done. The host sees the result; the list goes on.
 exec_unknown:
         ldi     -1, r0
         ldi     0, r1
         br      exec_done
 
-; A row of the user's own for which nothing was configured.
+; A user's row for which the configuration gives no program.
 kernel_none:
         ldi     -1, r0
         ldi     0, r1
@@ -94,12 +94,12 @@ exec_kernels:
         .word   kernel_none                             ; [[tasks]] of the configuration put their programs here
         .endr
 
-; R0 <- 1 and AR2, EXEC_BLOCK <- address of the block in window A; or R0 <- 0 if none is to be run.
+; R0 <- 1 and AR2, EXEC_BLOCK <- address of the block in window A; or R0 <- 0 if no block is to be run.
 exec_claim:
         ldhi    hi16(WINDOW_A), ar0
         ldhi    hi16(WINDOW_A + SEMAPHORE_LIST), ar1
 exec_acquire:
-        ldi     *ar1, r0                                ; 0: the semaphore is ours
+        ldi     *ar1, r0                                ; 0: this DSP now has the semaphore
         beq     exec_acquired
         rpts    15                                      ; let the owner have the bus
         nop
@@ -108,7 +108,7 @@ exec_acquired:
         ldi     *+ar0(LIST_WORK_POINTER), r0
         beq     exec_none
         .ifdef  OWN_BLOCKS
-        br      own_claim                               ; some blocks are for one DSP alone (claim_own.asm)
+        br      own_claim                               ; some blocks are for one DSP only (claim_own.asm)
         .else
         addi3   r0, ar0, ar2
         .endif
@@ -138,8 +138,8 @@ exec_idle:
         bgt     exec_next                               ; IDLE_SPIN
         beq     exec_pause
 
-; Doorbell. Nobody may ring before this DSP has announced itself, so an older ring is forgotten first; the list is looked at
-; once more after the announcement, for the host may have put a block there in between without ringing.
+; Doorbell. Nobody may ring before this DSP has announced itself, so an older ring is cleared first. After the
+; announcement the DSP looks at the list again: the host may have added a block in between without ringing.
         andn    IIF_RING, iif
         ldhi    hi16(WINDOW_A + DOORBELL_IDLE), ar3
         or      lo16(WINDOW_A + DOORBELL_IDLE), ar3
@@ -148,7 +148,7 @@ exec_idle:
         call    exec_claim
         cmpi    0, r0
         bne     exec_busy
-        idle                                            ; GIE <- 1; the ring has cleared our idle bit when we wake
+        idle                                            ; GIE <- 1; the ring clears this DSP's idle bit before it wakes
         andn    ST_GIE, st
         br      exec_next
 exec_busy:

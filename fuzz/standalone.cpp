@@ -1,6 +1,6 @@
 // Runs a target without libFuzzer: TARGET [--mutations N] [--seed S] FILE|DIRECTORY...: every file, then N mutations of
-// them, which depend on the seed alone. The input under way is kept in the file that --keep names, so that one that
-// crashes can be given again.
+// them, which depend on the seed alone. --keep names a file for the present input, so that a crash
+// can be repeated.
 #include <unistd.h>
 
 #include <algorithm>

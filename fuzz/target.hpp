@@ -1,6 +1,6 @@
 #pragma once
-// What the targets share (docs/fuzzing.md): an input taken apart, a file for readers that want a name, and how a broken
-// promise is told. A target is one function, which libFuzzer or fuzz/standalone.cpp calls with one input after another.
+// Shared by the targets (docs/fuzzing.md): a parser for the input, a file for readers that want a name, the report of a
+// broken promise. A target is one function. libFuzzer or fuzz/standalone.cpp calls it with one input after another.
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -18,7 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
 namespace fuzz {
 
-/// A promise of the program is broken: ends the process, which is a finding.
+/// The program has broken a promise: ends the process, which the fuzzer counts as a finding.
 [[noreturn]] inline void broken(const std::string& how) {
   std::fprintf(stderr, "broken promise: %s\n", how.c_str());
   std::abort();
@@ -27,8 +27,8 @@ inline void expect(bool kept, const std::string& how) {
   if (!kept) broken(how);
 }
 
-/// Does the work. False when it throws one of the errors that are documented for it; another error is a finding, and so
-/// is one that says nothing.
+/// Does the work. Returns false when the work throws one of its documented errors. Another error is a finding, and so
+/// is an error with an empty message.
 template <class Documented, class... Others, class Work>
 bool done(Work&& work) {
   try {
@@ -43,7 +43,7 @@ bool done(Work&& work) {
   }
 }
 
-/// Takes an input apart from the front. Behind its end everything is 0 or empty.
+/// Reads values from the front of an input. After the end of the input every value is 0 or empty.
 class Input {
  public:
   Input(const std::uint8_t* data, std::size_t size) : data_(data, size) {}

@@ -1,5 +1,5 @@
 #pragma once
-// One start, several ways to run it: by blocks, instruction by instruction, cut into pieces. All end alike.
+// One start, several ways to run: by blocks, by single instructions, in pieces. All must have the same result.
 #include <algorithm>
 #include <functional>
 #include <memory>
@@ -11,7 +11,7 @@
 
 namespace fuzz {
 
-/// What a way comes to.
+/// The result of one way to run.
 struct End {
   c40::StopInfo stop;
   std::vector<std::uint64_t> seen;
@@ -21,7 +21,7 @@ struct End {
 
 /// Answers the access that the chip stopped at: true, run on.
 using Answer = std::function<bool(c40::Chip& chip, const c40::StopInfo& stop)>;
-/// A chip at its start, and who answers it.
+/// A chip at its start, and the functions that answer its accesses.
 struct Start {
   std::unique_ptr<c40::Chip> chip;
   Answer answer;
@@ -29,7 +29,7 @@ struct Start {
   std::uint64_t* answers = nullptr;         ///< how many were given so far
 };
 
-/// \param advance goes on, to the limit at the furthest but for the instruction that crosses it
+/// \param advance runs the chip at most to the limit; only the last instruction may cross it
 template <class Advance>
 End run(Start start, c40::Cycles limit, Advance&& advance) {
   c40::Chip& chip = *start.chip;
@@ -64,7 +64,7 @@ inline void expect_alike(const char* way, const End& first, const End& second) {
     told(std::to_string(first.answers) + " and " + std::to_string(second.answers) + " accesses through windows");
 }
 
-/// \param make always gives the same start \param cuts cycles of the pieces, by turns
+/// \param make always gives the same start \param cuts lengths of the pieces in cycles, used cyclically
 inline void expect_same_ends(const std::function<Start()>& make, c40::Cycles limit,
                              const std::vector<c40::Cycles>& cuts) {
   const End blocks = run(make(), limit, [&](c40::Chip& chip) { return chip.run_until(limit); });

@@ -10,7 +10,7 @@ Row = dict[str, object]
 
 
 def fields(row: Row) -> dict[str, tuple[int, int]]:
-    """Letter: (shift, width); without what nobody reads (z)."""
+    """Letter: (shift, width); without the unused bits (z)."""
     picture = str(row["picture"]).replace(" ", "")
     letters = [letter for letter in dict.fromkeys(picture) if letter.isalpha() and letter != "z"]
     return {letter: (31 - picture.rindex(letter), picture.count(letter)) for letter in letters}

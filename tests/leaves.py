@@ -1,4 +1,4 @@
-"""Saved states, value by value: whatever is listed is loaded, and a comparison names it."""
+"""Saved states, value by value: every listed value is loaded, and a comparison names it."""
 
 from collections.abc import Callable
 from typing import Any

@@ -1,6 +1,7 @@
-"""One processor that is two: the same program timed in two ways, cut into pieces at many points, and compared at each of them.
+"""Two processors behind the interface of one: one program timed in two ways, run in many pieces, compared after each.
 
-It stands in for `cmrc._core.c40.Processor`, so that whatever runs a program can run it so. A further way of timing is one more line of WAYS.
+It replaces `cmrc._core.c40.Processor`, so any code that runs a program can use it. A further way of timing is one
+more line of WAYS.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ def state(core: Any) -> dict[str, Any]:
 
 
 class Processor:
-    """What it is told, it tells both; what both answer has to be the same."""
+    """Passes each call to both processors; both answers must be equal."""
 
     points = 0  # at which any of them was compared
     cycles = 0  # that any of them ran

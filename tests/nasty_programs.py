@@ -18,7 +18,7 @@ from cmrc._core import c40, toolchain
 from cmrc.network import Network
 
 CYCLES = 900
-"""Of a run; a program that ends before goes round its last branch, or sleeps."""
+"""Length of a run; a program that ends earlier repeats its last branch, or sleeps."""
 
 CHIP, LOCAL, SLOW, GLOBAL = 0x2FF800, 0x300C00, 0x40000000, 0x80000000
 DATA = {"chip": CHIP, "local": LOCAL, "slow": SLOW + 0x100, "global": GLOBAL + 0x600}
@@ -336,7 +336,7 @@ class Pins:
 
 
 def drive(chip: Any, program: Program, advance: Callable[[Any, int], dict[str, Any]], seen: Callable[[Any], None] | None = None) -> Outcome:
-    """`advance(chip, cycle)` goes on, to that cycle at the furthest but for the instruction that crosses it."""
+    """`advance(chip, cycle)` runs at most to that cycle; only the last instruction may cross it."""
     pins = Pins(program)
     stop: dict[str, Any] = {}
     while chip.cycle < CYCLES:
@@ -350,7 +350,7 @@ def drive(chip: Any, program: Program, advance: Callable[[Any, int], dict[str, A
 
 
 def difference(program: Program, way: str, chip: Any, other: Any) -> str:
-    """Of two chips that should be alike: what is not."""
+    """The differences between two chips that should be equal."""
     lines = [f"seed {program.seed}, {way}, cycles {chip.cycle} and {other.cycle}"]
     for name in package.REGISTERS:
         if chip.get(name) != other.get(name):
@@ -413,7 +413,7 @@ def disagreement(program: Program, bench: Bench) -> str | None:
 
 
 def in_network(program: Program, board: str, image: Any, instants: dict[int, tuple[bytes, int]]) -> str | None:
-    """Beside a neighbour that does nothing to it, whole and in slices: at every instant as alone."""
+    """With a neighbour that does not affect the chip, whole and in slices: always the same as alone."""
     rng = random.Random(program.seed)
     neighbour = package.assemble("        .text\nstart:  bu start\n")
     for slices in (False, True):
@@ -489,7 +489,7 @@ def ring_disagreement(programs: list[Program], bench: Bench) -> str | None:
         while now < end and reason == "limit":
             now = min(end, now + rng.uniform(0.05, 8)) if "slices" in way else end
             reason = network.run(until_us=now).reason
-        # How a chip stands that has come to its last branch is seen when it goes on.
+        # The state of a chip at its last branch shows only when the chip goes on.
         stands = [("", "") if chip.status in ("running", "halt") else (chip.status, chip.message) for chip in network.chips]
         chips = [(*stand, chip._core.cycle, chip._core.snapshot(), chip._core.digest()) for stand, chip in zip(stands, network.chips, strict=True)]
         found.append((reason, network.event_trace, chips))
@@ -502,11 +502,11 @@ def ring_disagreement(programs: list[Program], bench: Bench) -> str | None:
     return None
 
 
-# ---- the least that still fails
+# ---- the smallest program that still fails
 
 
 def shrink(program: Program, fails: Callable[[Program], bool]) -> Program:
-    """Takes away fragments, pins, channels and rounds as long as it still fails."""
+    """Removes fragments, pins, channels and rounds as long as the program still fails."""
     changed = True
     while changed:
         changed = False

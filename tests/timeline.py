@@ -169,7 +169,7 @@ def _draw(timeline: Timeline, raw: list[tuple[int, int, int, Any, _Sequence]]) -
 
 
 def check_order(timeline: Timeline) -> None:
-    """Slices side by side do not overlap, and one within another does not stick out; counters go on in time."""
+    """Two slices of a track are apart, or one contains the other; counters advance in time."""
     for drawn in timeline.slices.values():
         last: dict[int, int] = {}
         for one in drawn:
@@ -185,7 +185,7 @@ def check_order(timeline: Timeline) -> None:
 
 
 def flows(timeline: Timeline) -> dict[int, tuple[Instant, Instant]]:
-    """Both ends of each flow; each has one of either, in this order."""
+    """Start and end of each flow; each flow has exactly one of both, in this order."""
     begun = {flow: one for one in timeline.instants for flow in one.flows}
     ended = {flow: one for one in timeline.instants for flow in one.ended_flows}
     assert sum(len(one.flows) for one in timeline.instants) == len(begun)

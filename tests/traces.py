@@ -1,4 +1,4 @@
-"""Golden traces in little room: text where it matters, hashes elsewhere (docs/trace.md, Golden traces)."""
+"""Compact golden traces: text where it matters, hashes elsewhere (docs/trace.md, Golden traces)."""
 
 import hashlib
 import re

@@ -1,8 +1,8 @@
-; CRC-32 (the one of Ethernet and zlib, polynomial EDB88320h reflected) of `length` bytes at `message`, four bytes to a word, the first in
-; bits 7-0. Once bit by bit, once by a table of 256 words that the program makes first. Results: crc_by_bits, crc_by_table.
+; CRC-32 (Ethernet, zlib; polynomial EDB88320h, reflected) of `length` bytes at `message`, four bytes to a word, the
+; first in bits 7-0. Bit by bit, then by a table of 256 words that the program makes: crc_by_bits, crc_by_table.
 ;
-; To see: LSH leaves the bit that it shifts out in the carry, and LDIC turns that into a mask without a branch; LBU0-LBU3 take packed
-; bytes apart; a macro whose parameter becomes part of a mnemonic; IR0 as an index into a table.
+; To see: LSH leaves the bit that it shifts out in the carry, and LDIC turns the carry into a mask without a branch;
+; LBU0-LBU3 unpack bytes; a macro parameter that is part of a mnemonic; IR0 as a table index.
 
                 .include "examples.inc"
 
@@ -36,13 +36,13 @@ make_entry:     ldi     r0,r1
                 sti     r1,@crc_by_table
 done:           b       done
 
-; The byte R0 into the checksum R1, bit by bit. Uses R2, RC.
+; Adds the byte R0 to the checksum R1, bit by bit. Uses R2, RC.
 by_bits:        xor     r0,r1
 eight_bits:     ldi     7,rc
                 rptb    one_bit
                 lsh     -1,r1
                 ldi     0,r2
-                ldic    r3,r2                   ; LDI leaves the carry as it was
+                ldic    r3,r2                   ; LDI does not change the carry
 one_bit:        xor     r2,r1
                 rets
 
@@ -59,7 +59,7 @@ take            .macro  n                       ; byte n of the word at AR0
                 callu   ar7
                 .endm
 
-; R1: the checksum of the message, bytes taken in by the routine at AR7.
+; R1: the checksum of the message; the routine at AR7 adds each byte.
 whole_message:  address message,ar0
                 ldi     -1,r1
                 ldi     @length,r4

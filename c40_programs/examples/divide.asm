@@ -1,8 +1,8 @@
 ; Division and square root of floats by seed and Newton's method: for each of `count` pairs at `dividends`, `divisors`
 ;     quotients = dividend / divisor,   roots = square root of the dividend's magnitude
 ;
-; To see: RCPF and RSQRF give some 8 bits; x := x (2 - v x) and x := x (3/2 - v/2 x x) double them; a last step on the quotient itself,
-; q := q + x (a - v q), leaves an error below that of the 24 bits that are stored.
+; To see: RCPF and RSQRF give about 8 bits; x := x (2 - v x) and x := x (3/2 - v/2 x x) double them. A last step on the
+; quotient, q := q + x (a - v q), leaves an error below that of the 24 bits that are stored.
 
                 .include "examples.inc"
 

@@ -1,17 +1,17 @@
-; FFT of 1024 complex points, radix 2, decimation in frequency: real parts at `real`, imaginary parts at `imaginary`, both replaced by their
-; transform in natural order, X(k) = sum x(n) exp(-2 pi i n k/1024).
+; FFT of 1024 complex points, radix 2, decimation in frequency: real parts at `real`, imaginary parts at `imaginary`.
+; The transform replaces both, in natural order: X(k) = sum x(n) exp(-2 pi i n k/1024).
 ;
-; To see: ten stages whose butterflies are a block repeat with two parallel stores; a table of sines of three quarters of a period, of
-; which the cosine is the part a quarter later; bit-reversed addressing that puts the result in order.
+; To see: ten stages whose butterflies are a block repeat with two parallel stores; a sine table of three quarters of a
+; period, where the cosine stands a quarter later; bit-reversed addressing for the final order.
 
                 .include "examples.inc"
 
 N               .set    1024
 
                 .bss    variables,0
-                .bss    half,1                  ; points between the two of a butterfly
-                .bss    stride,1                ; of the sine table
-real            .usect  "points",N,N            ; bit reversal wants them on a multiple of their length
+                .bss    half,1                  ; distance between the two points of a butterfly
+                .bss    stride,1                ; step in the sine table
+real            .usect  "points",N,N            ; bit-reversed addressing needs arrays aligned to their length
 imaginary       .usect  "points",N,N
 sorted_real     .usect  "points",N
 sorted_imag     .usect  "points",N
@@ -31,7 +31,7 @@ stage:          address real,ar4
                 address sine,ar6
                 ldi     @half,ir1
                 ldi     ir1,ir0
-                addi    ir0,ir0                 ; butterflies of one twiddle factor stand 2 half apart
+                addi    ir0,ir0                 ; butterflies with the same twiddle factor are 2 half apart
                 ldi     @stride,r10
                 ldi     @stride,r9
                 subi    1,r9                    ; repetitions - 1
@@ -75,7 +75,7 @@ butterfly:      stf     r2,*ar1++(ir0)
                 sti     r0,@half
                 bnz     stage
 
-; Point k of the transform stands where k's ten bits in reverse say.
+; Point k of the transform is at the place that the ten bits of k give in reverse order.
                 address real,ar0
                 address imaginary,ar1
                 address sorted_real,ar2

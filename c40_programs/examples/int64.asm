@@ -1,7 +1,7 @@
-; Arithmetic on integers of 64 bits, low word first: for each of `count` pairs at `left`, `right` (two words each) the sum, the difference, the
-; low 64 bits of the product, the left operand shifted left by one, and the unsigned comparison (-1, 0 or 1).
+; 64-bit integer arithmetic, low word first. For each of `count` pairs at `left`, `right` (two words each): the sum, the
+; difference, the low 64 bits of the product, the left operand shifted by one, the unsigned comparison (-1, 0 or 1).
 ;
-; To see: ADDC and SUBB carry from word to word; MPYI and MPYUHI together give 64 bits; ROLC takes the carry along.
+; To see: ADDC and SUBB carry from word to word; MPYI and MPYUHI together give 64 bits; ROLC shifts the carry in.
 
                 .include "examples.inc"
 
@@ -47,7 +47,7 @@ next_pair:      ldi     *ar0++,r0               ; R1:R0 left, R3:R2 right
 
                 mpyi3   r0,r2,r4                ; low x low: 64 bits
                 mpyuhi3 r0,r2,r5
-                mpyi3   r0,r3,r6                ; cross products: only their low words count
+                mpyi3   r0,r3,r6                ; the cross products add only their low words
                 addi    r6,r5
                 mpyi3   r1,r2,r6
                 addi    r6,r5

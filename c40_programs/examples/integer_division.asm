@@ -1,8 +1,8 @@
-; Division of 32-bit integers by SUBC: for each of `count` pairs at `dividends`, `divisors` the unsigned quotient and remainder, and the signed
-; ones, rounded towards zero as in C. Division by zero gives FFFFFFFFh and the dividend.
+; Division of 32-bit integers by SUBC: for each of `count` pairs at `dividends`, `divisors` the unsigned quotient and
+; remainder, then the signed ones, rounded towards zero as in C. Division by zero gives FFFFFFFFh and the dividend.
 ;
-; To see: SUBC does one step of restoring division; how many are needed follows from the exponents that FLOAT finds, read with PUSHF and POP;
-; results come packed in one register.
+; To see: SUBC does one step of restoring division. The exponents from FLOAT, read with PUSHF and POP, give the number
+; of steps. The results come packed in one register.
 
                 .include "examples.inc"
 
@@ -69,10 +69,10 @@ unsigned_division:
                 cmpi    r1,r0
                 blo     too_small               ; unsigned: R0 < R1
                 cmpi    0,r1
-                blt     once                    ; the divisor has bit 31, and so has the dividend
+                blt     once                    ; divisor and dividend both have bit 31
                 cmpi    0,r0
                 bge     steps
-                push    r0                      ; bit 31 would be lost by SUBC's shift: divide half of it first
+                push    r0                      ; SUBC's shift would lose bit 31: divide half of the dividend first
                 lsh     -1,r0
                 call    unsigned_division_steps
                 ldi     r0,r2

@@ -1,7 +1,7 @@
 ; SHA-1 (FIPS 180-4) of `length` bytes at `message`, four bytes to a word, the first in bits 7-0. Result: five words at `digest`.
 ;
-; To see: part-word moves (LBU, MB) that turn a word's bytes round; a message padded on the fly; rotations by shifts; four kinds of rounds
-; from one macro, the schedule of 80 words in on-chip RAM block 1.
+; To see: part-word moves (LBU, MB) reverse a word's bytes; padding computed at run time; rotations by shifts; one macro
+; for four kinds of rounds; the schedule of 80 words is in on-chip RAM block 1.
 
                 .include "examples.inc"
 
@@ -49,7 +49,7 @@ done:           b       done
 
 initial:        .word   067452301h,0EFCDAB89h,098BADCFEh,010325476h,0C3D2E1F0h
 
-; W(0..15): the block's words, bytes turned round, with 80h behind the last byte, zeros, and the length in bits at the very end.
+; W(0..15): the block's words, bytes reversed; after the last byte 80h, zeros, and at the very end the length in bits.
 fill:           address W,ar0
                 address message,ar1
                 ldi     @block,r1
@@ -90,7 +90,7 @@ fill_put:       sti     r3,*ar0++
                 sti     r0,*-ar0(1)
 fill_done:      rets
 
-; R3 := R4 with its bytes in the other order. Uses R0.
+; R3 := R4 with its bytes in reverse order. Uses R0.
 turn:           lbu0    r4,r0
                 mb3     r0,r3
                 lbu1    r4,r0

@@ -1,8 +1,8 @@
-; Strings of bytes, four to a word, the first in bits 7-0, ended by a zero byte: length, comparison, upper case, and a copy of `size` bytes from
-; any byte of a word to the beginning of another. Inputs `first`, `second`, `size`, `offset`; results `first_length`, `order` (-1, 0, 1),
-; `upper` and `copy`.
+; Strings of bytes, four to a word, the first in bits 7-0, ended by a zero byte: length, comparison, upper case, and a
+; copy of `size` bytes from any byte of a word to the beginning of another. Inputs `first`, `second`, `size`, `offset`;
+; results `first_length`, `order` (-1, 0, 1), `upper` and `copy`.
 ;
-; To see: LBU and MB on bytes in place; LWR and LWL that fit an unaligned word together from two aligned ones.
+; To see: LBU and MB change bytes in place; LWR and LWL build an unaligned word from two aligned words.
 
                 .include "examples.inc"
 
@@ -37,7 +37,7 @@ test_byte       .macro  n,found                 ; byte n of R0
                 addi    1,r1
                 .endm
 
-; R1: bytes before the zero, from AR0 on.
+; R1: number of bytes before the zero, from AR0 on.
 string_length:  ldi     0,r1
 length_word:    ldi     *ar0++,r0
                 test_byte 0,length_found
@@ -56,7 +56,7 @@ compare_byte    .macro  n
                 beq     same
                 .endm
 
-; R2: -1, 0 or 1 as the string at AR0 stands before, equal to or behind that at AR1.
+; R2: -1, 0 or 1: the string at AR0 sorts before, is equal to, or sorts after the string at AR1.
 compare:        compare_byte 0
                 compare_byte 1
                 compare_byte 2
@@ -99,8 +99,8 @@ fit             .macro  n                       ; words that begin at byte n of 
                 ldi     *ar0++,r0
                 .else
                 .eval   4-n,rest
-                lwr:n:  *ar0++,r0               ; its upper bytes come down
-                lwl:rest: *ar0,r0               ; the next one's lower bytes go above them
+                lwr:n:  *ar0++,r0               ; the upper bytes of this word move down
+                lwl:rest: *ar0,r0               ; the lower bytes of the next word go above them
                 .endif
                 .endm
 

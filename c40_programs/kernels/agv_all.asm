@@ -1,4 +1,4 @@
-; The kernels of the AGVs, and of the processes that find, plan and go home.
+; The kernels of the AGVs, and of the processes that identify containers, plan paths and go home.
 
         .include "trajectory_agv.asm"
         .include "inverse_agv.asm"

@@ -1,8 +1,8 @@
-; Sub-process 5 as a synthetic load that keeps a DSP busy for TB_ARGUMENT cycles (preset "saturated"), so that misses can be shown at any
-; length. It computes, and its result is thrown away: the repulsion k (1/d - 1/d0)/d^2 of a sample of distances.
+; Sub-process 5 as a synthetic load that keeps a DSP busy for TB_ARGUMENT cycles (preset "saturated"), to show missed
+; deadlines of any length. It computes the repulsion k (1/d - 1/d0)/d^2 of sample distances; the result is not used.
 ;
-; Cycles from the kernel's first instruction to the end of its return: 16 per turn of the loop and AVOIDANCE_OVERHEAD, so that any argument
-; from 40 on is met within 8 cycles. After each AVOIDANCE_TURNS turns comes a heartbeat, which takes the time of AVOIDANCE_BEAT.
+; Cycles from the kernel's first instruction to the end of its return: 16 per turn of the loop and AVOIDANCE_OVERHEAD.
+; Any argument from 40 on is met within 8 cycles. A heartbeat of AVOIDANCE_BEAT cycles follows AVOIDANCE_TURNS turns.
 
 AVOIDANCE_OVERHEAD  .set 32
 AVOIDANCE_TURNS     .set 125
@@ -35,7 +35,7 @@ avoidance_some:
         mpyf3   r0, r0, r2
         mpyf    r2, r1
         addf    r1, r6
-        mpyf    0.5, r6                         ; the sum forgets, so that it stays small
+        mpyf    0.5, r6                         ; the sum decays, so that it stays small
         addf    0.0625, r5                      ; the next distance, 2 to 4 m
         ldf     2.0, r3
         cmpf    r7, r5

@@ -7,8 +7,8 @@ avoid_decide:
         call    avoid_motion
         br      avoid_speed
 
-; FLANK <- how far along the leg something is beside the vehicle, where a shift has no room: to that side for the flank, to the other for the ends, which swing
-; out. What is about to go out of view.
+; FLANK <- how far along the leg something is beside the vehicle. There a shift has no room: towards the thing for the
+; flank, away from it for the vehicle's ends, which swing out. Covers things that are about to leave the view.
 avoid_beside:
         call    alive
         float   *+ar6(AG_AVOID_BESIDE), r5
@@ -44,8 +44,8 @@ avoid_beside_next:
         stf     r5, @AV_FLANK
         rets
 
-; SHIFT <- the shift wanted, or the present one while it must be held; HOLD. What stands so near to the leg's end that the vehicle would not be back
-; in the lane behind it is not passed.
+; SHIFT <- the shift wanted, or the present one while it must be held; HOLD. A thing is not passed if it is so near to
+; the leg's end that the vehicle could not return to the lane before the end.
 avoid_side:
         call    alive
         ldf     @AV_SHIFT, r6
@@ -55,9 +55,9 @@ avoid_side:
         negf    r1, r1
         cmpf    r1, r6
         ldflt   r1, r6
-        ldf     @AV_HOLD, r7                    ; hold: until the rear is past what stands in the lane
-        ldf     @K_AV_NO_LIMIT, r8              ; the nearest that can be passed
-        ldf     r8, r9                          ; the nearest that cannot
+        ldf     @AV_HOLD, r7                    ; hold: until the rear has passed the things in the lane
+        ldf     @K_AV_NO_LIMIT, r8              ; the nearest thing that can be passed
+        ldf     r8, r9                          ; the nearest thing that cannot be passed
         call    avoid_home
         ldhi    hi16(AV_POINTS), ar1
         or      lo16(AV_POINTS), ar1
@@ -94,12 +94,12 @@ avoid_hold_next:
         cmpf    @K_AV_NO_LIMIT, r8
         calllt  avoid_feasible
         cmpf    @AV_S, r10
-        ble     avoid_hold_over                 ; it is not bound by what it passes already
+        ble     avoid_hold_over                 ; the things that it already passes do not limit it
         absf    @AV_SHIFT_OLD, r0
         absf    r6, r1
         cmpf    r0, r1
         ldflt   @AV_SHIFT_OLD, r6
-        ldf     @AV_SHIFT_OLD, r0               ; nor is the side changed
+        ldf     @AV_SHIFT_OLD, r0               ; nor does the side change
         mpyf    r6, r0
         cmpf    0.0, r0
         ldflt   @AV_SHIFT_OLD, r6
@@ -129,8 +129,8 @@ avoid_side_end:
         stf     r6, @AV_SHIFT
         rets
 
-; R6 <- the shift that passes the group of things that begins R8 ahead: R6, or as much more as it needs; to the other side, if this one is shut and that one is
-; not; none if both are. R6 = 0 stays. Clobbers R0 .. R5, R11, AR1, AR2.
+; R6 <- the shift that passes the group of things that begins R8 ahead: R6, or a larger one if needed; to the other side
+; if only that one is free; none if both are blocked. R6 = 0 stays. Clobbers R0 .. R5, R11, AR1, AR2.
 avoid_feasible:
         cmpf    0.0, r6
         retseq
@@ -153,7 +153,7 @@ avoid_feasible_point:
         cmpf    0.0, r1
         ldfgt   0.0, r1
         subrf   *+ar1(AV_PLATERAL), r1
-        addf    @K_AV_NEEDS, r1                 ; the vehicle's place when it passes this on its left
+        addf    @K_AV_NEEDS, r1                 ; the vehicle's lateral place when it passes this thing on its left
         ldf     *+ar1(AV_PSWING), r2
         cmpf    0.0, r2
         ldflt   0.0, r2
@@ -166,7 +166,7 @@ avoid_feasible_point:
         cmpf    r11, r2
         ldflt   r2, r11
         br      avoid_feasible_after
-avoid_feasible_beside:                          ; it stands beside the lane: between it and the group must be room
+avoid_feasible_beside:                          ; it stands beside the lane: there must be room between it and the group
         cmpf    r4, r2
         ldfgt   r4, r2
         cmpf    r5, r1
@@ -208,15 +208,15 @@ avoid_feasible_only_left:
         ldfgt   0.0, r6
         rets
 
-; R3 <- how far ahead the last thing may stand that can be passed beside the lane, so that the vehicle is back in it for the leg's end.
+; R3 <- largest distance ahead of a thing that can be passed, so that the vehicle is back in the lane at the leg's end.
 avoid_home:
         ldf     @AV_LEFT, r3
         subf    @K_AV_HOME_STRAIGHT, r3
         subf    @K_AV_REAR, r3
         rets
 
-; R1 <- lateral place of the way R8 ahead: shift + (now - shift) (1 - t)^2 (1 + 2 t), t = (R8 - 4 m) / 15 m: the front is there when the middle has gone
-; 7.4 m less. Clobbers R0, R2.
+; R1 <- lateral place of the way R8 ahead: shift + (now - shift) (1 - t)^2 (1 + 2 t), t = (R8 - 4 m) / 15 m: the front
+; is there when the middle has gone 7.4 m less. Clobbers R0, R2.
 avoid_way:
         ldf     r8, r0
         subf    @K_AV_FRONT, r0
@@ -237,7 +237,7 @@ avoid_way:
         addf    @AV_SHIFT, r1
         rets
 
-; R0 <- how far the point AR1, R0 m to the left of the way, is from what the vehicle's middle sweeps: |R0|, less the swing on its side. Clobbers R1, R2.
+; R0 <- distance of point AR1, R0 m left of the way, from the middle's path: |R0|, less the swing. Clobbers R1, R2.
 avoid_gap:
         mpyf3   *+ar1(AV_PSWING), r0, r1
         absf    r0, r0
@@ -247,7 +247,7 @@ avoid_gap:
         subf    r2, r0
         rets
 
-; R0 <- how far the point AR1 is ahead of the front, along the lane or straight on, whichever is more: outside in a bend the lane's metres are longer.
+; R0 <- distance of point AR1 ahead of the front, along the lane or straight ahead: the larger one (bends outside).
 avoid_ahead:
         ldf     *+ar1(AV_PALONG), r0
         cmpf    *+ar1(AV_PX), r0
@@ -255,8 +255,8 @@ avoid_ahead:
         subf    @AV_MOUNT, r0
         rets
 
-; FREE, CLOSE: what blocks the way from the present lateral place to SHIFT, and back into the lane before the leg's end, and what stands close beside it. SEEN: on the
-; inner side of a bend it goes out of view before it is as near as that along the lane; the vehicle must stand before.
+; FREE, CLOSE: what blocks the way from the present lateral place to SHIFT, and back to the lane before the leg's end, and what stands close beside it. SEEN: on the
+; inner side of a bend a thing leaves the view before it is as near as that along the lane; the vehicle must stop earlier.
 avoid_block:
         call    alive
         ldf     @K_AV_NO_LIMIT, r7              ; free distance
@@ -308,7 +308,7 @@ avoid_block_next:
         stf     r9, @AV_SEEN
         rets
 
-; R1 <- what stopping takes from the present speed: v T + v^2 / (2 B).
+; R1 <- stopping distance from the present speed: v T + v^2 / (2 B).
 avoid_stopping:
         ldf     @AV_SPEED_NOW, r0
         ldf     r0, r1
@@ -317,7 +317,7 @@ avoid_stopping:
         mpyf    r0, r1
         rets
 
-; Where the way to another shift is blocked too near to stop, and that of the present one 0.5 m less, the present one is kept.
+; If the way to another shift is blocked too near to stop, and the present shift's is free 0.5 m farther: keep that one.
 avoid_keep:
         ldf     @AV_SHIFT, r6
         cmpf    @AV_SHIFT_OLD, r6
@@ -365,7 +365,7 @@ avoid_speed_free:
         subf    @K_AV_T, r0
         mpyf    @K_AV_B, r0
         cmpf    0.125, r0
-        ldflt   0.0, r0                         ; do not creep the last centimetres
+        ldflt   0.0, r0                         ; no creeping over the last centimetres
 avoid_speed_blocked:
         cmpf    r6, r0
         ldflt   r0, r6
@@ -422,7 +422,7 @@ avoid_millimetres:
         fix     r0, r0
         rets
 
-; Nothing can be seen: as without avoidance.
+; No view: drive as without avoidance.
 avoid_nothing:
         ldi     0, r0
         sti     r0, *+ar6(AG_AVOID_WAIT)

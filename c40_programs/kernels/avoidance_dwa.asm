@@ -1,6 +1,6 @@
-; Sub-process 5 as a dynamic window, the stress test: 11 speeds that the drive can reach times 11 curvatures about the lane's, each followed as an
-; arc over 10 steps of 0.4 s (at least 1.6 m), each step against 16 discs (the nearest echoes, padded with far ones, so that the load is always the same). An arc
-; on which a disc is met may be taken only at speeds that can still be braked before it. Of those left the best is
+; Sub-process 5 as a dynamic window, the stress test: 11 speeds that the drive can reach times 11 curvatures about the
+; lane's. Each arc has 10 steps of 0.4 s (at least 1.6 m), tested against 16 discs (nearest echoes, filled up if few).
+; An arc that meets a disc may be taken only at speeds that still allow braking before it. The best one maximises
 ;   W_speed v + W_clear min(clearance, 2 m) - W_lane (distance of the end of a 12-m arc of this curvature from the lane)
 
 DW_SAMPLES      .set 11
@@ -9,19 +9,19 @@ DW_DISCS        .set 16
 DW_SECTORS      .set 64
 DW_SPOTS        .set SCRATCH + 856          ; -2 x, -2 y of each disc
 DW_SQUARES      .set SCRATCH + 888          ; x^2 + y^2 of each
-DW_LANE         .set SCRATCH + 904          ; per curvature: W_lane times its end's distance from the lane
-DW_SIDE         .set SCRATCH + 934          ; per curvature: m by which its end lies left of the lane's point
-DW_V0           .set SCRATCH + 920          ; m/s, slowest of the window, and between two
+DW_LANE         .set SCRATCH + 904          ; per curvature: W_lane times the distance of the arc's end from the lane
+DW_SIDE         .set SCRATCH + 934          ; per curvature: m by which the arc's end is left of the lane's point
+DW_V0           .set SCRATCH + 920          ; m/s, slowest speed of the window, and step between two speeds
 DW_DV           .set SCRATCH + 921
 DW_BEND         .set SCRATCH + 922          ; 1/m, the lane's curvature
 DW_V            .set SCRATCH + 923          ; of the sample
 DW_K            .set SCRATCH + 924
 DW_CLEAR        .set SCRATCH + 925          ; least squared distance of the arc from a disc, m^2
-DW_FREE         .set SCRATCH + 926          ; m of arc before a disc is met, K_AV_NO_LIMIT if none is
+DW_FREE         .set SCRATCH + 926          ; m of arc before a disc is met; K_AV_NO_LIMIT: no disc is met
 DW_BEST         .set SCRATCH + 927
 DW_BEST_V       .set SCRATCH + 928
 DW_BEST_SIDE    .set SCRATCH + 929          ; m, its DW_SIDE
-DW_MET          .set SCRATCH + 930          ; i, some arc meets something
+DW_MET          .set SCRATCH + 930          ; i, not 0: an arc meets a disc
 DW_I            .set SCRATCH + 931          ; i, speed
 DW_J            .set SCRATCH + 932          ; i, curvature
 DW_LEAST        .set SCRATCH + 933          ; m^2, least of DW_CLEAR
@@ -63,11 +63,11 @@ dwa_done:
         bne     dwa_decide
         ldf     @DW_LEAST, r0
         cmpf    @K_DW_EASY2, r0
-        bge     avoid_decide                    ; nothing near any arc: no shift, no limit
+        bge     avoid_decide                    ; no disc near any arc: no shift, no limit
 dwa_decide:
         ldf     @DW_BEST_V, r0
         stf     r0, @AV_SPEED
-        ldf     @DW_BEST_SIDE, r0               ; where that arc leads across the lane
+        ldf     @DW_BEST_SIDE, r0               ; lateral place to which that arc leads
         ldf     @DW_BEST, r1
         cmpf    @K_DW_WORST, r1
         ldfeq   @AV_SHIFT_OLD, r0               ; nothing is admissible: stand
@@ -141,7 +141,7 @@ dwa_window_bend:
         stf     r0, @DW_LEAST
         rets
 
-; LANE[j]: where the front is after LOOK metres of curvature j, against the lane's point there.
+; LANE[j]: the front after LOOK metres of curvature j, relative to the lane's point there.
 dwa_lanes:
         call    alive
         ldf     @AV_MOUNT, r8
@@ -202,11 +202,11 @@ dwa_arc:
         call    alive
         call    dwa_curvature
         ldf     @DW_V, r11
-        mpyf    @K_DW_STEP, r11                 ; way of a step
+        mpyf    @K_DW_STEP, r11                 ; length of a step
         cmpf    @K_DW_STEP_LEAST, r11
-        ldflt   @K_DW_STEP_LEAST, r11           ; a slow sample must not look clear because it does not get far
+        ldflt   @K_DW_STEP_LEAST, r11           ; a slow sample must not look clear only because it is short
         ldf     r0, r10
-        mpyf    r11, r10                        ; turn of a step
+        mpyf    r11, r10                        ; change of heading in a step
         ldf     @K_AV_NO_LIMIT, r0
         stf     r0, @DW_CLEAR
         stf     r0, @DW_FREE

@@ -1,5 +1,5 @@
-; What the three builds of obstacle avoidance share (docs/kernels_job.md, "Obstacle avoidance"). Here: what the range sensor sees, as points along and
-; across the lane ahead. avoidance_decide.asm: from the shift and the speed that a method wants to those that it gets. avoidance_motion.asm: what moves.
+; Shared by the three builds of obstacle avoidance (docs/kernels_job.md, "Obstacle avoidance"). Here: the range sensor's
+; echoes as points on the lane. avoidance_decide.asm: shift and speed allowed. avoidance_motion.asm: moving things.
 ;
 ; Frames: the vehicle's (x ahead, y left, origin in its middle) and the lane's (along: arc length of the leg, lateral: left of it).
 
@@ -15,7 +15,7 @@ AV_COS          .set SCRATCH + 100      ; f of the heading
 AV_SIN          .set SCRATCH + 101
 AV_MOUNT        .set SCRATCH + 102      ; f m, sensor ahead of the vehicle's middle
 AV_S            .set SCRATCH + 103      ; f m, the vehicle's place along the leg
-AV_LATERAL      .set SCRATCH + 104      ; f m, and left of it
+AV_LATERAL      .set SCRATCH + 104      ; f m left of the leg
 AV_LEFT         .set SCRATCH + 105      ; f m, to the end of the leg
 AV_SHIFT_OLD    .set SCRATCH + 106      ; f m, AG_AVOID_SHIFT before
 AV_HOLD         .set SCRATCH + 107      ; f m, AG_AVOID_HOLD
@@ -30,7 +30,7 @@ AV_FREE         .set SCRATCH + 115      ; f m, from the front to what blocks the
 AV_ALONG        .set SCRATCH + 116      ; f result of avoid_project, AV_ACROSS too
 AV_ACROSS       .set SCRATCH + 117
 AV_TARGET       .set SCRATCH + 118      ; f x2 a point of the lane ahead in the vehicle's frame
-AV_CLOSE        .set SCRATCH + 120      ; f m, from the front to what stands in the way or close beside it
+AV_CLOSE        .set SCRATCH + 120      ; f m, from the front to what blocks the way or stands close beside it
 AV_PATH_COUNT   .set SCRATCH + 121      ; i pieces of the leg in AV_PATH
 AV_TOTAL        .set SCRATCH + 122      ; f m, length of the leg
 AV_PATH         .set SCRATCH + 128      ; pieces of 8 words: x0, y0, cos, sin of heading0, curvature, length, arc length at its start, 1/curvature
@@ -41,20 +41,20 @@ AV_PIECE        .set SCRATCH + 126      ; i result of avoid_project: address of 
 AV_WAIT         .set SCRATCH + 127      ; i AG_AVOID_WAIT
 AV_PLACE        .set SCRATCH + 204      ; f m, AG_AVOID_PLACE
 AV_FLANK        .set SCRATCH + 206      ; f m, AG_AVOID_BESIDE
-AV_SEEN         .set SCRATCH + 205      ; f m, from the front to what blocks the way near it, straight on
+AV_SEEN         .set SCRATCH + 205      ; f m, from the front to what blocks the way near the front, straight ahead
 AV_MINIMA       .set SCRATCH + 208      ; per sector: mm to the nearest echo less 1 (FFFFFFFFh: none), its ray
 AV_POINTS       .set SCRATCH + 352      ; per echo AV_POINT_WORDS: range, x, y, along from the vehicle's middle, lateral, sector, swing
 AV_POINT_WORDS  .set 7
 AV_SECTORS_MOST .set 72
 AV_NEAR         .set AV_MINIMA          ; i x16 addresses of points, once the minima have become points: the nearest of each four sectors
-AV_NOW          .set AV_MINIMA              ; when the decision is made, this look: i AV_COUNT + 1, f x2 m along the leg of what blocks and of what is close, f x2 AV_BINS: lateral place nearest to the lane, left, right
+AV_NOW          .set AV_MINIMA              ; when the decision is made, this look: i AV_COUNT + 1, f x2 m along the leg of the blocking and the close thing, f x2 AV_BINS: lateral place nearest to the lane, left, right
 AV_THEN         .set AV_NOW + AV_LOOK_WORDS  ; an earlier one
 AV_BINS         .set 32                 ; of 1.5 m along the leg, modulo 48 m
 AV_BLOCK        .set 1
 AV_BESIDE       .set 2
 AV_SIDES        .set 3
 AV_LOOK_WORDS   .set AV_SIDES + 2 * AV_BINS
-AV_BANK         .set 370h               ; four earlier looks are kept behind what a split task keeps: in each of its halves two, AV_BANK_WORDS apart
+AV_BANK         .set 370h               ; four earlier looks, behind the words of a split task: two per half, AV_BANK_WORDS apart
 AV_BANK_WORDS   .set 48h
 AV_RANGE        .set 0
 AV_PX           .set 1
@@ -62,13 +62,13 @@ AV_PY           .set 2
 AV_PALONG       .set 3
 AV_PLATERAL     .set 4
 AV_PSECTOR      .set 5                  ; i
-AV_PSWING       .set 6                  ; f m by which the vehicle's ends swing out of a bend there, to the left if positive
+AV_PSWING       .set 6                  ; f m by which the vehicle's ends swing out of a bend, positive left
 
         .if AG_WORDS != 100h | SV_WORDS != 800h
         .error "avoid_bank takes the place of an AGV's looks from that of its area by a shift"
         .endif
 
-; R0 = number of sectors, 1 .. 72. Pose, lane and points; R0 <- 0 when there is no sensor.
+; R0 = number of sectors, 1 .. 72. Makes pose, lane and points; R0 <- 0 when there is no sensor.
 avoid_look:
         sti     r0, @AV_SECTORS
         ldhi    hi16(WINDOW_B), ar5
@@ -264,7 +264,7 @@ avoid_path_next:
         ldf     @AV_ACROSS, r0
         stf     r0, @AV_LATERAL
         br      avoid_path_left
-avoid_path_lost:                                ; more than K_AV_ACROSS beside its lane: taken to be on it
+avoid_path_lost:                                ; more than K_AV_ACROSS beside its lane: treated as on the lane
         ldf     0.0, r0
         stf     r0, @AV_LATERAL
 avoid_path_left:
@@ -293,7 +293,7 @@ avoid_piece_straight:
         addi    1, r11
         rets
 
-; ---- ALONG, ACROSS of the world point R10, R11: its foot on the nearest piece; R0 <- 1, or 0 if none is within K_AV_ACROSS ----
+; ---- ALONG, ACROSS of the world point R10, R11: its foot on the nearest piece; R0 <- 1, or 0 if no piece is within K_AV_ACROSS ----
 ; On an arc, with u, v in the frame of its start: lateral = (1 - |(k u, 1 - k v)|) / k, along = atan2(k u, 1 - k v) / k. Keeps R10, R11, AR3, AR5.
 avoid_project:
         ldhi    hi16(AV_PATH), ar2
@@ -357,7 +357,7 @@ avoid_project_next:
         ldi     ir0, r0
         rets
 
-; ---- POINTS, FOUND: the minima that stand within K_AV_ACROSS of the lane ahead ----
+; ---- POINTS, FOUND: the minima within K_AV_ACROSS of the lane ahead ----
 avoid_points:
         ldhi    hi16(AV_MINIMA), ar3
         or      lo16(AV_MINIMA), ar3
@@ -422,8 +422,8 @@ avoid_point_next:
         blt     avoid_points_some
         rets
 
-; R0 <- swing at the point just projected: half the vehicle's length squared / 2 times the curvature, to the outer side; before and behind a bend so much
-; less as the square of the distance from it. Clobbers R1 .. R4, AR0.
+; R0 <- swing at the projected point: half the vehicle's length squared / 2 times the curvature, to the outer side;
+; before and behind a bend less, by the square of the distance from the bend. Clobbers R1 .. R4, AR0.
 avoid_swing:
         ldi     @AV_PIECE, ar0
         ldf     *+ar0(4), r0

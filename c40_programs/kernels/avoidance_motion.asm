@@ -1,5 +1,5 @@
-; ---- what moves: the lateral places of what stands beside the lane are compared with those of some 0.4 s ago (16 to 48 points). What comes nearer
-; so fast that it would be in the way before the rear has passed blocks it now; what comes along the way shortens it by its way while the vehicle stops. ----
+; ---- moving things: compares lateral places beside the lane with those about 0.4 s before (16 to 48 points). A thing
+; that enters the way before the rear has passed blocks it; one that comes along it shortens it by its own path. ----
 avoid_motion:
         call    alive
         ldi     @AV_COUNT, r0
@@ -45,7 +45,7 @@ avoid_motion_close:
         call    avoid_closing
         cmpf    @K_AV_COMES, r1
         ble     avoid_motion_clear
-        ldf     r7, r0                          ; what comes along past the vehicle: let it pass
+        ldf     r7, r0                          ; a thing comes along past the vehicle: let it pass
         addf    @K_AV_PASSES, r0
         ldf     r7, r2
         cmpf    @K_AV_SOON, r7
@@ -82,8 +82,8 @@ avoid_motion_next:
         ldi     AV_LOOK_WORDS - 1, rc
         br      copy_words
 
-; NOW's word IR0 <- the place along the leg of what is R0 ahead of the front; R1 <- the speed at which it comes along, against THEN's, m/s; 0: unknown.
-; Clobbers AR0.
+; NOW's word IR0 <- place along the leg of the thing R0 ahead of the front; R1 <- its speed towards the vehicle, against
+; THEN's, m/s; 0: unknown. Clobbers AR0.
 avoid_closing:
         ldhi    hi16(AV_NOW), ar0
         or      lo16(AV_NOW), ar0
@@ -101,12 +101,12 @@ avoid_closing:
         subf    r0, r1
         mpyf    @AV_RATE, r1
         cmpf    @K_AV_MOVES_MOST, r1
-        ldfgt   0.0, r1                         ; another thing than before
+        ldfgt   0.0, r1                         ; not the same thing as before
 avoid_closing_keep:
         stf     r0, *+ar0(ir0)
         rets
 
-; R0 <- how far what comes along at R1 m/s gets while the vehicle stops. Keeps R1.
+; R0 <- how far a thing at R1 m/s moves while the vehicle stops. Keeps R1.
 avoid_meet:
         ldf     @AV_SPEED_NOW, r0
         mpyf    @K_AV_ONE_OVER_B, r0
@@ -114,8 +114,8 @@ avoid_meet:
         mpyf    r1, r0
         rets
 
-; WAIT, PLACE <- what comes at R1 m/s and needs R0 m to be out of the way, R2 ahead along the lane and soon beside the front, where it is not seen. Something
-; nearer that is remembered already is kept. Keeps R1, R6 .. R11.
+; WAIT, PLACE <- a thing at R1 m/s that needs R0 m to leave the way, R2 ahead along the lane and soon beside the front,
+; out of view. A nearer thing that is already remembered is kept. Keeps R1, R6 .. R11.
 avoid_remember:
         addf    @AV_MOUNT, r2
         addf    @AV_S, r2
@@ -142,7 +142,7 @@ avoid_remember_new:
         sti     r0, @AV_WAIT
         rets
 
-; The point AR1 into NOW; FREE is shortened if it would come into the way. Keeps AR1, AR2.
+; Enters the point AR1 in NOW; shortens FREE if the point will come into the way. Keeps AR1, AR2.
 avoid_crossing:
         ldf     *+ar1(AV_PALONG), r8
         ldf     r8, r0
@@ -189,7 +189,7 @@ avoid_crossing_then:
         ldf     *+ar1(AV_PLATERAL), r0
         subf    r1, r0
         call    avoid_gap
-        subf    @K_AV_HALF, r0                  ; how far it is from the way
+        subf    @K_AV_HALF, r0                  ; its distance from the way
         ldf     r0, r8
         ldf     @AV_SPEED_NOW, r1
         cmpf    1.0, r1
@@ -211,13 +211,13 @@ avoid_crossing_soon:
         call    avoid_older
         cmpf    @K_AV_CROSSES, r1
         retsle
-        ldf     r8, r0                          ; as far, and to the other side of the way
+        ldf     r8, r0                          ; as far, plus the distance to the other side of the way
         addf    @K_AV_WAY, r0
         ldf     r7, r2
         br      avoid_remember
 
-; R1 <- the speed at which the place R9 (bin R3, side R4) has come nearer since the look of three slots ago (0.6 to 1.3 s), longer than what the rim of a post that
-; is driven past can feign; 0: unknown. Clobbers R0, R2, R5, R10, AR0, IR0.
+; R1 <- speed at which the place R9 (bin R3, side R4) has come nearer since the look three slots before (0.6 to 1.3 s). A shorter time would let the rim of
+; a post beside the driving vehicle look like motion. 0: unknown. Clobbers R0, R2, R5, R10, AR0, IR0.
 avoid_older:
         ldi     @AV_COUNT, r0
         lsh     -4, r0
@@ -227,7 +227,7 @@ avoid_older:
         ldi     @AV_COUNT, r5
         addi    1, r5
         ldi     *ar0, r0
-        retseq                                  ; nothing has been kept there
+        retseq                                  ; no look has been kept there
         subi    r0, r5
         cmpi    32, r5
         retslt
@@ -246,7 +246,7 @@ avoid_older:
         mpyf3   r0, r10, r1
         rets
 
-; R2 <- the place nearest to the lane that the look at AR0 has of bin R3 and its neighbours, on the side whose bins begin at R4. Clobbers IR0.
+; R2 <- place nearest to the lane in the look at AR0, in bin R3 and its neighbours, on the side whose bins begin at R4. Clobbers IR0.
 avoid_before:
         ldf     @K_AV_NO_LIMIT, r2
         subi    1, r3
@@ -264,7 +264,7 @@ avoid_before_bin:
         addi    1, r3
         rets
 
-; AR0 <- where this AGV's look of slot R0 is kept. Clobbers R0, R1.
+; AR0 <- address of this AGV's look in slot R0. Clobbers R0, R1.
 avoid_bank:
         ldi     r0, r1
         and     1, r1

@@ -1,6 +1,6 @@
-; Sub-process 5 as a potential field: each of the 16 nearest echoes (one per 11 degrees) repels by k (1/d - 1/d0)/d^2, limited, turned by 60
-; degrees towards the side on which the vehicle passes, so that no obstacle straight ahead holds it in a minimum. What the forces sum to across
-; the vehicle, over the spring that draws it to its lane, is the shift; what they sum to along it slows it down.
+; Sub-process 5 as a potential field: each of the 16 nearest echoes (one per 11 degrees) repels by k (1/d - 1/d0)/d^2,
+; limited, turned by 60 degrees to the passing side, so that an obstacle straight ahead makes no minimum. The sum
+; of the forces across the vehicle, over the spring to the lane, is the shift; the sum along the vehicle slows it.
 
 PF_SECTORS      .set 64
 
@@ -35,7 +35,7 @@ potential_point:
         mpyf    r0, r4                          ; cos of the echo's direction
         ldf     *+ar1(AV_PY), r5
         mpyf    r0, r5                          ; sin
-        ldf     @AV_SHIFT_OLD, r6               ; which side: half the present shift decides, so that it is kept
+        ldf     @AV_SHIFT_OLD, r6               ; passing side: half the present shift decides, so that the side is kept
         mpyf    0.5, r6
         subrf   *+ar1(AV_PLATERAL), r6
         ldf     @K_PF_SIN, r7

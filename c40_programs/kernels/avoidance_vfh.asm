@@ -1,9 +1,9 @@
-; Sub-process 5 as a vector-field histogram: the nearest echo of each of 72 sectors of 2.5 degrees within 25 m darkens the sectors that the
-; vehicle's half width covers at its distance by (1 - d/25)^2; the histogram is smoothed over five sectors; of the free sectors the one nearest to
-; the lane's own direction is steered for, the side of the present shift, or away from the nearest echo, first.
+; Sub-process 5 as a vector-field histogram. The nearest echo within 25 m in each of 72 sectors of 2.5 degrees adds
+; (1 - d/25)^2 to the sectors that the vehicle's half width covers at its distance. The histogram is smoothed over five
+; sectors. The method steers for the free sector nearest to the lane; present side, or away from echoes, first.
 
 VF_SECTORS      .set 72
-VF_HISTOGRAM    .set AV_MINIMA              ; f, after the points have been made of them
+VF_HISTOGRAM    .set AV_MINIMA              ; f, after the method has made points of the sectors' minima
 VF_SMOOTH       .set AV_MINIMA + VF_SECTORS
 VF_GOAL         .set SCRATCH + 200          ; i sector of the lane
 VF_NEAREST      .set SCRATCH + 201          ; f m
@@ -166,8 +166,8 @@ vfh_valley:
         subrf   1.0, r0
         mpyf    @K_VF_FASTEST, r0
         stf     r0, @AV_SPEED
-        ldi     -1, r6                          ; the side to try first: that of the present shift, or away from the nearest echo
-        ldi     4, r7                           ; how many sectors the other side is behind
+        ldi     -1, r6                          ; side to try first: that of the present shift, or away from the echo
+        ldi     4, r7                           ; sectors by which the other side is worse
         ldf     @AV_SHIFT_OLD, r0
         bnz     vfh_side
         ldi     2, r7
@@ -194,7 +194,7 @@ vfh_again:
         addi    1, r5
         cmpi    VF_SECTORS, r5
         blt     vfh_try
-        ldf     0.0, r0                         ; no way out: stop, and stay where it is
+        ldf     0.0, r0                         ; no free way: stop, and keep the place
         stf     r0, @AV_SPEED
         ldf     @AV_SHIFT_OLD, r0
         stf     r0, @AV_SHIFT

@@ -18,7 +18,7 @@ SV_TO           .set SCRATCH + 32
 SV_RATE         .set SCRATCH + 48       ; refreshes per second
 
 SV_PATH_TICK    .set SCRATCH + 49       ; i what the path's clock shows at TB_TICK, whole refreshes
-SV_PATH_PART    .set SCRATCH + 53       ; f and the rest
+SV_PATH_PART    .set SCRATCH + 53       ; f and the fraction of a refresh
 SV_PATH_RATE    .set SCRATCH + 54       ; f its rate, and the rate's change per refresh: where SV_STOPPED is not 0, as
 SV_PATH_CHANGE  .set SCRATCH + 55
 SV_DRIVES       .set SCRATCH + 110      ; i PATH_DRIVES
@@ -31,8 +31,8 @@ servo_head:
         ldi     CR_SWAY_SENSOR, rc
         br      copy_words
 
-; The path's clock at TB_TICK. It shows the refresh until the crane is first stopped on its path; then its rate has changed linearly from PATH_FROM to
-; PATH_TO, in PATH_TICKS refreshes from PATH_BEGIN on. After servo_head. Clobbers R0 to R6, AR0.
+; The path's clock at TB_TICK. It shows the refresh number until the crane first stops on its path. Its rate changes
+; from PATH_FROM to PATH_TO linearly, in PATH_TICKS refreshes from PATH_BEGIN. After servo_head. Clobbers R0 to R6, AR0.
 servo_path:
         ldi     @TASK + TB_TICK, r0
         ldi     @SV_STOPPED, r1
@@ -48,22 +48,22 @@ servo_path_slowed:
         sti     r1, @SV_DRIVES
         subi    *ar0, r0
         cmpi    0, r0
-        ldilt   0, r0                           ; refreshes since its rate began to change
+        ldilt   0, r0                           ; refreshes since the rate began to change
         ldi     *+ar0(PATH_TICKS), r1
         ldf     *+ar0(PATH_FROM), r2
         ldf     *+ar0(PATH_CHANGE), r3
-        ldi     0, r4                           ; refreshes since the change was over
+        ldi     0, r4                           ; refreshes since the change ended
         cmpi    r1, r0
         blt     servo_path_changes
         subi3   r1, r0, r4
         ldi     r1, r0
 servo_path_changes:
         float   r0, r0
-        mpyf    r0, r3                          ; by which the rate has changed
+        mpyf    r0, r3                          ; change of the rate so far
         ldf     r3, r5
         mpyf    0.5, r5
         addf    r2, r5
-        mpyf    r0, r5                          ; its mean times the time
+        mpyf    r0, r5                          ; mean rate times the time
         addf    r2, r3
         ldf     *+ar0(PATH_CHANGE), r6
         float   r4, r4
@@ -85,8 +85,8 @@ servo_path_rate:
         sti     r0, @SV_PATH_TICK
         rets
 
-; R0 = points consumed, c: the set-point moves from joint point c - 2 to c - 1. Point -1 is the pose at the start, which PID
-; leaves in its place in the ring; with c = 0 it stands there. R0 <- ring index of the former, R1 <- of the latter.
+; R0 = points consumed, c: the set-point moves from joint point c - 2 to c - 1. Point -1 is the pose at the start; PID
+; stores it in the ring. With c = 0 the set-point rests there. R0 <- ring index of the first point, R1 <- of the second.
 servo_slots:
         ldi     r0, r1
         subi    1, r1
@@ -111,8 +111,8 @@ servo_phase:
         ldfgt   1.0, r0
         rets
 
-; The hoist ramp, by the path's clock: R0 <- m, R1 <- m/s, R2 <- m/s2, R4 <- 0 none commanded, 1 not ended, 2 ended; RATE <- refreshes per
-; second. Clobbers R3, R5, R6.
+; The hoist ramp, by the path's clock: R0 <- m, R1 <- m/s, R2 <- m/s2, R4 <- 0 none commanded, 1 not ended, 2 ended;
+; RATE <- refreshes per second. Clobbers R3, R5, R6.
 servo_ramp:
         ldf     @SV_SERVO_PERIOD, r0
         call    m_reciprocal

@@ -1,7 +1,7 @@
-; The error block (x = 1): what is to be done, by error_table, and an entry in the log (areas.inc). The host says in TB_ARGUMENT what has happened and what
-; it knows; host and PID do what is decided. docs/controller.md, Errors, explains the rows.
+; The error block (x = 1): decides the response by error_table and logs the error (areas.inc). TB_ARGUMENT gives the
+; event and what the host knows; host and PID carry out the response. docs/controller.md, Errors, explains the rows.
 
-; The first row that holds decides: its origin is the error's, and of the bits that it looks at (the second word) those of the third are set and no others.
+; The first matching row decides: its origin is the error's; of the bits in word 2 exactly those in word 3 are set.
 error_table:
         .word   ERROR_FOLLOWING, ERROR_LOWERING + ERROR_HOIST, ERROR_LOWERING, RESPOND_SET_DOWN
         .word   ERROR_FOLLOWING, 0, 0, RESPOND_STOP
@@ -24,12 +24,12 @@ error_table:
         .word   ERROR_LANDING, 0, 0, RESPOND_HOLD
         .word   ERROR_BLOCK, ERROR_TRIES, ERROR_TRIES, RESPOND_RETRY
         .word   ERROR_BLOCK, 0, 0, RESPOND_STOP
-        .word   0, 0, 0, RESPOND_HOLD                   ; ends the table: an origin that it does not know
+        .word   0, 0, 0, RESPOND_HOLD                   ; ends the table: an unknown origin
 
 kernel_error:
         ldi     @TASK + TB_ARGUMENT, r4
         and3    0Fh, r4, r0                     ; the origin
-        ldi     r4, r1                          ; the situation, and whether the hoist is concerned
+        ldi     r4, r1                          ; the situation bits, and whether the hoist is concerned
         tstb    8 << ERROR_OF, r4
         beq     error_not_hoist
         ldhi    hi16(ERROR_HOIST), r2
@@ -50,7 +50,7 @@ error_next_row:
         br      error_row
 error_decided:
         ldi     *+ar0(3), r5                    ; the response
-; The entry first, then the count, so that running this again writes the same.
+; The entry first, then the count, so that a second run writes the same words.
         ldhi    hi16(WINDOW_A + ER_BASE), ar0
         or      lo16(WINDOW_A + ER_BASE), ar0
         ldi     @TASK + TB_GENERATION, r3
@@ -64,7 +64,7 @@ error_decided:
         bne     error_new
         ldi     *+ar1(ER_GENERATION), r0
         cmpi    r3, r0
-        beq     error_done                      ; the last entry is this very block: run again
+        beq     error_done                      ; the last entry is this same block: it runs again
 error_new:
         call    error_entry
         ldi     @TASK + TB_TICK, r0

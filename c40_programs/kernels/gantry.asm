@@ -1,9 +1,9 @@
-; The crane's sub-processes where the crane is a ship-to-shore gantry (dock.crane = "gantry"; docs/kernels.md). The configuration puts these entries into
-; the executive's table, and gantry_constants into the image before it is booted. Channels are 0 spare, 1 travel, 2 trolley, 3 hoist, 4 rotator: the second
-; moves the load tangentially and the third radially as on the slewing crane, so that trajectory, set-point and PID are that crane's programs.
+; The crane's sub-processes for a ship-to-shore gantry (dock.crane = "gantry"; docs/kernels.md). The configuration puts
+; these entries into the executive's table, gantry_constants into the image. Channels: 0 spare, 1 travel, 2 trolley,
+; 3 hoist, 4 rotator. Travel moves the load like the slew, trolley like the luff: most programs are shared.
 
-; Sub-process 1: the slewing crane's, then, at a leg's first point, segments that the travel cannot follow last longer.
-; A leg of such segments is computed twice; run again, the first pass finds what the second has left.
+; Sub-process 1: that of the slewing crane. At a leg's first point it then lengthens segments that the travel cannot
+; follow. A leg with such segments is computed twice. If it runs again, its first pass finds the result of the second.
 kernel_trajectory_gantry_shaper:
         call    kernel_trajectory_crane_shaper
         br      trajectory_gantry_leg
@@ -64,7 +64,7 @@ trajectory_gantry_next:
         br      trajectory_crane_points
 
 ; Sub-process 2: travel = x, trolley = y, l = h_p - z, kappa = yaw - 90 degrees, each within its limits. The payload's reference sway is alpha = -p_y''/g,
-; beta = p_x''/g; the load's shift out over the water moves the trolley by as much, one along -x the travel by as much backwards.
+; beta = p_x''/g. A load shift towards the water moves the trolley by as much, one along -x moves the travel back.
 kernel_inverse_gantry:
         ldi     @TASK + TB_ARGUMENT, ar0
         and     1, ar0
@@ -165,8 +165,8 @@ kernel_torque_gantry:
         stf     r0, @TQ_TAU + 4
         br      torque_motors
 
-; Sub-process 4: the slewing crane's once the drives are on. Before, the factors of sway damping that it leaves beside the pose at the start are a jib's and are
-; put right; and torque compensation has spoken when the hoist is told to hold the load, for no jib is to be held.
+; Sub-process 4: the slewing crane's program once the drives are on. Before, it corrects the sway damping factors
+; beside the pose at the start (a jib's). It enables the drives when the hoist's feed-forward holds the load: no jib.
 kernel_pid_gantry_document:
         call    kernel_pid_document
         br      pid_gantry_start

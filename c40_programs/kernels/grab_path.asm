@@ -1,18 +1,18 @@
 ; Process 2: the grab path, and the planner that homing shares (docs/kernels_job.md).
 ;
-; Route 1 leads from where the crane was last sent to CR_CLEARANCE above the target, route 2 from there, with the container, to CR_CLEARANCE
-; above the deck of the highest AGV in the loading spot, whether one stands there or not (process 4 aligns the load), route 3 home.
-; A box that must not be entered is grown by half the load's plan and a margin, and upwards by the hanging load; nothing passes below it.
+; Route 1 leads from the crane's last commanded pose to CR_CLEARANCE above the target. Route 2 leads from there, with
+; the container, to CR_CLEARANCE above the deck of the highest AGV in the loading spot, present or not (process 4 aligns
+; the load). Route 3 leads home. A no-go box grows by half the load's plan and a margin, and upwards: no way below it.
 ;
 ; 1. The end over the bay gets a column: a point straight above it, raised in steps while the way from the column to the other end is blocked.
-; 2. If it stays blocked, every box that blocks the straight way gets the face through which it is left most cheaply (the least over the
-;    faces of the depth behind it along the way; upwards if it holds an end), and an elastic band of 5 via points is pulled tight around those faces: minimise the
-;    sum of |p_(i+1) - p_i|^2 outside the boxes by projected Gauss-Seidel. In each of GP_SWEEPS           .set 64
+; 2. If it stays blocked, every box that blocks the straight way gets the face with the cheapest exit: the least depth behind the face
+;    along the way; upwards if the box holds an end. An elastic band of 5 via points is pulled tight around those faces: minimise the
+;    sum of |p_(i+1) - p_i|^2 outside the boxes by projected Gauss-Seidel. In each of the GP_SWEEPS sweeps
 GP_PUSHES           .set 12
-;        p_i := (p_(i-1) + p_(i+1))/2, and then for its two steps and every box: the middle of the part inside is moved out, and p_i with it.
-;    The last GP_PUSHES sweeps only move out.
-; 3. Via points that a free straight way can skip are left out.
-; 4. If a step of the band is still blocked (boxes that leave no way between them), the route goes straight up, over everything that stands
+;        p_i := (p_(i-1) + p_(i+1))/2. Then, for its two steps and every box, the middle of the part inside is moved out, and p_i with it.
+;    The last GP_PUSHES sweeps only move points out.
+; 3. Via points are left out if a straight way without them is free. 4. If a step of the band is still blocked (the
+; boxes leave no way between them), the route goes straight up, over everything
 ;    between the ends, and straight down.
 
 GP_BOXES            .set SCRATCH                ; grown boxes, 8 words each: xmin, xmax, ymin, ymax, top, face (i, -1: any); up to 9
@@ -33,7 +33,7 @@ GP_FAR              .set SCRATCH + 169          ; and at its end
 GP_FROM             .set SCRATCH + 160          ; i
 GP_TO               .set SCRATCH + 161          ; i
 GP_FIRST_COUNT      .set SCRATCH + 162          ; i
-GP_RISES            .set 8                      ; times that the column is raised at most
+GP_RISES            .set 8                      ; most times that the column is raised
 GP_SWEEPS           .set 40
 GP_PUSHES           .set 12
 GP_INNER            .set 5                      ; via points of the band
@@ -248,7 +248,7 @@ grab_path_straight:
         call    grab_path_emit
         br      grab_path_column_end
 
-; the column's point itself: over the start it comes first, over the end the last point emitted is it and the end follows
+; the column's point itself: over the start it comes first; over the end it is the last point before the end
 grab_path_column_start:
         ldi     @GP_COLUMN, r0
         bnz     grab_path_column_none
@@ -313,7 +313,7 @@ grab_path_emit_at:
         rets
 
 ; ---- R0 = 1 when the straight way from point R6 to point R7 enters a box by more than GP_TOUCH, else 0; R6, R7 kept ----
-; A box is the set where five functions are positive, each linear along the way: the share t0..t1 of the way where all are.
+; A box is the set where five functions are positive, each linear along the way: the share t0..t1 with all positive.
 grab_path_blocked:
         call    alive
         ldhi    hi16(SCRATCH), ar3
@@ -564,7 +564,7 @@ grab_path_choose_face:
         addi    1, r5
         cmpi    GP_FACES, r5
         blt     grab_path_choose_face
-        cmpf    0.0, r8                         ; a box that holds one of the ends is left upwards
+        cmpf    0.0, r8                         ; a box that holds one of the ends gets its upper face
         ldile   GP_OVER, r6
         cmpf    1.0, r9
         ldige   GP_OVER, r6
@@ -577,7 +577,7 @@ grab_path_choose_next:
         bge     grab_path_choose_box
         rets
 
-; ---- p_1 .. p_5 evenly from p_0 to p_6, raised onto every box that is to be passed over ----
+; ---- p_1 .. p_5 evenly from p_0 to p_6, raised onto every box whose face is its top ----
 grab_path_lay:
         call    alive
         ldhi    hi16(SCRATCH), ar3
@@ -636,7 +636,7 @@ grab_path_lay_box_next:
         ble     grab_path_lay_next
         rets
 
-; ---- from p_0 each time to the farthest point that can be reached straight; R0 = 1 when not even the next can be, else 0 ----
+; ---- from p_0 on, each time to the farthest point with a free straight way; R0 = 1 when even the next point has none, else 0 ----
 grab_path_shorten:
         ldi     0, r0
         sti     r0, @GP_FROM
@@ -666,7 +666,7 @@ grab_path_shorten_stuck:
         ldi     1, r0
         rets
 
-; ---- the list anew: straight up from p_0, above whatever the plan of the way crosses, down to the end ----
+; ---- the new list: straight up from p_0, above all that the plan of the way crosses, down to the end ----
 grab_path_over:
         call    alive
         ldhi    hi16(SCRATCH), ar3
@@ -699,7 +699,7 @@ grab_path_over_next:
         ldi     0, r0
         sti     r0, @GP_OUT_COUNT
         cmpf    @GP_START + 2, r10
-        ble     grab_path_over_start            ; the start is as high already
+        ble     grab_path_over_start            ; the start is already as high
         ldi     0, r6
         call    grab_path_emit
 grab_path_over_start:

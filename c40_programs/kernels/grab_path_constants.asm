@@ -1,9 +1,9 @@
 ; Constants of grab_path.asm and home_crane.asm (m).
 
 K_GP_MARGIN         .set $ - LIFT
-                    .float 0.5                  ; kept from every box
+                    .float 0.5                  ; distance kept from every box
 K_GP_TOUCH          .set $ - LIFT
-                    .float 0.05                 ; penetration of the margin that a straight way may have
+                    .float 0.05                 ; a straight way may enter the margin by this much
 K_GP_RISE           .set $ - LIFT
                     .float 0.5                  ; step by which the column over an end is raised
 K_GP_SIXTH          .set $ - LIFT

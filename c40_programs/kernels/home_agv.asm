@@ -1,14 +1,14 @@
 ; Process 8: prepares leg 3, on which the AGV goes home (docs/kernels_job.md).
 ;
-; The host writes leg 3 as the whole lane from the dock to the home slot. The vehicle's measured pose is projected onto it: of every segment
-; the nearest point sigma in 0..length, and of those the nearest of all. What lies behind is dropped and the segment that holds the point
-; starts there, so that the trajectory begins where the vehicle stands. Running it again changes nothing. Arcs turn by no more than half a circle.
+; The host writes leg 3 as the whole lane from the dock to the home slot. The vehicle's measured pose is projected onto
+; the lane, to the nearest point sigma in 0..length of any segment. The part behind is dropped; the point's segment then
+; starts at the vehicle. A second run changes nothing. Arcs turn by at most half a circle.
 ;     line: sigma = (p - p0) . t
 ;     arc:  heading of the nearest point = atan2(sx, -sy) of s (p - centre), s the sign of the curvature; sigma = wrap(heading - heading0)/curvature
 
 HA_X                .set SCRATCH + 96
 HA_Y                .set SCRATCH + 97
-HA_INDEX            .set SCRATCH + 98           ; i, the segment in hand
+HA_INDEX            .set SCRATCH + 98           ; i, the present segment
 HA_BEST             .set SCRATCH + 99           ; m^2
 HA_BEST_INDEX       .set SCRATCH + 100
 HA_BEST_SIGMA       .set SCRATCH + 101
@@ -52,7 +52,7 @@ home_agv_nothing:
         ldi     0, r1
         rets
 
-; ---- the nearest point of the segment *AR1 to (HA_X, HA_Y), kept if it is the best ----
+; ---- the nearest point of the segment *AR1 to (HA_X, HA_Y), kept if it is the best so far ----
 home_agv_project:
         ldf     *+ar1(TA_SEGMENT_HEADING), r0
         call    m_sincos                        ; R0 = s0, R1 = c0
@@ -114,7 +114,7 @@ home_agv_clamp:
 home_agv_projected:
         rets
 
-; ---- leg 3 := what lies ahead of the best point; R0 = its segments ----
+; ---- leg 3 := the part ahead of the best point; R0 = its number of segments ----
 home_agv_cut:
         ldi     @HA_BEST_INDEX, r6
         lsh     3, r6

@@ -1,5 +1,5 @@
-; Process 7: route 3, from where the crane was last sent to CR_HOME, the spreader empty (docs/kernels_job.md). The planner is grab_path.asm's;
-; the column stands over the start, so that the spreader leaves what is below it straight up when it must.
+; Process 7: route 3, from the last commanded pose to CR_HOME, spreader empty (docs/kernels_job.md), by grab_path.asm.
+; The column stands over the start, so that the spreader leaves things below it straight up when it must.
 
 kernel_home_crane:
         ldf     0.0, r0

@@ -1,14 +1,14 @@
 ; Process 1: is the job done, or where is the next container? (docs/kernels_job.md)
 ;
-; Each row of the bay is scanned: h_i, the height of the topmost surface above the deck at x_i = x0 + i dx. For tier T of containers, whose
-; tops lie at H = T CR_BOX_HEIGHT, a sample fits by g_i = max(0, 1 - ((h_i - H)/0.25 m)^2). The template of a container is W = floor(12.192 m / dx)
-; ones with a guard of -1/2 on either side; its correlation with g over all shifts m is
+; Each row of the bay is scanned: h_i is the height of the topmost surface above the deck at x_i = x0 + i dx. Tops of
+; tier T are at H = T CR_BOX_HEIGHT; a sample fits by g_i = max(0, 1 - ((h_i - H)/0.25 m)^2). A container's template
+; is W = floor(12.192 m / dx) ones with a guard of -1/2 on either side; its correlation with g over all shifts m is
 ;     c_m = g_m + ... + g_(m+W-1) - (g_(m-1) + g_(m+W)) / 2
-; A maximum of at least 0.93 W is a container. A sample is the mean height of a cell dx long, so its edges show in the cells they cut: with i the
-; last cell to the left that no longer fits (g = 0), and j the first to the right,
+; A maximum of at least 0.93 W is a container. A sample is the mean height of a cell dx long, so its edges show in the
+; cells they cut: with i the last cell to the left that no longer fits (g = 0), and j the first to the right,
 ;     left edge at i + 3/2 - (h_i + h_(i+1))/H,  right edge at j - 3/2 + (h_j + h_(j-1))/H,  in cells
-; and its middle is theirs. Of all containers the one in the highest tier is next, and of those the one nearest to the crane's column.
-; Everything that stands in the bay is boxed into CR_BAY for the grab path.
+; and its middle is the middle of these. The next container is in the highest tier, and there the nearest to the
+; crane's column. CR_BAY is the box around everything in the bay, for the grab path.
 
 ID_FIT              .set SCRATCH + 128          ; g, 128 samples between two zeros
 ID_TEMPLATE         .set SCRATCH + 258          ; up to 126 ones between two guards
@@ -28,11 +28,11 @@ ID_BEST             .set SCRATCH + 528          ; x, y, z, yaw
 ID_BOX              .set SCRATCH + 532          ; m, height of a container
 ID_ENOUGH           .set SCRATCH + 533          ; least score
 ID_TOP              .set SCRATCH + 534          ; m, highest surface of all rows
-ID_FIRST            .set SCRATCH + 535          ; i, lowest sample that is no deck, of all rows
+ID_FIRST            .set SCRATCH + 535          ; i, lowest sample above the deck, of all rows
 ID_LAST             .set SCRATCH + 536          ; i, highest
 ID_Y_LEAST          .set SCRATCH + 537          ; m, of all rows
 ID_Y_MOST           .set SCRATCH + 538
-ID_LEFT             .set SCRATCH + 539          ; i, of the container in hand
+ID_LEFT             .set SCRATCH + 539          ; i, of the present container
 ID_RIGHT            .set SCRATCH + 540          ; j
 ID_HEIGHT           .set SCRATCH + 542          ; h, 128 samples between two zeros
 ID_TIERS            .set 4
@@ -68,7 +68,7 @@ identify_row:
         call    identify_scan
         ldi     @ID_WIDTH, r0
         cmpi    ID_NARROWEST, r0
-        blt     identify_next_row               ; spacing that no container can be seen with
+        blt     identify_next_row               ; with a wider spacing no container can be seen
         cmpi    126, r0
         bgt     identify_next_row
         call    identify_template
@@ -77,7 +77,7 @@ identify_row:
 identify_tier:
         ldi     @ID_TIER, r0
         cmpi    @ID_BEST_TIER, r0
-        blt     identify_next_row               ; a higher one is known already
+        blt     identify_next_row               ; a higher container is known already
         call    identify_fit
         call    identify_correlate
         call    identify_peaks
@@ -109,10 +109,10 @@ identify_none:
         ldhi    180h, r1                        ; MAY_PROCESS << 7 | MAY_PROCESS << 8
         rets
 
-; ---- CR_BAY: from the first to the last sample that is no deck, and half a container's width beyond the outer rows ----
+; ---- CR_BAY: from the first to the last sample above the deck, and half a container's width beyond the outer rows ----
 identify_bay:
         ldhi    hi16(SCRATCH), ar0
-        or      lo16(ID_SCORE), ar0             ; the scores are done with
+        or      lo16(ID_SCORE), ar0             ; the scores are no longer needed
         ldi     ar6, ar1
         addi    CR_BAY, ar1
         float   @ID_FIRST, r0
@@ -178,7 +178,7 @@ identify_scan:
         ldi     @ID_FIRST, r8
         ldi     @ID_LAST, r9
         ldi     0, r10
-        ldf     1.0, r2                         ; what is higher is no deck
+        ldf     1.0, r2                         ; a higher surface is no deck
 identify_scan_half:
         ldi     SCAN_COUNT / 2 - 1, rc
         rptb    identify_scanned
@@ -268,7 +268,7 @@ identify_correlate:
         ldf     0.0, r3
         stf     r3, *ar4++(1)
 identify_shifts:
-        ldi     r7, ir0                         ; a heartbeat after so many
+        ldi     r7, ir0                         ; a heartbeat after this many
         subi    ID_SHIFTS_BEAT, ir0
         cmpi    -1, ir0
         ldilt   -1, ir0
@@ -304,7 +304,7 @@ identify_peak:
         cmpf    *ar2, r6
         ble     identify_no_peak                ; must rise before ...
         cmpf    *+ar2(2), r6
-        blt     identify_no_peak                ; ... and not rise after
+        blt     identify_no_peak                ; ... and does not rise after it
         call    identify_place
 identify_no_peak:
         addi    1, ar2
@@ -314,7 +314,7 @@ identify_no_peak:
         rets
 
 ; ---- the container at shift R8: edges, middle, height ----
-; From the middle cell outwards as far as cells fit; the zeros at both ends of g stop the walk.
+; From the middle cell outwards as far as cells fit; the zeros at both ends of g end the search.
 identify_place:
         call    alive
         ldi     @ID_WIDTH, r0

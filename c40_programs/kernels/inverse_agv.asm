@@ -1,6 +1,6 @@
 ; Sub-process 2 of an AGV: from a point and the measured pose to the drive's set-point (docs/kernels_job.md).
 ;
-; The set-point that is pushed now is obeyed when those that wait before it are through: the measured pose is carried on to that instant,
+; The drive obeys this set-point after those that wait before it. So the measured pose is extrapolated to that instant,
 ;     t = (waiting + 3/2) period,  turn = k_a v t,  x += v t cos(heading + turn/2),  ...,  heading += turn
 ; and compared with the point: e across (left positive), e_x along, e_th = heading - heading_ref - k_a v_ref^2 m / (2 C), whose last term is the
 ; angle at which tyres of cornering stiffness C carry the mass m round a bend. With k_a the curvature ahead,
@@ -25,7 +25,7 @@ kernel_inverse_agv:
         ldi     @TASK + TB_ARGUMENT, r6
         bz      inverse_agv_run
         addi3   1, r6, r0
-        cmpi    *+ar6(AG_PRODUCED), r0          ; pushed by a DSP that was given up afterwards: do not push again
+        cmpi    *+ar6(AG_PRODUCED), r0          ; a DSP that was given up afterwards has pushed it: do not push again
         bne     inverse_agv_run
         ldi     0, r1
         rets
@@ -183,9 +183,9 @@ inverse_agv_speed:
         absf    r2, r3
         cmpf    @K_IA_AT_SPOT, r3
         bge     inverse_agv_moving
-        ldi     0, r0                           ; at the end of the leg: stand
+        ldi     0, r0                           ; at the end of the leg: stand still
         br      inverse_agv_command
-inverse_agv_under_way:                          ; stopped by avoidance: stand where it is, there is no sensor behind
+inverse_agv_under_way:                          ; stopped by avoidance: stand still here, there is no sensor at the rear
         ldi     0, r0
         ldf     @IA_SPEED, r1
         bz      inverse_agv_command

@@ -1,6 +1,6 @@
-; Sub-process 2, crane: joint point k from Cartesian point k, closed form of plant-and-bus.md 1.2 with the gantry at s = 0.
-; Beside q, qd, qdd it leaves what PID needs against sway: the reference angles alpha = -p''.e_r / g, beta = -p''.e_t / g of the
-; payload, d phi/d r = -1/(L sin phi) and d psi/d t = 1/r.
+; Sub-process 2, crane: joint point k from Cartesian point k, closed form of plant-and-bus.md 1.2 with the gantry at s =
+; 0. Besides q, qd, qdd it writes what PID needs against sway: the reference angles alpha = -p''.e_r / g, beta =
+; -p''.e_t / g of the payload, d phi/d r = -1/(L sin phi) and d psi/d t = 1/r.
 
 IK_X            .set SCRATCH + 0        ; pose, velocity, acceleration, f x4 each: x, y, z, yaw
 IK_Y            .set SCRATCH + 1
@@ -209,7 +209,7 @@ inverse_crane_write:
         addi    1, r0
         ldi     ar6, ar0
         addi    CR_PRODUCED, ar0
-        sti     r0, *ar0                        ; last: from here PID may use the point
+        sti     r0, *ar0                        ; last: from now on PID may use the point
         and     0FFFFh, r0
         or      @IK_UNREACHABLE, r0
         ldi     0, r1

@@ -1,6 +1,6 @@
 ; Sub-process 4: one tick of the five joints' servo (plant-and-bus.md 2.1; docs/kernels.md for the design).
-; pid_set_point.asm: where the joints should be; pid_sway.asm: how far from that against sway and wind;
-; pid_law.asm: the torques that take them there; pid_watch.asm: what is wrong.
+; pid_set_point.asm: where the joints should be; pid_sway.asm: corrections against sway and wind;
+; pid_law.asm: the torques that move them there; pid_watch.asm: errors.
 ;
 ; Stages: 0 take the pose at the start from the encoders as joint point -1; 1 wait until torque compensation has spoken;
 ; 2 enable the drives and servo.
@@ -9,26 +9,26 @@ PD_STATE        .set SCRATCH + 56       ; the area's words from CR_PID on:
 PD_CONSUMED     .set PD_STATE + 0
 PD_SEGMENT      .set PD_STATE + 1
 PD_STAGE        .set PD_STATE + 2
-PD_SERVOING     .set 2                  ; the stage in which errors are computed
+PD_SERVOING     .set 2                  ; the first stage in which errors are computed
 PD_LAST_TICK    .set PD_STATE + 3       ; refresh of the last run
-PD_OUT_TICK     .set PD_STATE + 4       ; refresh at which something was last out of tolerance
+PD_OUT_TICK     .set PD_STATE + 4       ; refresh at which a joint or the sway was last out of tolerance
 PD_WATCH        .set PD_STATE + 7       ; i bits 4..0: joints beyond their following error, bits 12..8: whose encoders do not follow (pid_watch.asm)
-PD_BESIDE       .set PD_STATE + 5       ; f x2: where the load is beside its path: radial, tangential, m (pid_sway.asm)
+PD_BESIDE       .set PD_STATE + 5       ; f x2: the load's offset from its path: radial, tangential, m (pid_sway.asm)
 PD_LAST         .set PD_STATE + 8       ; CR_ENCODER_LAST
-PD_SWAY         .set PD_STATE + 13      ; f x2: filtered angle of the rope off its reference, rad
-PD_LAW          .set PD_STATE + 15      ; i twice the generation of the parameters (CR_CONTROL) with which the last tick was computed, plus:
-PD_DRY          .set 1                  ; no point was there whose time had come
+PD_SWAY         .set PD_STATE + 13      ; f x2: filtered angle of the rope from its reference, rad
+PD_LAW          .set PD_STATE + 15      ; i twice the generation of the parameters (CR_CONTROL) of the last tick, plus:
+PD_DRY          .set 1                  ; a point was due and missing
 PD_TOTAL        .set PD_STATE + 16      ; CR_ENCODER_TOTAL
 PD_SEEN         .set PD_STATE + 21      ; i the last sample of the sway sensor in use: alpha, beta << 12, its number << 24
-PD_SAMPLED      .set PD_STATE + 22      ; i refresh at which that was looked at
-PD_SAME         .set PD_STATE + 23      ; i samples for which it has not changed: alpha, beta << 16
-PD_PI           .set PD_STATE + 24      ; f x5: proportional and integral part, with which the next tick begins
+PD_SAMPLED      .set PD_STATE + 22      ; i refresh of that sample
+PD_SAME         .set PD_STATE + 23      ; i number of samples without a change: alpha, beta << 16
+PD_PI           .set PD_STATE + 24      ; f x5: proportional and integral part, from which the next tick starts
 PD_D            .set PD_STATE + 29      ; f x5
 PD_E            .set PD_STATE + 34      ; f x5: the last error
 PD_REJOIN       .set PD_STATE + 39      ; i not 0: CR_REJOIN holds
 PD_OFFSET       .set PD_STATE + 40      ; i x5: total - 24-bit count
-PD_SPEED        .set PD_STATE + 45      ; f x2: the load's speed beside its path, m/s
-PD_WIND         .set PD_STATE + 47      ; f x2: acceleration that the wind gives it, m/s2
+PD_SPEED        .set PD_STATE + 45      ; f x2: the load's speed relative to its path, m/s
+PD_WIND         .set PD_STATE + 47      ; f x2: the load's acceleration by the wind, m/s2
 PD_STATE_WORDS  .set 49
 PD_Y_OLD        .set PD_STATE + 49      ; f x5: the last measurement (second build only)
 
@@ -59,8 +59,8 @@ PD_ERRORS       .set SCRATCH + 173      ; TB_NOTIFY
 PD_BACK         .set SCRATCH + 176      ; CR_REJOIN
 PD_SHIFT        .set SCRATCH + 186      ; f x2: the suspension's shift against sway and wind, the other way: radial, tangential, m
 
-; The law as plant-and-bus.md 2.1 prints it: the derivative acts on the measurement alone, and the set-point runs straight from
-; joint point to joint point (first-order hold).
+; The law as plant-and-bus.md 2.1 prints it: the derivative acts on the measurement alone, and the set-point runs
+; straight from joint point to joint point (first-order hold).
 kernel_pid_document:
         ldi     1, r0
         ldi     PD_STATE_WORDS + 4, r1
@@ -121,7 +121,7 @@ pid_build:
         cmpi    1, r0
         blt     pid_take_pose
         bgt     pid_servo
-        absf    @PD_FEED + 2, r0        ; what holds the jib: thousands of N m once computed (and a word of 0 is 1.0)
+        absf    @PD_FEED + 2, r0        ; the torque that holds the jib: thousands of N m once computed (and a word of 0 is 1.0)
         cmpf    2.0, r0
         ble     pid_finish
 pid_enable:
@@ -137,7 +137,7 @@ pid_servo:
         ldi     @TASK + TB_TICK, r1
         subi    @PD_LAST_TICK, r1
         cmpi    0, r1
-        ldile   @SV_SERVO_TICKS, r1     ; the same tick again
+        ldile   @SV_SERVO_TICKS, r1     ; this tick runs again
         float   r1, r1
         mpyf    r1, r0
         stf     r0, @PD_H
@@ -168,7 +168,7 @@ pid_servo:
         beq     pid_within
         sti     r0, @PD_OUT_TICK
 pid_within:
-        ldi     @PD_OUT, r1                     ; the joints that rest
+        ldi     @PD_OUT, r1                     ; the joints at rest
         xor     1Fh, r1
         and     1Fh, r1
         lsh     PIDE_RESTS, r1

@@ -1,14 +1,14 @@
 ; PID's law (plant-and-bus.md 2.1; docs/control.md for the gains):
 ;   e = r - y      D <- T_d / (T_d + N h) (D + K N (e - e_old))      v = P + D + share tau_ff      u = clamp(v, +-u_max)
-;   P <- P + K (e - e_old) at a tick's begin, P <- P + h (K / T_i e + (u - v) / T_t) at its end: proportional and integral part in
-;   one. While K stands still that is K e + I; where it changes, nothing jumps.
-; K follows the luff angle and the mass on the rope: K = k_0 + k_m m + cos phi (k_1 + cos phi (k_2 + k_2m m)).
-; All these are words of the host's (CR_CONTROL_BLOCK). Each DSP keeps a copy on chip, and reads them anew where CR_CONTROL, which
-; is one of the words that are read anyway, shows another generation than its copy has.
+; P <- P + K (e - e_old) at the start of a tick, P <- P + h (K / T_i e + (u - v) / T_t) at its end: proportional and
+; integral part in one. While K is constant that is K e + I; where K changes, the output does not jump.
+; K follows the luff angle and the mass on the rope: K = k_0 + k_m m + cos phi (k_1 + cos phi (k_2 + k_2m m)). The host
+; writes all these words (CR_CONTROL_BLOCK). Each DSP keeps a copy on chip. It reads them again if CR_CONTROL, which
+; is read at every tick anyway, shows another generation than the copy's.
 
 SV_CONTROL      .set SV_HEAD + CR_CONTROL
 
-; After the state has been read. Where the parameters have changed since the last tick: what the feed-forward now brings less goes to P.
+; After the state has been read. If the parameters have changed, P takes over the decrease of the feed-forward.
 pid_control:
         ldi     @SV_CONTROL, r0
         cmpi    @K_PC_GENERATION, r0
@@ -52,8 +52,8 @@ pid_control_read:
         stf     r0, @K_PC_PERIOD
         rets
 
-; FILTER <- T_d / (T_d + N h) of each joint, and what goes by h against sway. It is kept for as long as h stays the same:
-; always, where no tick is missed.
+; FILTER <- T_d / (T_d + N h) of each joint, and the h-dependent factors against sway. Kept while h stays the same:
+; always, if no tick is missed.
 pid_filters:
         ldf     @PD_H, r10
         cmpf    @K_PC_PERIOD, r10
@@ -74,7 +74,7 @@ pid_filter:
         stf     r0, *ar1++
         addi    PC_ROW, ar0
         dbu     ar2, pid_filter
-        ldf     @K_PC_SWAY_FILTER, r0           ; and those of pid_sway.asm
+        ldf     @K_PC_SWAY_FILTER, r0           ; and the factors of pid_sway.asm
         addf    r10, r0
         call    m_reciprocal
         mpyf    r10, r0
@@ -104,9 +104,9 @@ pid_filter:
 
 ; CODE, and PI, D, E of the state; OUT.
 pid_joints:
-        ldf     @PD_COSINE, r9                  ; of a gantry none of K's terms goes by it
+        ldf     @PD_COSINE, r9                  ; on a gantry no term of K depends on it
         ldf     @PD_H, r10
-        ldf     @SV_LOAD, r11                   ; m: at least the spreader's, also where the rope is slack
+        ldf     @SV_LOAD, r11                   ; m: at least the spreader's mass, also while the rope is slack
         cmpf    @K_TQ_SPREADER, r11
         ldflt   @K_TQ_SPREADER, r11
         ldi     0, r6
@@ -145,7 +145,7 @@ pid_joint_within:
         addf    *-ar2(PD_R - PD_PI), r4         ; P
         ldi     @PD_BUILD, r0
         bz      pid_joint_change
-        ldf     *-ar2(PD_R - PD_Y), r2          ; of the law as printed the derivative acts on the measurement
+        ldf     *-ar2(PD_R - PD_Y), r2          ; in the law as printed the derivative acts on the measurement
         ldf     *-ar2(PD_R - PD_Y_OLD), r1
         subf    r2, r1
         stf     r2, *-ar2(PD_R - PD_Y_OLD)

@@ -1,7 +1,7 @@
 ; PID's set-point (docs/kernels.md): the point of the path, the cubic between two joint points.
 
-; Consume the joint points whose time has come: that of a segment is N_t after the one before it, however late this tick is. Only where
-; the buffer was dry at the last tick, and for the very first point, the segment begins now. R10 <- 1 if one was due and there was none.
+; Consume the joint points that are due: a segment's point is due N_t after the one before, however late this tick is.
+; The segment begins now only if the buffer was dry at the last tick, or for point 0. R10 <- 1 if a due one was missing.
 pid_advance:
         ldi     0, r10
         ldi     @PD_CONSUMED, r0
@@ -14,7 +14,7 @@ pid_advance:
         br      pid_advance_now
 pid_advance_more:
         ldi     r1, r3
-        subi    @PD_SEGMENT, r3                 ; refreshes since it began
+        subi    @PD_SEGMENT, r3                 ; refreshes since the segment began
         cmpi    r2, r3
         blt     pid_advance_done
         cmpi    @PD_PRODUCED, r0
@@ -79,7 +79,7 @@ pid_reference:
         addi    ar6, ar0
         addi    CR_SWAY, ar0
         ldi     3, rc
-        call    copy_words                      ; AR1 has come to PD_SWAY_TO
+        call    copy_words                      ; AR1 now points to PD_SWAY_TO
         ldi     @PD_SEGMENT, r0
         call    servo_phase                     ; f
         stf     r0, @PD_PHASE
@@ -91,7 +91,7 @@ pid_reference:
         mpyf    2.0, r4
         ldf     3.0, r5
         subf    r4, r5
-        mpyf    r3, r5                          ; R5: weight of the latter's position
+        mpyf    r3, r5                          ; R5: weight of the second point's position
         addf    1.0, r4
         mpyf    r2, r4                          ; R4: of the former's
         ldf     @SV_POINT_PERIOD, r6
@@ -111,7 +111,7 @@ pid_reference_weights:
         or      lo16(SV_FROM), ar0
         ldhi    hi16(PD_R), ar1
         or      lo16(PD_R), ar1
-        ldf     0.0, r6                         ; fastest of the latter, of both
+        ldf     0.0, r6                         ; fastest joint speed of the second point, of both
         ldf     0.0, r7
         ldi     4, rc
         rptb    pid_reference_joint
@@ -142,11 +142,11 @@ pid_reference_joint:
         ldi     1, r0
         cmpi    0, r10
         beq     pid_reference_rest
-        ldhi    hi16(PID_STARVED), r1           ; dry in full motion
+        ldhi    hi16(PID_STARVED), r1           ; the buffer ran dry in full motion
         or      @PD_RESULT, r1
         sti     r1, @PD_RESULT
 pid_reference_rest:
-        ldf     @PD_PHASE, r1                   ; over: only where the segment ends counts
+        ldf     @PD_PHASE, r1                   ; the segment is over: only its end counts
         cmpf    1.0, r1
         ldfge   r6, r7
         cmpf    @K_PD_REST, r7

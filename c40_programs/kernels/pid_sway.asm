@@ -1,13 +1,13 @@
 ; PID's shift of the suspension against sway and wind (docs/kernels.md, Wind).
 ;
-; Per axis, radial and tangential, in the slewing frame: theta the angle at which the rope hangs off its reference, y where the load is
-; beside its path, v its speed, w the acceleration that the wind gives it, l the rope's length, x the suspension's shift:
+; Per axis, radial and tangential, in the slewing frame: theta the rope's angle from its reference, y the load's offset
+; from its path, v the rate of y, w the acceleration by the wind, l the rope's length, x the suspension's shift:
 ;   e = x + l theta - y      y' = v + 3 o e      v' = w - g theta + 3 o^2 e      w' = o^3 e      x = -gain / g v - l / g w
-; The first equation measures y; the others are an observer with three poles at o. x brakes the load's swing, and holds the suspension
-; so far upwind that the load hangs where it should.
-; While the load stands on something, or a drive is off, the rope tells nothing: y and v fade, and w stays as it was.
-; While the path moves and no wind is known, e would be what the path's model leaves out. Then w stays, too, y is what is
-; measured, and v, the integral of the angle, leaks:   v' = w - g theta - o / 4 v
+; The first equation measures y; the others are an observer with three poles at o. x brakes the load's swing, and holds
+; the suspension so far upwind that the load hangs where it should.
+; While the load stands on something, or a drive is off, the rope gives no information: y and v decay, and w stays.
+; While the path moves and no wind is known, e would contain the errors of the path's model. Then w stays as well, y is
+; the measured value, and v, the integral of the angle, leaks: v' = w - g theta - o / 4 v
 
 pid_sway:
         call    pid_filters
@@ -64,7 +64,7 @@ pid_sway_at_rate:
         ldf     @K_PC_BRAKE, r4                 ; R4 = gain / g
         ldf     @PD_Y + 3, r5
         mpyf    @K_ONE_OVER_G, r5               ; R5 = l / g
-        subi    PD_SWAY_TO - PD_ANGLES, ar0     ; AR0, of PD_ANGLES, and AR1, of PD_SWAY_FROM, have come to the ends of FROM and TO
+        subi    PD_SWAY_TO - PD_ANGLES, ar0     ; AR0 (PD_ANGLES) and AR1 (PD_SWAY_FROM) now point to the ends of FROM, TO
         subi    8, ar1
         ldhi    hi16(PD_SWAY), ar2
         or      lo16(PD_SWAY), ar2
@@ -78,7 +78,7 @@ pid_sway_at_rate:
         ldf     *+ar2(PD_SPEED - PD_SWAY), r1   ; R1 = v
         mpyf3   r1, r4, r0
         addf    r0, r3                          ; R3 = -x
-        mpyf    @K_ONE_OVER_G, r2               ; where the rope hangs in this wind
+        mpyf    @K_ONE_OVER_G, r2               ; place where the rope hangs in this wind
         ldi     *ar0++, r0
         lsh     20, r0                          ; signed 12 bits
         ash     -20, r0
@@ -99,7 +99,7 @@ pid_sway_at_rate:
         rnd     r0, r0
         stf     r0, *ar2                        ; R0 = theta
         subf3   r2, r0, r6
-        absf    r6, r6                          ; the swing; in gusts some of it is none to wait for
+        absf    r6, r6                          ; the swing; in gusts part of it never settles
         absf    r2, r2
         mpyf    @K_PD_GUSTS, r2
         subrf   r2, r6
@@ -169,7 +169,7 @@ pid_sway_axis_end:
         sti     r0, @PD_RESULT
 
         ldf     @PD_Y + 2, r0                   ; R9, COSINE <- cos phi of the measured luff angle, to 8e-6 up to 80 degrees: enough
-        mpyf    r0, r0                          ; for a gain. A gantry has no use for it
+        mpyf    r0, r0                          ; for a gain. A gantry does not need it
         ldf     @K_COS8, r9
         mpyf    r0, r9
         addf    @K_COS6, r9
@@ -191,7 +191,7 @@ pid_sway_axis_end:
         rnd     r0, r0
         stf     r0, @PD_R + 2
         negf    @PD_SHIFT + 1, r0
-        mpyf    @PD_SWAY_FROM + 3, r0           ; by which the crane slews: the rotator turns the load back
+        mpyf    @PD_SWAY_FROM + 3, r0           ; rate of slewing: the rotator turns the load back
         ldf     r0, r1
         mpyf    @K_PD_TURN, r1
         subrf   @PD_R + 4, r1
@@ -217,7 +217,7 @@ pid_sway_stands:                                ; R0 = g theta, R2 = w - g theta
         subf    r0, r1
         nop
 
-pid_sway_moves:                                 ; y is as measured
+pid_sway_moves:                                 ; y is the measured value
         mpyf3   r9, r1, r0
         mpyf    @K_PD_LEAK, r0
         brd     pid_sway_known

@@ -4,8 +4,8 @@
         .error "PID takes the drives' bits from octets one above the other, and packs codes of the sway sensors in 12 bits"
         .endif
 
-; Of ERRORS what the drives say. A joint whose drive has failed, has timed out or is switched off (R9), or was, has something added to its set-point,
-; CR_REJOIN: while it is off, what the set-point is wrong by, so that nothing pulls at a closed brake; when it is on again, that goes back to 0 as a critically damped system of K_PD_BACK does.
+; Drives' errors go to ERRORS. CR_REJOIN is added to the set-point of a joint whose drive is or was failed, late or off
+; (R9). While off: the set-point's error, so nothing pulls at a closed brake. When on: decays to 0, damped by K_PD_BACK.
 pid_left_alone:
         ldi     @PD_DRIVES, r0
         lsh     -DRIVE_FAULT, r0
@@ -120,8 +120,8 @@ pid_alone_add:
         ldi     9, rc
         br      copy_words
 
-; What PID itself sees: ERRORS gets its bits. In ordinary motion little is to be done: no error is beyond its limit, WATCH is 0, an encoder that has moved
-; is none that sticks, and the sway sensor has a new sample at each tenth run.
+; PID's own checks set bits of ERRORS. In ordinary motion they cost little: no error is beyond its limit, WATCH is 0,
+; an encoder that has moved does not stick, and the sway sensor has a new sample at each tenth run.
 pid_watch:
         ldhi    hi16(PD_E), ar0
         or      lo16(PD_E), ar0
@@ -190,7 +190,7 @@ pid_watch_since:
         or      @PD_ERRORS, r0
         sti     r0, @PD_ERRORS
 
-; The sway sensor in use: the same code in so many of its samples; at the ends of its range that says nothing.
+; The sway sensor in use sticks if so many samples have the same code; codes at the ends of its range do not count.
 pid_watch_sway:
         ldi     @TASK + TB_TICK, r2
         subi    @PD_SAMPLED, r2
@@ -251,12 +251,12 @@ pid_watch_turns:
         or      r1, r2
         br      pid_watch_next
 
-; The joint of the lowest bit of STILL, whose bit 4 is joint 0's.
+; Number of the joint of the lowest bit of STILL; bit 4 is joint 0.
 pid_watch_first:
         .word   0, 4, 3, 4, 2, 4, 3, 4, 1, 4, 3, 4, 2, 4, 3, 4
         .word   0, 4, 3, 4, 2, 4, 3, 4, 1, 4, 3, 4, 2, 4, 3, 4
 
-; Five bits of R2 (now) and R3 (at the last run) from R5 on, the refreshes since which at *AR0++, R6 how long is too long: those that are go to R7.
+; Five bits of R2 (now) and R3 (last run) from R5 on; refreshes since when at *AR0++; limit R6; bits beyond it: R7.
 pid_watch_five:
         ldi     @TASK + TB_TICK, r4
         ldi     4, ar1

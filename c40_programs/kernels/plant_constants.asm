@@ -1,5 +1,5 @@
-; What the kernels know of crane, drives and vehicles. The emulator puts the plant's own parameters here when it loads the image
-; (emulator/cmrc/programs/plant_constants.cpp); as assembled they are 0.
+; What the kernels know of crane, drives and vehicles. The emulator writes the plant's own parameters here when it loads
+; the image (emulator/cmrc/programs/plant_constants.cpp); the assembled words are 0.
 
 ; ---- geometry
 K_A0                .set $ - LIFT               ; m, a_0: luff pivot from the slew axis
@@ -40,7 +40,7 @@ K_TQ_SPREADER       .set $ - LIFT               ; mass of the spreader, kg
                     .space 1
 K_TQ_YAW_BASE       .set $ - LIFT               ; its yaw inertia, kg m2
                     .space 1
-K_TQ_YAW_PER_KG     .set $ - LIFT               ; m2: what a container adds per kg
+K_TQ_YAW_PER_KG     .set $ - LIFT               ; m2: increase by a container, per kg
                     .space 1
 K_TQ_DRIVES         .set $ - LIFT               ; per channel: rotor J_m n^2, Coulomb F_c, 1 / v_0, viscous b, 1 / (n eta)
                     .space 25
@@ -48,7 +48,7 @@ K_PD_UNIT           .set $ - LIFT               ; per channel: joint unit per en
                     .space 5
 K_PD_LIFT           .set $ - LIFT               ; m: times cos phi, by which the jib's tip rises per rad of luff; of a gantry 0
                     .space 1
-K_PD_TURN           .set $ - LIFT               ; 1 where what moves the load tangentially turns it, too; of a gantry 0
+K_PD_TURN           .set $ - LIFT               ; 1 if the tangential motion also turns the load; of a gantry 0
                     .space 1
 K_PD_SWAY_UNIT      .set $ - LIFT               ; rad per code of the sway sensor
                     .space 1
@@ -88,11 +88,11 @@ K_AV_HALF_LENGTH    .set $ - LIFT               ; m, of the vehicle
                     .space 1
 K_AV_SWING          .set $ - LIFT               ; m2, less half its square: times a curvature, how far the ends swing out
                     .space 1
-K_AV_REAR           .set $ - LIFT               ; m: the rear is past a place when the middle is so far past it: half the length and 1.6
+K_AV_REAR           .set $ - LIFT               ; m: the rear has passed a place when the middle is this far past it: half the length and 1.6
                     .space 1
 K_AV_PASSED         .set $ - LIFT               ; m, the vehicle's length and 1.2
                     .space 1
-K_AV_B              .set $ - LIFT               ; m/s2, B: 0.9 of what the drive brakes with
+K_AV_B              .set $ - LIFT               ; m/s2, B: 0.9 of the drive's braking deceleration
                     .space 1
 K_AV_TWICE_OVER_B   .set $ - LIFT               ; 2 / B
                     .space 1

@@ -1,13 +1,13 @@
-; Long tasks in several blocks (scheduling.slice_cycles; plant-and-bus.md 4.6 item 4). A kernel that returns MUST_CONTINUE is loaded again, with
-; TB_SLICE one higher; any DSP may take that block, so what the task still needs is kept in shared memory, at SV_BASE.
+; Long tasks in several blocks (scheduling.slice_cycles; plant-and-bus.md 4.6 item 4). MUST_CONTINUE: loaded again, with
+; TB_SLICE one higher. Any DSP may take that block, so the task keeps what it still needs in shared memory, at SV_BASE.
 ;
-; Slice k reads the half that slice k - 1 has written and writes the other, so that a slice that is run again does no harm.
+; Slice k reads the half that slice k - 1 has written and writes the other half, so that a slice can run again.
 
         .if AG_WORDS != 100h
         .error "slice_place takes an AGV's number from its area by a shift"
         .endif
 
-SL_LEFT         .set SCRATCH + 1000             ; i units of work still to be done in this block
+SL_LEFT         .set SCRATCH + 1000             ; i units of work left in this block
 SL_ROWS         .set SCRATCH + 1001             ; i rows of the bay
 SL_DWA          .set SCRATCH + 96               ; what the dynamic window needs: points, discs, the best so far
 SL_DWA_WORDS    .set DW_END - SL_DWA
@@ -35,7 +35,7 @@ slice_place_robot:
         addi    r0, ar0
         rets
 
-; RC + 1 words at AR1 <- as the block before has left them.
+; RC + 1 words at AR1 <- the words that the block before kept.
 slice_restore:
         ldi     @TASK + TB_SLICE, r0
         call    slice_place
@@ -74,7 +74,7 @@ kernel_avoidance_sliced:
         ldi     @TASK + TB_SLICE, r0
         mpyi    r3, r0
         ldi     @TASK + TB_ARGUMENT, r1
-        subi    r0, r1                          ; still to be done
+        subi    r0, r1                          ; work that is left
         ldi     0, r2
         cmpi    r3, r1
         ble     slice_avoidance
@@ -87,7 +87,7 @@ slice_avoidance:
         ldi     @SL_LEFT, r1
         rets
 
-; ---- dynamic window: so many of its 121 samples
+; ---- dynamic window: some of its 121 samples
 kernel_avoidance_dwa_sliced:
         ldhi    hi16(slice_sample), ar1
         or      lo16(slice_sample), ar1
@@ -139,7 +139,7 @@ slice_dwa_next:
         ldi     SL_DWA_WORDS - 1, rc
         br      slice_keep
 
-; ---- identify: so many rows. Rows before the last block's leave a target and a bay box behind, too; the last block's are the ones that count.
+; ---- identify: some rows. Each block writes a target and a bay box; those of the last block are the result.
 kernel_identify_sliced:
         ldhi    hi16(slice_row), ar1
         or      lo16(slice_row), ar1

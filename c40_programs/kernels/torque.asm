@@ -8,7 +8,7 @@ TQ_LOAD_TICK    .set SCRATCH + 95       ; CR_LOAD_TICK, CR_CONSUMED, CR_SEGMENT_
 TQ_CONSUMED     .set SCRATCH + 96
 TQ_SEGMENT      .set SCRATCH + 97
 TQ_STAGE        .set SCRATCH + 98
-TQ_WIND         .set SCRATCH + 99       ; i TB_RESULT: TORQUE_WIND where the anemometer shows too much
+TQ_WIND         .set SCRATCH + 99       ; i TB_RESULT: TORQUE_WIND when the anemometer is above its limit
 TQ_Q            .set SCRATCH + 64       ; set-point: q, qd, qdd, f x5 each
 TQ_QD           .set SCRATCH + 69
 TQ_QDD          .set SCRATCH + 74
@@ -29,7 +29,7 @@ kernel_torque:
         call    torque_closed_form
         br      torque_motors
 
-; Q, QD, QDD <- the set-point of TB_TICK, SV_LOAD <- kg on the rope; nothing but STAGE when that is 0.
+; Q, QD, QDD <- the set-point of TB_TICK, SV_LOAD <- kg on the rope; if STAGE is 0, only STAGE.
 torque_set_point:
         call    servo_head
         ldi     ar6, ar0
@@ -86,7 +86,7 @@ torque_between:
         call    torque_load
         ldi     @SV_STOPPED, r0
         retseq
-        ldf     @SV_PATH_RATE, r2               ; the path's clock has another rate p: qd p, qdd p^2 + qd p'
+        ldf     @SV_PATH_RATE, r2               ; the path's clock has a rate p other than 1: qd p, qdd p^2 + qd p'
         ldf     @SV_PATH_CHANGE, r3
         mpyf    @SV_RATE, r3
         ldhi    hi16(TQ_QD), ar0
@@ -106,8 +106,8 @@ torque_rated:
         nop     *ar0++
         rets
 
-; SV_LOAD <- kg on the rope: what the load cell shows, through a low-pass filter of K_TQ_LOAD_FILTER; LOAD_TICK. The same tick again changes nothing.
-; WIND <- whether the anemometer shows too much.
+; SV_LOAD <- kg on the rope: load cell, low-pass filtered (K_TQ_LOAD_FILTER); LOAD_TICK. No change at the same tick.
+; changes nothing. WIND <- whether the anemometer is above its limit.
 torque_load:
         ldhi    hi16(WINDOW_B), ar0
         absi    *+ar0(WIND_MEAN), r0
@@ -140,7 +140,7 @@ torque_load:
         sti     r1, *ar1
         rets
 
-; R0 <- I_k, kg m2: the spreader's, and what the load adds.
+; R0 <- I_k, kg m2: the spreader's, and the load's.
 torque_yaw_inertia:
         ldf     @SV_LOAD, r0
         subf    @K_TQ_SPREADER, r0

@@ -1,5 +1,5 @@
-; Constants of torque compensation; what it knows of the crane stands in plant_constants.asm.
+; Constants of torque compensation; the crane's parameters are in plant_constants.asm.
 K_TQ_LOAD_FILTER    .set $ - LIFT               ; s, of the load cell's reading
                     .float 0.02
-K_TQ_WIND_LIMIT     .set $ - LIFT               ; mm/s: above it no lift begins. dock.wind_limit_m_s puts its own here
+K_TQ_WIND_LIMIT     .set $ - LIFT               ; mm/s: above it no lift begins. dock.wind_limit_m_s replaces it
                     .word 20000

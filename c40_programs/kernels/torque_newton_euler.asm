@@ -1,4 +1,4 @@
-; Sub-process 3, second build: the joint forces by the general recursive Newton-Euler method over a table of links (docs/kernels.md).
+; Sub-process 3, second build: joint forces by recursive Newton-Euler over a table of links (docs/kernels.md).
 ;
 ; Six links hang on each other: gantry (P, x), slewing platform (R, z), jib (R, -y), a massless link that turns back by the luff angle,
 ; because the load does not tilt (R, y, the same angle), load (P, -z), spreader's yaw (R, z). Each joint turns or slides along one coordinate axis k;
@@ -6,8 +6,8 @@
 ;   w = R w_p + qd e_k          wd = R wd_p + (R w_p) x qd e_k + qdd e_k          (R alone where the joint slides)
 ;   a = R (wd_p x p + w_p x (w_p x p) + a_p) [+ 2 w x qd e_k + qdd e_k]
 ;   F = m (a + wd x s + w x (w x s))        N = I wd + w x I w
-; and back inwards: f = F + R' f_out, n = N + s x F + R' n_out + p_out x R' f_out, joint force = n_k or f_k. Links that share a
-; joint's q add up, each with its sign (virtual work).
+; and back inwards: f = F + R' f_out, n = N + s x F + R' n_out + p_out x R' f_out, joint force = n_k or f_k. Links that
+; share a joint's q add up, each with its sign (virtual work).
 
 NE_LINKS        .set 6
 NE_PLAN         .set SCRATCH + 128      ; the table's rows, NE_ROW words each:
@@ -15,7 +15,7 @@ NE_ROW          .set 17
 NE_B            .set 0                  ; i: b, c, k as 0, 1, 2
 NE_C            .set 1
 NE_K            .set 2
-NE_JOINT        .set 3                  ; i: joint whose q it is
+NE_JOINT        .set 3                  ; i: joint that moves this link
 NE_SLIDES       .set 4                  ; i
 NE_SIGN         .set 5
 NE_P            .set 6                  ; joint's place in the frame before, m
@@ -68,8 +68,8 @@ newton_euler_inwards:
         or      lo16(TASK), ar7
         br      torque_motors
 
-; The table on chip with the payload's mass and yaw inertia, the base with gravity upwards, joint forces 0. AR4 row, AR5 link, AR3 the one
-; before, AR7 links to go.
+; The table on chip with the payload's mass and yaw inertia, the base with gravity upwards, joint forces 0. AR4 row, AR5
+; link, AR3 the one before, AR7 links to go.
 newton_euler_prepare:
         ldhi    hi16(K_NE_TABLE), ar0
         or      lo16(K_NE_TABLE), ar0
@@ -181,7 +181,7 @@ newton_euler_swing:
         addf    r5, r8
         rets
 
-; *AR1 <- *AR0 seen from link AR5's frame, which is turned by its angle about k. Clobbers R0 .. R3.
+; *AR1 <- *AR0 in link AR5's frame, which is turned by its angle about k. Clobbers R0 .. R3.
 newton_euler_turn:
         ldi     *+ar4(NE_K), ir0
         ldf     *+ar0(ir0), r0
@@ -255,7 +255,7 @@ newton_euler_no_arm:
         call    newton_euler_turn
 
         ldf     *+ar5(NE_RATE), r0
-        ldi     ar5, ar0                        ; what qd, qdd act upon: WD, or A with twice the rate
+        ldi     ar5, ar0                        ; the vector on which qd, qdd act: WD, or A with twice the rate
         ldi     *+ar4(NE_SLIDES), r2
         bz      newton_euler_turning
         mpyf    2.0, r0
@@ -359,7 +359,7 @@ newton_euler_moment_of_own:
         stf     r8, *+ar5(NE_N + 2)
         rets
 
-; The joint's force of link AR5, and what it passes on to AR3 (what reaches the base is nobody's).
+; The joint's force of link AR5, and the part that it passes on to AR3 (at the base the part is dropped).
 newton_euler_back:
         ldi     *+ar4(NE_K), ir0
         ldi     ar5, ar0

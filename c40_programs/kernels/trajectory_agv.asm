@@ -1,18 +1,18 @@
 ; Sub-process 1 of an AGV: the next point of its leg (docs/kernels_job.md).
 ;
-; A leg is a chain of at most 8 lines and arcs. With s the arc length and v the speed at the point before, dt = AG_STEP_TIME:
+; A leg is at most 8 lines and arcs. With s the arc length and v the speed at the last point, dt = AG_STEP_TIME:
 ;     v' = min( v + a dt, limit of the segment at s, sqrt(q) - h/2 ),  h = B dt,  q = h^2/4 - h v + min over what lies ahead of (u^2 + 2 B d)
 ;     s' = s + (v + v') dt / 2
-; where d is the distance to a segment ahead and u its speed limit, or the distance to the end of the leg and u = 0: v' is the largest
-; speed from which the brake B still meets every u. The state is kept at 40 bits and twice, by the parity of k, so that running a block
-; again gives the same point. At the end of the leg the same point is repeated until the vehicle stands there.
+; where d is the distance to a segment ahead and u its speed limit, or the distance to the leg's end and u = 0: from v'
+; the brake B still meets every u. The state is kept at 40 bits and twice, by the parity of k: a block that runs
+; again gives the same point. At the end of the leg the point repeats until the vehicle stands there.
 
 TA_SEGMENTS         .set SCRATCH                ; 8 segments of 8 words: x0, y0, heading0, length, curvature, speed
 TA_DT               .set SCRATCH + 64           ; s
 TA_SLOW             .set SCRATCH + 65           ; physical speed / nominal speed = dt / held period
 TA_COUNT            .set SCRATCH + 66           ; segments of the leg
 TA_TOTAL            .set SCRATCH + 67           ; m, length of the leg (2 words, 40 bits)
-TA_SETTLED          .set SCRATCH + 70           ; points since the end of the leg was reached, 0 before
+TA_SETTLED          .set SCRATCH + 70           ; points made since the end of the leg was reached, before it 0
 TA_POINT            .set SCRATCH + 72           ; the point being made, as in AG_POINT
 TA_CHORD            .set SCRATCH + 80
 TA_LIMIT            .set SCRATCH + 81           ; i AG_AVOID_LIMIT
@@ -26,7 +26,7 @@ TA_SEGMENT_HEADING  .set 2
 TA_SEGMENT_LENGTH   .set 3
 TA_SEGMENT_CURVE    .set 4
 TA_SEGMENT_SPEED    .set 5
-TA_SETTLE_MOST      .set 250                    ; points after which the leg ends wherever the vehicle stands
+TA_SETTLE_MOST      .set 250                    ; points after which the leg ends wherever the vehicle is
 
 kernel_trajectory_agv:
         call    trajectory_agv_read
@@ -133,7 +133,7 @@ trajectory_agv_speed:
 trajectory_agv_ahead:
         subf3   r8, r10, r0                     ; d = start - s
         bgt     trajectory_agv_further
-        ldf     *+ar1(TA_SEGMENT_SPEED), r7     ; the last segment that has begun sets the limit
+        ldf     *+ar1(TA_SEGMENT_SPEED), r7     ; the last segment that has begun gives the limit
         br      trajectory_agv_next
 trajectory_agv_further:
         mpyf    @K_TA_BRAKE_TWICE, r0
@@ -149,7 +149,7 @@ trajectory_agv_next:
 
         stf     r10, @TA_TOTAL
         sti     r10, @TA_TOTAL + 1
-        subf3   r8, r10, r0                     ; the end of the leg, where u = 0
+        subf3   r8, r10, r0                     ; the end of the leg: u = 0
         mpyf    @K_TA_BRAKE_TWICE, r0
         cmpf    r11, r0
         ldflt   r0, r11
@@ -186,7 +186,7 @@ trajectory_agv_next:
         subf3   r8, r10, r0                     ; what is left
         cmpf    @K_TA_ARRIVED, r0
         bge     trajectory_agv_speed_done
-        ldf     r10, r8                         ; arrived: stand at the end
+        ldf     r10, r8                         ; arrived: stand still at the end
         ldf     0.0, r9
         ldi     @TA_SETTLED, r0
         addi    1, r0
@@ -275,7 +275,7 @@ trajectory_agv_place:
 trajectory_agv_find:
         subi    1, ar2
         cmpi    0, ar2
-        bz      trajectory_agv_found            ; the last segment holds what is left
+        bz      trajectory_agv_found            ; the last segment takes the rest
         addf3   *+ar1(TA_SEGMENT_LENGTH), r10, r0
         cmpf    r0, r8
         ble     trajectory_agv_found
@@ -303,8 +303,8 @@ trajectory_agv_found:
         rets
 
 ; ---- pose at R6 = sigma along the segment *AR1 (on chip): R0 = x, R1 = y, R6 = heading in -pi..pi ----
-; chord = sigma sinc(u), u = curvature sigma / 2, along the direction heading0 + u; the same for a line, where u = 0. |u| <= pi.
-; Changes R2..R7, AR0.
+; chord = sigma sinc(u), u = curvature sigma / 2, along the direction heading0 + u; the same for a line, where u = 0.
+; |u| <= pi. Changes R2..R7, AR0.
 trajectory_agv_pose:
         mpyf3   *+ar1(TA_SEGMENT_CURVE), r6, r7
         mpyf    0.5, r7                         ; u
@@ -421,7 +421,7 @@ trajectory_agv_millionths:
         fix     r0, r0
         rets
 
-; ---- R0 = RESULT_END_OF_LEG when the vehicle stands at the end of the leg, or has been given time enough ----
+; ---- R0 = RESULT_END_OF_LEG when the vehicle stands at the end of the leg, or enough time has passed ----
 trajectory_agv_arrived:
         ldi     0, r0
         ldi     @TA_SETTLED, r1

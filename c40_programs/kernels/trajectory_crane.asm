@@ -2,12 +2,12 @@
 ;
 ; The payload's path through the via points P_0 .. P_n is a sum of blends of degree 9 that overlap by half the shorter one:
 ;   p(t) = P_0 + sum (P_i - P_i-1) S((t - t_i) / T_i),    t_i+1 = t_i + T_i - min(T_i, T_i+1) / 2
-; What is written is the suspension above which such a payload hangs without sway:
+; The written point is the suspension above which such a payload hangs without sway:
 ;   x, y: p + (l / g) p''     with its rates, l the rope's length there; z, yaw: p
 ; The payload's own p'' in x, y follows, for the reference of the sway.
 ;
-; State: a selector word (0: never run), then two banks. A leg's bank is written before the selector turns to it, so the same
-; point can be computed twice, by two DSPs, with the same result.
+; State: a selector word (0: never run), then two banks. A leg's bank is written before the selector selects it. So two
+; DSPs can compute the same point with the same result.
 
 TJ_BANK_STRIDE  .set 23
 TJ_BANK_WORDS   .set 21
@@ -20,7 +20,7 @@ TJ_END          .set SCRATCH + 8        ; P_n
 TJ_DURATION     .set SCRATCH + 12       ; T_i, 8 words
 TJ_PERIOD       .set SCRATCH + 20       ; s between points
 TJ_CHAIN        .set SCRATCH + 32       ; P_0 .. P_n, 4 words each
-TJ_SUM          .set SCRATCH + 80       ; p and its derivatives 1..4, 4 words each; the output takes shape in place
+TJ_SUM          .set SCRATCH + 80       ; p and its derivatives 1..4, 4 words each; the output is built in place
 TJ_START        .set SCRATCH + 112      ; t_i, 8 words
 TJ_TOTAL        .set SCRATCH + 120
 TJ_SELECTOR     .set SCRATCH + 121
@@ -54,7 +54,7 @@ trajectory_crane_build:
         call    trajectory_crane_starts
         br      trajectory_crane_point
 
-; A leg begins where the last one ended, the first one at home.
+; A leg begins at the end of the last leg, the first leg at home.
 trajectory_crane_next:
         ldhi    hi16(TJ_END), ar0
         or      lo16(TJ_END), ar0
@@ -222,7 +222,7 @@ trajectory_crane_segment:
 trajectory_crane_coordinate:
         nop     *ar1++
         br      trajectory_crane_segment_after
-trajectory_crane_passed:                        ; it and all before it are complete: p = P_i
+trajectory_crane_passed:                        ; this segment and all before it are complete: p = P_i
         ldi     ar3, ar0
         addi    4, ar0
         ldhi    hi16(TJ_SUM), ar1
@@ -318,8 +318,8 @@ trajectory_crane_chain_end:
         or      lo16(TJ_END), ar0
         br      copy_words
 
-; An alignment is one segment without a route: END <- where the AGV stands, measured: x, y, its heading to within a half turn, deck + box +
-; clearance.
+; An alignment is one segment without a route: END <- where the AGV stands, measured: x, y, its heading to within a half
+; turn, deck + box + clearance.
 trajectory_crane_aim:
         ldi     1, r0
         sti     r0, @TJ_SEGMENTS
@@ -347,7 +347,7 @@ trajectory_crane_aim:
         stf     r0, @TJ_END + 3
         rets
 
-; R0 <- the heading R0 or its opposite, whichever is nearer to the yaw R1: a box fits either way. Changes R1.
+; R0 <- heading R0 or its opposite, the one nearer to the yaw R1: a box fits both ways. Changes R1.
 trajectory_crane_half_turn:
         negf    r1, r1                          ; heading - pi floor((heading - yaw) / pi + 1/2)
         addf    r0, r1
@@ -360,7 +360,7 @@ trajectory_crane_half_turn:
         subf    r1, r0
         rets
 
-; R0 <- T of the segment from *AR3 to *+AR3(4): the longest that any limit of docs/kernels.md asks for.
+; R0 <- T of the segment from *AR3 to *+AR3(4): the longest T among the limits of docs/kernels.md.
 trajectory_crane_duration:
         ldhi    hi16(K_TJ_XY1), ar1
         or      lo16(K_TJ_XY1), ar1

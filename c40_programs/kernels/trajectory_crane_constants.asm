@@ -1,4 +1,4 @@
-; Limits of the crane's motion, as factors of the segment's length: T >= c h / v, T^2 >= c h, T^4 >= c h (docs/kernels.md); v: CR_SPEED.
+; Limits of the crane's motion by segment length: T >= c h / v, T^2 >= c h, T^4 >= c h (docs/kernels.md); v: CR_SPEED.
 K_TJ_XY1            .set $ - LIFT               ; S'max
                     .float 2.4609375
 K_TJ_XY2            .set $ - LIFT               ; S''max / 0.4 m/s2
@@ -13,7 +13,7 @@ K_TJ_YAW1           .set $ - LIFT               ; S'max
                     .float 2.4609375
 K_TJ_YAW2           .set $ - LIFT               ; 0.03 rad/s2
                     .float 9.372 / 0.03
-; The same for quintics: peaks 1.875 and 5.774; no fourth derivative is asked for.
+; The same for quintics: peaks 1.875 and 5.774; no limit on the fourth derivative.
 K_TJ_SHAPED         .set $ - LIFT
                     .float 1.875, 5.7735 / 0.4, 0.0, 1.875, 5.7735 / 0.12, 1.875, 5.7735 / 0.03
 K_TJ_SEVENTEENTH    .set $ - LIFT

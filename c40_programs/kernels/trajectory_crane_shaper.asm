@@ -1,12 +1,12 @@
-; Sub-process 1, crane, second build (plant-and-bus.md 2.1): quintic segments, look-ahead against the joints' speeds, and an input shaper for the rope.
+; Sub-process 1, crane, second build (plant-and-bus.md 2.1): quintics, look-ahead for the joints' speeds, input shaper.
 ;
 ; The path is that of trajectory_crane.asm with quintics as blends. What is written is the path through a ZVD shaper,
 ;   X(t) = p(t)/4 + p(t - T/2)/2 + p(t - T)/4,    T = 2 pi sqrt(l/g), l the mean of the rope's lengths at the leg's two ends,
-; all four coordinates alike, so that the way in space stays that of the path. When a leg begins, the joints' speeds are computed at 16 points of the path;
-; if one passes its limit, all segments are stretched.
+; all four coordinates alike: the path in space is unchanged. When a leg begins, the joints' speeds are
+; computed at 16 points of the path; if one passes its limit, all segments are stretched.
 
 TJ_HALF         .set SCRATCH + 123      ; s, T/2
-TJ_LOOK         .set SCRATCH + 124      ; i, points still to look at
+TJ_LOOK         .set SCRATCH + 124      ; i, points not yet tested
 TJ_WORST        .set SCRATCH + 125      ; largest speed over limit
 TJ_LOOK_POINTS  .set 16
 
@@ -179,8 +179,8 @@ shaper_stretch:
         stf     r0, @TJ_TOTAL
         rets
 
-; WORST <- the largest of it and the joints' speeds over their limits at SUM: psid = (x yd - y xd)/r^2, rd = (x xd + y yd)/r,
-; phid = -rd/(L sin phi), ld = L cos phi phid - zd
+; WORST <- the largest of it and the joints' speeds over their limits at SUM: psid = (x yd - y xd)/r^2, rd = (x xd + y
+; yd)/r, phid = -rd/(L sin phi), ld = L cos phi phid - zd
 shaper_speeds:
         ldf     @TJ_SUM, r6
         mpyf    r6, r6

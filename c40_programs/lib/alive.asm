@@ -1,5 +1,5 @@
-; The heartbeat of a long kernel (docs/kernels.md, Heartbeat): counts TB_ALIVE of its block up, so that the host sees the main loop at work. Called in line,
-; between rows, sectors or candidates. Keeps all registers and the status; the executive's copy of the block holds the counter.
+; The heartbeat of a long kernel (docs/kernels.md, Heartbeat): increments TB_ALIVE of its block to show progress. Called
+; between rows, sectors or candidates. Keeps all registers and ST; the executive's copy of the block holds the counter.
 alive:
         push    ar0
         push    ar1

@@ -1,8 +1,8 @@
-; Start-up of a C program (docs/from-c.md): stack, .bss, initial values, main(0, 0), exit(what it returns). For both ways of giving arguments.
+; Start-up of a C program (docs/from-c.md): stack, .bss, initial values, exit(main(0, 0)). For both calling conventions.
 ;
-; ROM model: clears .bss and copies the initial values from the records of .cinit: {words, address, data...}, ended by 0 words.
-; RAM model: who loads the program has done both; the linker then gives -1 for `cinit`, as it does where there is no .cinit. GCC has none, so
-; for its programs CLEAR_BSS says that .bss is to be cleared all the same.
+; ROM model: clears .bss and copies the initial values from the records of .cinit: {words, address, data...}, up to 0
+; words. RAM model: the program's loader has done both. The linker then sets `cinit` to -1, as it does without .cinit.
+; GCC has no .cinit, so CLEAR_BSS tells that .bss of its programs is to be cleared nevertheless.
 
                 .include "c_runtime.inc"
                 .global _c_int00, c_int00, _start, __stack
@@ -30,7 +30,7 @@ _start:
                 address .bss,ar1
                 address end,ar2
                 subi3   ar1,ar2,r0              ; words of .bss
-                bz      initialise              ; c_page is one, but a map may place it elsewhere
+                bz      initialise              ; c_page is one word of .bss, but a map may place it elsewhere
                 subi3   1,r0,rc
                 ldi     0,r0
                 rptb    cleared

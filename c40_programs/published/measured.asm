@@ -1,9 +1,9 @@
-; What publications give times of without their programs (docs/validation.md): ours for the same. scripts/validation runs them.
+; Our versions of routines that publications time but do not show (docs/validation.md). scripts/validation runs them.
 
                 .text
 
-; A switch to the next process of a ring, called by the process that gives way. AR7: the running process's block, in all processes: {next, SP}.
-; With the registers that a process of a nano-kernel keeps: its return address and frame pointer.
+; Switch to the next process of a ring; the process that yields calls it. AR7: block of the running process: {next, SP}.
+; Saves what a nano-kernel's process keeps: return address and frame pointer.
 switch_reduced: push    ar3
                 sti     sp,*+ar7(1)
                 lda     *ar7,ar7
@@ -11,7 +11,7 @@ switch_reduced: push    ar3
                 pop     ar3
                 rets
 
-; The same with all that a C function may not change: R4, R5, R8, R6 and R7 as floats, AR3 to AR6, DP.
+; The same, saving all that a C function must preserve: R4, R5, R8, R6 and R7 as floats, AR3 to AR6, DP.
 switch_c:       push    r4
                 push    r5
                 push    r8
@@ -37,7 +37,7 @@ switch_c:       push    r4
                 pop     r4
                 rets
 
-; Two processes that give way to each other for ever, by either switch.
+; Two processes that yield to each other for ever, by either switch.
 process_a:      call    switch_reduced
 back_a:         b       process_a
 process_b:      call    switch_reduced
@@ -47,8 +47,8 @@ back_c:         b       process_c
 process_d:      call    switch_c
 back_d:         b       process_d
 
-; A row of an image convolved with 3 x 3 coefficients, floats. AR0, AR1, AR2: three rows, of RC + 3 pixels; AR3: RC + 1 results; AR4: nine coefficients,
-; circular, BK = 9.
+; A row of an image convolved with 3 x 3 coefficients, floats. AR0, AR1, AR2: three rows, of RC + 3 pixels; AR3: RC + 1
+; results; AR4: nine coefficients, circular, BK = 9.
 convolve_row:   rptb    convolved
                 mpyf3   *ar0++(1),*ar4++(1)%,r2
                 mpyf3   *ar0++(1),*ar4++(1)%,r0

@@ -1,4 +1,4 @@
-// Assembler source. What assembles is written as COFF, and what is read back is the same program.
+// Assembler source. If the source assembles, the program is written as COFF and read back unchanged.
 #include "toolchain/assembler/assembler.hpp"
 #include "fuzz/target.hpp"
 #include "toolchain/objects/coff.hpp"

@@ -1,4 +1,4 @@
-// Streams for the boot loader, from memory or through a port: however a boot is run, it ends alike.
+// Streams for the boot loader, from memory or through a port: each way to run a boot has the same result.
 #include <array>
 
 #include "fuzz/ways.hpp"

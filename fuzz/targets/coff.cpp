@@ -1,4 +1,4 @@
-// COFF files: what is read can be shown, and its rewrite says the same.
+// COFF files: a file that is read can be shown, and writing it again keeps its meaning.
 #include <algorithm>
 
 #include "fuzz/target.hpp"

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::string_view naming_files[] = {"layout", "programs", "board"};
 
-/// What the options of one command are checked with before it runs.
+/// The checks of one command's options before the command runs.
 struct Check {
   void operator()(cli::RunOptions options) const {
     options.config = options.programs = options.board = {};

@@ -34,7 +34,7 @@ struct Small {
   machine::debug::NetworkDebuggee debuggee{network};
 };
 
-/// Whatever the bytes are: messages, and an end that is told.
+/// Any bytes give messages, and a reported end.
 void frame(std::string_view bytes) {
   debugger::dap::Framing framing;
   fuzz::done<debugger::dap::BrokenStream>([&] {

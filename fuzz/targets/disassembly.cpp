@@ -1,4 +1,4 @@
-// Any words, as text of either processor that assembles to the same words.
+// Any words: their text for each processor assembles to the same words.
 #include "toolchain/disassembler/disassembly.hpp"
 #include "fuzz/target.hpp"
 #include "toolchain/assembler/assembler.hpp"

@@ -38,7 +38,7 @@ std::vector<machine::DeviceDescription> described(const std::vector<HostStep>& s
   return all;
 }
 
-/// What a program and a board's pins see of devices.
+/// The part of the devices that a program and a board's pins can see.
 class Seen {
  public:
   explicit Seen(const std::vector<machine::DeviceDescription>& devices) : devices_(devices) {
@@ -60,7 +60,7 @@ class Seen {
   std::string told_;
 };
 
-/// One is cut at every cycle, and one is saved and loaded into another: nobody sees it.
+/// One run stops at every cycle, another is saved and loaded: the program sees no difference.
 void touch(const std::vector<HostStep>& steps, fuzz::Input input) {
   constexpr int most_accesses = 200;
   const auto devices = described(steps, input);

@@ -1,4 +1,4 @@
-// Programs of any words on a small board with two windows, from any registers: however a run is done, it ends alike.
+// Programs of any words on a small board with two windows, from any registers: each way to run has the same result.
 #include <array>
 
 #include "fuzz/ways.hpp"
@@ -26,14 +26,14 @@ c40::Board board_of(std::uint8_t choice) {
   return board;
 }
 
-/// Where a pointer may point: mostly at what is there.
+/// An address for a pointer: mostly one with memory.
 Address place(std::uint8_t choice) {
   static constexpr std::array<Address, 8> places{code,   code + 0x200, chip_ram, chip_ram + 0x400,
                                                  global, 0x100000,     window_a, window_b};
   return places[choice & 7] + (choice >> 3) * 4u;
 }
 
-/// What stands behind a window, and how long it takes to answer: a function of the address alone.
+/// Content of a window, and its answer time: functions of the address only.
 std::uint64_t answers = 0;
 
 c40::WindowAnswer answer_of(const c40::ExternalAccess& access) {

@@ -20,7 +20,7 @@ const std::string& written(std::string_view text) {
   return file.write(text);
 }
 
-/// What is written in a format is read back as it was. Plain bytes that look like one of the others are read as that.
+/// Data written in a format are read back unchanged. Plain bytes that look like another format are read as that format.
 void expect_same_back(const Bytes& bytes) {
   if (bytes.empty()) return;
   for (const RomFormat format : {RomFormat::intel_hex, RomFormat::srec, RomFormat::binary}) {

@@ -1,4 +1,4 @@
-// Two traces, with four dashes between: where they part. A trace is like itself.
+// Two traces, separated by four dashes: where they differ. A trace does not differ from itself.
 #include <sstream>
 
 #include "fuzz/target.hpp"

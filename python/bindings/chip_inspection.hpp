@@ -1,5 +1,5 @@
 #pragma once
-// What can be asked of a chip from Python, whoever holds it.
+// Python's read access to a chip, for every class that holds a chip.
 #include <pybind11/stl.h>
 
 #include <string>
@@ -32,7 +32,7 @@ inline py::dict causes_of(const c40::Causes& causes) {
   return out;
 }
 
-/// A dict for each address that a board has nothing at and that was accessed nevertheless.
+/// A dict for each address that was accessed although the board has nothing there.
 inline py::list reserved_accesses(const machine::IgnoredAccesses& ignored) {
   py::list out;
   for (const auto& note : ignored.notes())

@@ -29,7 +29,7 @@ class CtrlC {
 
  private:
   using Clock = std::chrono::steady_clock;
-  // To look takes the GIL, for which others may have to be waited.
+  // Looking for signals needs the GIL; other threads may have it for a while.
   static constexpr std::chrono::milliseconds often_enough{50};
 
   Clock::time_point looked_ = Clock::now();
@@ -37,7 +37,7 @@ class CtrlC {
   io::StopAsker asker_;
 };
 
-/// Does `work`, with the GIL as it is; afterwards raises what Ctrl-C has raised meanwhile.
+/// Does `work` without changing the GIL. Then raises the exception that Ctrl-C has raised during the work.
 template <class Work>
 auto interruptible(Work work) {
   CtrlC ctrl_c;

@@ -1,4 +1,4 @@
-// cmrc._core.debug: stop conditions, steps and time backwards, as values that Python takes.
+// cmrc._core.debug: stop conditions, steps and reverse execution, as values for Python.
 #include "python/bindings/debug.hpp"
 #include "python/bindings/errors.hpp"
 

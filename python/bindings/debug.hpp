@@ -7,10 +7,10 @@
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/ctrl_c.hpp"
 
-/// A debugger, with what it drives and whatever has to outlive that.
+/// A debugger, with the machine that it drives and the objects that must outlive this machine.
 class PythonDebugger {
  public:
-  /// \param with_gil what listens to the run makes Python objects
+  /// \param with_gil the run's listeners make Python objects
   PythonDebugger(std::shared_ptr<void> owner, std::unique_ptr<machine::debug::Debuggee> debuggee, bool with_gil = false)
       : owner_(std::move(owner)),
         debuggee_(std::move(debuggee)),

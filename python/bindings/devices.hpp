@@ -1,5 +1,5 @@
 #pragma once
-// Devices of Python's behind windows of a board, and what Python sees of the others (cmrc/devices.py).
+// Devices written in Python behind windows of a board, and Python's view of the other devices (cmrc/devices.py).
 #include <pybind11/stl.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 #include "python/bindings/bindings.hpp"
 #include "state/archive.hpp"
 
-/// Calls a cmrc.devices.Attached. Whatever that raises goes through to who runs the chip.
+/// Calls a cmrc.devices.Attached. Its exceptions go to the caller that runs the chip.
 class PythonDevice final : public machine::BoardDevice {
  public:
   explicit PythonDevice(py::object attached)

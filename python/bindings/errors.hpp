@@ -1,5 +1,5 @@
 #pragma once
-// Exceptions of the C++ rooms as classes of Python: each below cmrc.Error and below the built-in class that it is, too.
+// Exceptions of the C++ rooms as classes of Python: each derived from cmrc.Error and from the matching built-in class.
 #include <pybind11/pybind11.h>
 
 namespace python {

@@ -1,5 +1,5 @@
 #pragma once
-// A Python function that is told how far a run is, and may stop it.
+// A Python function that gets the progress of a run and may stop the run.
 #include <fmt/format.h>
 
 #include <exception>
@@ -36,7 +36,7 @@ class OnProgress {
     };
   }
 
-  /// With the GIL. \throws what the function has raised
+  /// With the GIL. \throws the exception that the function has raised
   void raise() const {
     if (raised_) std::rethrow_exception(raised_);
   }

@@ -1,28 +1,28 @@
 #pragma once
-// One thread at a time in an object whose calls may go on without the GIL.
+// At most one thread at a time in an object whose calls may run without the GIL.
 #include <fmt/format.h>
 
 #include <stdexcept>
 #include <string>
 #include <thread>
 
-/// Who is in a long call of an object. All its functions are called with the GIL, which keeps short calls apart; they
-/// only ask.
+/// The thread that is in a long call of an object. Callers have the GIL, which separates short calls from each other;
+/// a short call only checks that no long call goes on.
 class OneUser {
  public:
   explicit OneUser(const char* what) : what_(what) {}
 
-  /// For what changes nothing: while a long call goes on, its own thread may, from inside a callback. \throws
-  /// std::runtime_error
+  /// For calls that change nothing. During a long call only its own thread may make them, from inside a callback.
+  /// \throws std::runtime_error
   void reads(const char* call) const {
     if (call_ != nullptr && thread_ != std::this_thread::get_id()) refuse(call);
   }
-  /// For what changes something, and for long calls. \throws std::runtime_error
+  /// For calls that change something, and for long calls. \throws std::runtime_error
   void changes(const char* call) const {
     if (call_ != nullptr) refuse(call);
   }
 
-  /// A long call, until its end. Inside a callback of another, where reading is allowed, that one goes on.
+  /// A long call, until its end. A long call that only reads may be nested in another; the outer call stays marked.
   class Long {
    public:
     Long(OneUser& user, const char* call, bool only_reads) : user_(user), outermost_(user.call_ == nullptr) {

@@ -31,7 +31,7 @@ void bind_plant_contact(py::module_& m) {
         body.position = {0.0, 0.0, 0.5 * size[2] + gap};
         body.velocity = {0.0, 0.0, -speed};
         const std::array solid{make_solid(Solid::Kind::ground, -1, 0, 0, 0, 100, 100, -5.0, 0.0)};
-        // A slope is a sideways pull and less weight: the floor stays level.
+        // A sideways pull and less weight model the slope: the floor stays level.
         const std::array force{mass * gravity * plant::sin(slope), 0.0, mass * gravity * (1.0 - plant::cos(slope))};
         std::vector<std::array<double, 4>> rows;
         for (int i = 0; i < steps; ++i) {

@@ -1,4 +1,4 @@
-// What stands where: layouts, the docks that come with them, and layout files.
+// Positions of the dock's equipment: layouts, their docks, and layout files.
 #include <pybind11/native_enum.h>
 #include <pybind11/stl.h>
 

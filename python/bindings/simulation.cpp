@@ -41,7 +41,7 @@ report::Time to_time(const char* argument, double seconds) {
 
 namespace {
 
-/// By number of a program (KIND_*) its kind of task, as the report calls it.
+/// Kind of task by the program's number (KIND_*), named as in the report.
 py::dict task_names(const cmrc::Simulation& simulation) {
   const cmrc::Words words([&](std::string_view name) { return simulation.image().symbol(name); });
   std::vector<std::string> kinds = cmrc::job_kinds();
@@ -81,7 +81,7 @@ class Run {
     user_.reads(call);
     return run_;
   }
-  /// What changes it, or would catch it between two states, and takes a moment.
+  /// For short calls that change the run, or must not see it between two states.
   template <class Work>
   auto moment(const char* call, Work work) {
     const OneUser::Long use(user_, call, false);
@@ -98,7 +98,7 @@ class Run {
     told.raise();
   }
 
-  /// In slices: Ctrl-C ends it between two of them, and it may be called again.
+  /// Runs in slices. Ctrl-C ends the call between two slices; the caller may then call it again.
   void run_until(double time_s) {
     const report::Time time = to_time("time_s", time_s);
     user_.changes("run_until");
@@ -155,7 +155,7 @@ class Run {
     return page::html(recording_, title);
   }
 
-  /// What may have to wait for the ideal run, which other threads and Ctrl-C need not.
+  /// For calls that may wait for the ideal run. Other threads and Ctrl-C do not have to wait.
   template <class Work>
   auto waiting(const char* call, Work work) {
     const OneUser::Long use(user_, call, true);
@@ -163,8 +163,8 @@ class Run {
   }
 
  private:
-  std::unique_ptr<EventBatch> events_;  // outlives the run, which tells it
-  std::ostringstream events_text_;      // these two outlive the run, which tells them
+  std::unique_ptr<EventBatch> events_;  // outlives the run, which writes to it
+  std::ostringstream events_text_;      // these two outlive the run, which writes to them
   std::optional<report::EventTextTrace> text_trace_;
   std::unique_ptr<cmrc::Simulation> simulation_;
   cmrc::Simulation& run_ = *simulation_;

@@ -18,7 +18,7 @@ inline pybind11::value_error no_state(std::string_view text, const state::StateE
                                " bytes are no snapshot of this version: " + error.what());
 }
 
-// ValueError, if this is no state of it; the object is then in no usable state.
+// ValueError if the bytes are no state of this object; the object is then not usable.
 template <class T>
 void load_state(T& object, const pybind11::bytes& bytes) {
   const std::string_view text = bytes;
@@ -29,7 +29,7 @@ void load_state(T& object, const pybind11::bytes& bytes) {
   }
 }
 
-// The same of a value that is copied as a whole, for pickle.
+// The same for a value that is copied as a whole, for pickle.
 template <class T>
 pybind11::bytes value_bytes(const T& value) {
   return state::save_value(value);

@@ -123,7 +123,7 @@ def test_posted_words_combine_and_a_full_bridge_refuses() -> None:
 
 @pytest.mark.parametrize("count, depth, delayed, seed", [(2, 32, 4, 1), (3, 2, 1, 2), (4, 1, 1, 3), (4, 4, 2, 4), (4, 1, 1, 5)])
 def test_nothing_is_lost_doubled_reordered_or_locked_up(count: int, depth: int, delayed: int, seed: int) -> None:
-    """Two agents on each bus write and read everywhere; each has words of its own, which always read as last written."""
+    """Two agents on each bus write and read everywhere; each reads its own words as it last wrote them."""
     draw = random.Random(seed)
     buses, _ = chain(count, post_depth=depth, delayed_reads=delayed)
     processors, written = [], {}

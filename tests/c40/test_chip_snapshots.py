@@ -1,4 +1,4 @@
-"""A chip's state, saved and loaded: going on from it is going on."""
+"""A chip's state, saved and loaded: a run from the loaded state equals an uninterrupted run."""
 
 import random
 

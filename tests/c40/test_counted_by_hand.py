@@ -1,4 +1,4 @@
-"""Sequences that c40-hardware.md 7.6 does not count, reckoned by hand from c40-hardware.md 7.1 to 7.5 and drawn.
+"""Sequences that c40-hardware.md 7.6 does not count, computed by hand from c40-hardware.md 7.1 to 7.5 and drawn.
 
 Columns are cycles; the first row's fetch is cycle -3, so that an instruction that nothing holds up executes in the cycle of its number. F fetch, D decode,
 R read (the first cycle of the access), E execute, `-` holds. A drawing may leave off the rest of a program; its count is that of the whole.

@@ -1,4 +1,4 @@
-"""Random nasty programs (nasty_programs.py) run the same however they are looked at."""
+"""Random nasty programs (nasty_programs.py) run the same under every way to run and observe them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files that nobody writes by hand: each is refused with a message that says where, by every front end that reads it."""
+"""Malformed files: every front end that reads such a file refuses it with a message that names the place."""
 
 import struct
 import subprocess

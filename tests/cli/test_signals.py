@@ -31,7 +31,7 @@ LONG = ["--duration", "80000", "--set", "report.signal_decimation=80000"]
 
 @dataclass
 class Job:
-    """A front end that works for ever, and how it shows that it works."""
+    """A front end that runs without end, and the sign that it runs."""
 
     arguments: list[str]
     shown: Callable[["Running"], None]
@@ -119,7 +119,7 @@ class Running:
 
 
 def feed(running: Running) -> None:
-    """The program has taken a megabyte of vectors, and is given more for ever."""
+    """The program has read a megabyte of vectors, and the test sends more without end."""
     line = b"id=v op=0C800000 -> PC=00001001\n" * 1000
     sent = 0
     enough = threading.Event()
@@ -303,7 +303,7 @@ def without_nameless_files(tmp_path_factory: pytest.TempPathFactory) -> dict[str
 
 @pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
 def test_a_second_signal_ends_at_once_and_leaves_no_file(folder: Path, without_nameless_files: dict[str, str], number: signal.Signals) -> None:
-    """The program stands in a write to a pipe that nobody reads, so the first signal cannot end it."""
+    """The program waits in a write to a pipe without a reader, so the first signal cannot end it."""
     os.mkfifo(folder / "t")
     with os.fdopen(os.open(folder / "t", os.O_RDWR), "rb", buffering=0) as pipe:
         job = Job([*LONG, "--set", "report.reference=none", "--report", "r.json", "--trace", "t", "--quiet"], lambda r: None)

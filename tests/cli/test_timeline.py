@@ -1,4 +1,4 @@
-"""`emulator --perfetto`: what is drawn is what the report says, by the schema of PyPI's perfetto, and drawing changes nothing."""
+"""`emulator --perfetto`: the drawing agrees with the report, by PyPI's perfetto schema; drawing changes nothing."""
 
 import gzip
 import itertools

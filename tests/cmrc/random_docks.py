@@ -379,7 +379,7 @@ def smaller(dock: Dock) -> list[Dock]:
 
 
 def shrink(dock: Dock, fails: Callable[[Dock], bool]) -> Dock:
-    """The smallest dock that still fails, as far as leaving out one thing after the other leads."""
+    """A smaller dock that still fails, found by leaving out one thing after the other."""
     while True:
         for candidate in smaller(dock):
             if holds(candidate) and fails(candidate):

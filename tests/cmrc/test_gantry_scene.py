@@ -33,7 +33,7 @@ def test_travel_and_trolley_go_for_a_container_of_the_next_bay(tmp_path: Path) -
     assert signals["trolley_m"][0] == pytest.approx(-8.0, abs=1e-9) and 0.0 < signals["trolley_m"][-1] < 10.0
     assert signals["s_m"][0] == pytest.approx(0.0, abs=1e-9) and 0.8 < signals["s_m"][-1] < 3.0
     assert np.ptp(signals["psi_rad"]) == 0.0  # it does not slew
-    # Whoever plans the load's own path sways little: beside the reference -p''/g (at most 0.4 m/s2) there is nearly nothing.
+    # A planner of the load's own path causes little sway besides the reference -p''/g (at most 0.4 m/s2).
     assert np.abs(signals["sway_alpha_rad"]).max() < 0.05 and np.abs(signals["sway_beta_rad"]).max() < 0.02
     place = np.stack([signals[f"payload_{axis}_m"] for axis in "xyz"])
     straight = np.stack([signals["s_m"], signals["trolley_m"]])

@@ -48,7 +48,7 @@ def test_only_its_dsp_ever_claims_a_block_and_the_order_of_all_is_by_importance(
 
 
 def test_a_block_for_anybody_is_claimed_past_one_that_waits_for_its_dsp(tmp_path: Path, programs: Path) -> None:
-    """DSP 1 has work for 4 ms and another block of its own behind it; of a lower J, blocks for anybody go on."""
+    """DSP 1 has work for 4 ms and another block of its own behind it; blocks of a lower J for any DSP go on."""
     rows = [
         row("long", 1, argument=100_000, importance=0x7002),
         row("waits", 1, importance=0x7001),

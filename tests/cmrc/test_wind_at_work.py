@@ -59,7 +59,7 @@ def means_of_three_seconds(duration_s: float) -> tuple[Any, Any]:
 
 @pytest.mark.parametrize("event", [{"action": "fail", "dsp": 0}, {"action": "stick_anemometer"}])
 def test_the_share_of_time_is_true_where_the_controller_cannot_look(event: dict[str, Any]) -> None:
-    """From 2 s on, in too much wind, torque compensation does not run, or sees the wind of that instant for ever."""
+    """From 2 s on, in too much wind, torque compensation does not run, or keeps reading the wind of that instant."""
     settings = {**landings.RATES, "run.duration_s": 12.0, "run.seed": SEED}
     settings |= {"dock.wind_mean_m_s": 19.0, "dock.wind_gust_m_s": 2.47}
     simulation = _core.cmrc.Simulation(_core.cmrc.config(settings=settings, events=[{"at_s": 2.0, **event}]))
@@ -116,7 +116,7 @@ def test_the_servo_holds_in_28_metres_per_second() -> None:
     assert report["failures"] == [] and not report["braked"] and report["errors_handled"] == []
     for joint, most in {"s": 0.01, "psi": 2e-3, "phi": 2e-3, "l": 0.02, "kappa": 5e-3}.items():
         assert report["pid_error"][joint]["peak"] < most, joint
-    # The load hangs where it should all the same: a mean of 28 m/s displaces it by 1.2 m.
+    # The load still hangs at its place: a mean of 28 m/s displaces it by 1.2 m.
     signals = simulation.signals()
     late = signals["time_s"] > 10.0
     assert (

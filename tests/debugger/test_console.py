@@ -1,4 +1,4 @@
-"""The debugger by commands: what scripts are told by their exit status, and what the commands say."""
+"""The debugger by commands: the exit status for scripts, and the output of the commands."""
 
 import re
 import subprocess

@@ -1,4 +1,4 @@
-"""Where the debugger stops, against the full trace; what it shows there, against a run that nobody looked at."""
+"""The debugger's stops against the full trace; its display against a run without a debugger."""
 
 import random
 from collections.abc import Iterator

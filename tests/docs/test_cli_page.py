@@ -18,7 +18,7 @@ PAGES = {
     "dap": ("dap", "debugger", "cli"),
     "trace-diff": ("trace",),
 }
-"""Where a command's options are told; else docs/cli.md alone"""
+"""Pages that describe a command's options; the default is docs/cli.md alone."""
 
 
 def options(command: str) -> set[tuple[str, str]]:

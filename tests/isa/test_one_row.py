@@ -1,4 +1,4 @@
-"""Who adds an operation, a kind of job, a cause or a network's event in one place and forgets its row is told by the compiler."""
+"""A new operation, kind of job, cause or network event without its row is a compiler error."""
 
 import shutil
 import subprocess

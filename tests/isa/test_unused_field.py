@@ -1,4 +1,4 @@
-"""Compares of type 2: where others have a destination, nobody looks (docs/fidelity.md)."""
+"""Compares of type 2: the chip ignores the field where others have a destination (docs/fidelity.md)."""
 
 import subprocess
 from pathlib import Path

@@ -114,7 +114,7 @@ def close(a: Said, b: Said) -> bool:
 
 
 def nudged(view: View, r: random.Random) -> View:
-    """The same view to within what the kernel's numbers can tell apart."""
+    """The same view within the resolution of the kernel's numbers."""
     return dataclasses.replace(
         view, x=view.x + r.uniform(-1e-3, 1e-3), y=view.y + r.uniform(-1e-3, 1e-3), heading=view.heading + r.uniform(-1e-5, 1e-5),
         speed=view.speed + r.uniform(-1e-5, 1e-5), rays=[m if m is None else m + r.uniform(-1e-4, 1e-4) for m in view.rays])  # fmt: skip

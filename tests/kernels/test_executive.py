@@ -18,7 +18,7 @@ KIND = {"error": 0, "torque": 5, "unknown": 77}
 
 @functools.cache
 def image_with_own_blocks() -> Any:
-    """The program as a configuration loads it in which a task has a DSP of its own."""
+    """The program for a configuration where one task has its own DSP."""
     task = '[[tasks]]\nname = "own"\nprogram = "kernel_none"\nkind = 23\nimportance = 1\nperiod_ms = 1\ndsp = 0\n'
     return _core.cmrc.dsp_image(_core.cmrc.config(toml=task, settings={"machine.programs": str(ROOT / "c40_programs")}))
 

@@ -1,4 +1,4 @@
-"""What golden traces do not show: where things lie. A word that is added for one kernel changes no other kernel's golden trace."""
+"""Golden traces do not depend on addresses: a word added for one kernel changes no other kernel's golden trace."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The heartbeat of long kernels (lib/alive.asm): how far apart its beats are, and that they leave everything else alone."""
+"""The heartbeat of long kernels (lib/alive.asm): the time between its beats, and that they change nothing else."""
 
 import random
 from collections.abc import Callable

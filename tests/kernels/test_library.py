@@ -1,4 +1,4 @@
-"""The assembly's mathematics against Python's, at random arguments and at the seams of its range reductions."""
+"""The assembly's mathematics against Python's, at random arguments and at the borders of its range reductions."""
 
 from __future__ import annotations
 

@@ -230,7 +230,7 @@ def test_settled_needs_rest_tolerance_and_time() -> None:
 
 
 def test_a_leg_that_is_over_rests_however_fast_its_last_segment_was() -> None:
-    """A short alignment's last two points are far apart in speed; the load rests at the second all the same."""
+    """A short alignment's last two points are far apart in speed; the load still rests at the second."""
     servo = Servo(POSE)
     servo.start()
     speed = [0.0, 0.0, 2e-3, 0.0, 0.0]

@@ -1,4 +1,4 @@
-"""What PID finds wrong, which joints it leaves alone, and the path's clock that it shares with torque compensation (docs/controller.md, Errors)."""
+"""Errors that PID finds, joints that it ignores, the path's clock shared with torque compensation (docs/controller.md)."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ PREPARE: dict[str, Callable[[], Dsp]] = {"avoidance": agv, "avoidance_dwa": agv_
 
 
 def first_block(kernel: str) -> None:
-    """A block of about 10 000 cycles, for whoever wants a split kernel to run."""
+    """A block of about 10 000 cycles, for tests that run a split kernel."""
     dsp = PREPARE[kernel]()
     dsp.chip.poke(WINDOW_A + dsp.symbols["SLICE_CYCLES"], 10_000)
     dsp.chip.poke(dsp.symbols["TASK"] + dsp.symbols["TB_AREA"], dsp.area - WINDOW_A)

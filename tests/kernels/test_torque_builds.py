@@ -1,4 +1,4 @@
-"""Both builds of torque compensation against Lagrange's equations, taken numerically from nothing but where the masses are."""
+"""Both builds of torque compensation against Lagrange's equations, computed from the positions of the masses only."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a DSP sees through its windows: values, order, time."""
+"""A DSP's accesses through its windows: values, order, time."""
 
 import pytest
 from cmrc._core import plant

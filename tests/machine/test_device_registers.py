@@ -1,4 +1,4 @@
-"""Bus B register by register, against what devices.inc says of each and against the dock's own functions."""
+"""Bus B register by register, against its line in devices.inc and against the dock's own functions."""
 
 import re
 from collections.abc import Callable, Iterator

@@ -1,4 +1,4 @@
-"""Every scripted action: the numbers that it takes, and what those of the dock do to it."""
+"""Every scripted action: its numbers, and the effect of the dock's actions on the dock."""
 
 import re
 from collections.abc import Callable

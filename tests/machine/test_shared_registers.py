@@ -1,4 +1,4 @@
-"""The registers of the shared memory one by one, against what task_block.inc says of each."""
+"""The registers of the shared memory one by one, each against its line in task_block.inc."""
 
 from pathlib import Path
 
@@ -71,7 +71,7 @@ def test_a_semaphore_is_had_by_one_and_released_by_its_owner_or_the_host() -> No
     at = SYMBOLS["SEMAPHORE"] + 3
     owner = SYMBOLS["SEMAPHORE_OWNER"] + 3
     reads = [(0, at, [], 1), (2 * US, at, [], 1), (4 * US, owner, [], 1), (6 * US, at, [0], 0), (8 * US, owner, [], 1)]
-    # The host gets it; it has it already; it is the owner; it releases; nobody has it.
+    # The host acquires the semaphore; reads it again as its owner; releases it; the semaphore has no owner.
     assert answers(run(host=tuple(reads))) == [0, 1, HOST, 0]
     # DSP 0 gets it and keeps it: DSP 1 cannot release it, the host can.
     body = """

@@ -1,4 +1,4 @@
-"""Several processors and links, driven the plainest way that is exact: whoever is earliest goes next."""
+"""Several processors and links, run in the simplest exact way: the earliest processor runs next."""
 
 from __future__ import annotations
 

@@ -154,7 +154,7 @@ def served(chip: Any, cycles: int) -> list[int]:
 
 @pytest.mark.parametrize("channels", [(0, 2, 5), (1, 4), (5, 0), (3,), (0, 1, 2, 3, 4, 5)])
 def test_the_channel_served_last_comes_last_over_gaps_too(channels: tuple[int, ...]) -> None:
-    """Rotating: cyclic in the order 0, 1, ... 5, whoever is left out (c40-hardware.md 3.4)."""
+    """Rotating: cyclic in the order 0, 1, ... 5, with any channels left out (c40-hardware.md 3.4)."""
     chip, _ = idle_chip()
     chip.run(20)
     for n in channels:

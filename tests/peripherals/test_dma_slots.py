@@ -1,4 +1,4 @@
-"""What a DMA costs the processor, over random mixes of instructions, places and wait states (c40-hardware.md 3.4, 3.5, 7.4).
+"""Processor cycles that a DMA costs, in random mixes of instructions and wait states (c40-hardware.md 3.4, 3.5, 7.4).
 
 One bus slot a word: what the processor loses, and what is charged to the DMA as `dma_conflict`, is never more than the bus cycles of the words that the DMA
 moved, and the turns from write to read that they cause. Bus cycles are counted here from c40-hardware.md 3.5, words from the DMA's counter. Of turns there are two

@@ -422,7 +422,7 @@ def test_a_dma_that_nobody_will_ever_serve_is_a_deadlock_where_a_processor_sleep
 
 
 def test_a_stop_watch_is_nothing_to_wait_for() -> None:
-    """A timer that runs and that nobody asks does not hide that the DMA waits for ever."""
+    """A running timer without readers does not hide a DMA that waits without end."""
     network = Network([program(IDLES)] * 2, links=["0.0:1.3"])
     stream_by_dma(network.chips[0]._core, network.chips[1]._core)
     receiver_chip = network.chips[1]

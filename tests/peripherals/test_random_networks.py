@@ -1,4 +1,4 @@
-"""Random programs and DMA channels on random networks, with cuts, holds and resets: the order of turns changes nothing, and no word is lost unsaid."""
+"""Random programs and DMA channels on random networks, with cuts, holds and resets: turn order changes nothing; lost words are reported."""
 
 import random
 from typing import Any

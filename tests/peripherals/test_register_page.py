@@ -1,4 +1,4 @@
-"""docs/peripherals.md says what the register map says."""
+"""docs/peripherals.md agrees with the register map."""
 
 from cmrc._core import c40
 from locations import ROOT

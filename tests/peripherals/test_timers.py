@@ -90,7 +90,7 @@ def test_a_counter_beyond_the_period_goes_on_through_the_top() -> None:
 
 
 def free_timer(control: int, period: int, counter: int | None = None) -> Any:
-    """A chip whose timer 0 starts in this cycle; nobody takes its interrupts."""
+    """A chip whose timer 0 starts in this cycle; its interrupts are not enabled."""
     chip, image = program(0, 0, 0)
     chip.run(100, until=image.symbols["start"])
     chip.set("IIE", 0)

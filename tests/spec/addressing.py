@@ -1,4 +1,4 @@
-"""Indirect addressing (c40-isa.md 3.9): the address, and what ARn becomes."""
+"""Indirect addressing (c40-isa.md 3.9): the address, and the new value of ARn."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every encoding with its operand forms (c40-isa.md 3 and 6), as builders of random words; some come with a program around them."""
+"""Every encoding with its operand forms (c40-isa.md 3 and 6), as builders of random words, some with a program around."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Fields of instruction words at random, and what an encoding is."""
+"""Random fields of instruction words, and the encoding's data type."""
 
 from __future__ import annotations
 

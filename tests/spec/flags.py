@@ -1,4 +1,4 @@
-"""ST, and what an operation's flags make of it (c40-isa.md 1.4 and 5)."""
+"""ST, and its new value from an operation's flags (c40-isa.md 1.4 and 5)."""
 
 from __future__ import annotations
 

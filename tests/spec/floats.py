@@ -133,7 +133,7 @@ def toieee(a: int) -> Result:
 
 
 def frieee(word: int) -> Result:
-    """2.3: the number that an IEEE single stands for; zero for denormals; saturated for infinities and NaNs."""
+    """2.3: the value of an IEEE single; zero for denormals; saturated for infinities and NaNs."""
     negative, biased, fraction = word >> 31 == 1, word >> 23 & 0xFF, word & 0x7FFFFF
     if biased == 255:
         return (MOST_NEGATIVE if negative else MOST_POSITIVE & ~0xFF), Flags(v=True, z=False, n=negative, uf=False)

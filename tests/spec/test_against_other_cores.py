@@ -1,4 +1,4 @@
-"""The specification itself against evidence from outside: 16,000 cases of two C3x cores, one of them checked on a board."""
+"""The specification itself against other cores: 16,000 cases of two C3x cores, one of them checked on a board."""
 
 import lzma
 

@@ -1,4 +1,4 @@
-"""The emulator against the specification, one instruction at a time; Hypothesis looks for operands that part them."""
+"""The emulator against the specification, one instruction at a time; Hypothesis searches for differences."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What no document settles: each choice has a name in the source and a line in docs/fidelity.md, and does what that line says."""
+"""Choices that no document makes: each has a name in the source and a line in docs/fidelity.md, and acts as stated."""
 
 from __future__ import annotations
 

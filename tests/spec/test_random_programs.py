@@ -1,4 +1,4 @@
-"""Straight lines of random instructions: the emulator's recorded blocks, met again with other data, against the specification."""
+"""Random instructions without branches: recorded blocks, run again with other data, against the specification."""
 
 from random import Random
 from typing import Any

@@ -15,7 +15,7 @@ FIXED = {"duration_s": 0.03, "report.reference": "none"}
 
 
 class Formula:
-    """Stands for the runs: a metric that is a formula of the place."""
+    """Replaces the runs: a metric computed from the grid point by a formula."""
 
     def __init__(self, of: Any, tables: dict[str, Any]) -> None:
         self.of, self.grid, self.trials = of, grid.made(tables), []

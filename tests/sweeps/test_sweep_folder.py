@@ -128,7 +128,7 @@ def test_texts_and_numbers_of_every_kind_come_back(tmp_path: Path) -> None:
 
 
 def said_by(program: str) -> str:
-    """What a Python of its own prints, which finds this folder's modules, too."""
+    """The output of a separate Python process, which also finds this folder's modules."""
     path = os.pathsep.join([str(BUILD / "python"), str(Path(__file__).parent), str(Path(__file__).parents[1])])
     return subprocess.run(
         [sys.executable, "-c", program],
@@ -175,7 +175,7 @@ with Folder({path!r}) as folder:
 
 
 def test_a_full_disk_is_an_error_and_loses_nothing(tmp_path: Path) -> None:
-    """A limit on the size of files stands for the disk: the write fails half-way."""
+    """A limit on the size of files simulates a full disk: the write fails half-way."""
     program = FULL.format(path=str(tmp_path / "s"))
     said, after = said_by(program).splitlines()
     assert "part-000002.parquet: cannot be written" in said and "goes on from them" in said

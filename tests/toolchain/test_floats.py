@@ -8,7 +8,7 @@ from cmrc._core import isa, toolchain
 
 
 def value_of(word: int, exponent_bits: int, fraction_bits: int) -> Fraction:
-    """The number that a TI float word stands for (c40-isa.md 2.2)."""
+    """The value of a TI float word (c40-isa.md 2.2)."""
     exponent = word >> (fraction_bits + 1)
     if exponent >> (exponent_bits - 1):
         exponent -= 1 << exponent_bits

@@ -1,11 +1,11 @@
 ; Ping-pong between two chips: `emulator exec bandwidth.asm bandwidth.asm --link 0.0:1.3 --dump 0:cycles:9`.
 ;
-; Chip 0 sends a message of 1, 2, 4, ... 256 words, chip 1 sends it back; timer 0 of chip 0 takes the time. `cycles` has the cycles of each
-; round trip. A word takes 5 cycles on the link; what a message costs beyond that (latency, the token's way there and back, the loops)
-; is paid once for it, so long messages come near a word per 5 cycles.
+; Chip 0 sends a message of 1, 2, 4, ... 256 words and chip 1 returns it; timer 0 of chip 0 measures. `cycles` has the
+; cycles of each round trip. A word takes 5 cycles on the link. Each message also has a fixed cost (latency, token
+; changes, loops), so long messages come close to one word per 5 cycles.
 ;
-; To see: LDI || STI under RPTS moves a block between memory and a port at a cycle a word, and the port holds it to its own rate; a timer as
-; a stop-watch.
+; To see: LDI || STI under RPTS moves a block between memory and a port at a cycle a word, and the port holds it to its
+; own rate; a timer as a stop-watch.
 
                 .include "../examples.inc"
                 .include "ports.inc"
@@ -26,7 +26,7 @@ start:          set_up
                 address port_control,ar0
                 cmpi    0,r0
                 beq     chosen
-                addi    3 * port_step,ar0       ; chip 1 has its end at port 3
+                addi    3 * port_step,ar0       ; the link ends at port 3 of chip 1
 chosen:         ldi     ar0,ar2
                 addi    output,ar2
                 ldi     ar0,ar3

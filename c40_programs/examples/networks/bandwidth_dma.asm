@@ -1,12 +1,12 @@
 ; Ping-pong between two chips, by their DMA coprocessors: `emulator exec bandwidth_dma.asm bandwidth_dma.asm --link 0.0:1.3 --dump 0:cycles:9`.
 ;
-; As bandwidth.asm: chip 0 sends a message of 1, 2, 4, ... 256 words, chip 1 sends it back, and `cycles` has the cycles of each round trip. But no
-; processor touches a word. The channel with the number of the port works in split mode: its primary half takes words from memory to the output FIFO
-; whenever that has room (OCRDY), its auxiliary half takes them from the input FIFO to memory whenever there are some (ICRDY). The
-; processor starts a half, sleeps in IDLE, and is woken by the channel's interrupt.
+; As in bandwidth.asm chip 0 sends messages of 1, 2, 4, ... 256 words, chip 1 returns them, and `cycles` has the cycles
+; of each round trip. But no processor touches a word. The channel with the port's number runs in split mode: its
+; primary half moves words from memory to the output FIFO on OCRDY, its auxiliary half from the input FIFO to memory on
+; ICRDY. The processor starts a half, sleeps in IDLE, and is woken by the channel's interrupt.
 ;
-; To see: a message costs more than with LDI || STI (registers to write, an interrupt to take), a word not: the link decides. And the
-; processor could work meanwhile.
+; To see: a message costs more than with LDI || STI (registers to write, an interrupt to take). A word costs the same:
+; the link decides. And the processor could compute meanwhile.
 
                 .include "../examples.inc"
                 .include "ports.inc"
@@ -24,7 +24,7 @@ destination_index .set  5
 words_in        .set    7
 vectors         .set    2ff800h
 dmaint0         .set    25h                     ; in the vector table, and bit 25 of IIE
-; Control words: split mode, transfer mode 01 (stop at 0) and TCC (interrupt at the end) of both halves, synchronised by the port's events.
+; Control words: split mode, transfer mode 01 (stop at 0), TCC (interrupt at the end) of both halves, port's events.
 common          .set    4000h + 14h + 0c0000h + 0c0h
 halted          .set    02800000h               ; START = AUX START = 10
 sends           .set    02c00000h               ; START = 11, AUX START = 10
@@ -47,7 +47,7 @@ start:          set_up
                 lsh     4,r2
                 address dma_control,ar0
                 addi    r2,ar0
-                lsh     10,r2                   ; 3 << 4 << 11 = COM PORT 3 << 15, and the port's number fits both
+                lsh     10,r2                   ; 3 << 4 << 11 = COM PORT 3 << 15, so the port's number fits both fields
                 lsh     1,r2
                 address common,r10
                 or      r2,r10
@@ -85,7 +85,7 @@ selected:       ldi     r2,r11
                 ldi     sizes-1,ar7
                 address halted,r4
                 or      r10,r4
-                sti     r4,*ar0                 ; not reset any more: events are heard from now on
+                sti     r4,*ar0                 ; end the reset: the channel sees events from now on
                 ldi     r11,die
 next:           ldi     *+ar5(counter),r7
                 ldi     @chip,r0

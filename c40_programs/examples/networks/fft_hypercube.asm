@@ -1,11 +1,11 @@
-; FFT of 1024 complex points on a hypercube of 1, 2, 4, 8 or 16 chips: `emulator exec fft_hypercube.asm --topology hypercube:8`.
+; FFT of 1024 complex points on 1, 2, 4, 8 or 16 chips: `emulator exec fft_hypercube.asm --topology hypercube:8`.
 ;
-; Chip k has the points from k L on, L = 1024 / chips, in `real` and `imaginary`. Radix 2, decimation in frequency. In the first stages the two points of a
-; butterfly lie on neighbouring chips: they exchange their parts, one computes the sums, the other the differences times the twiddle
-; factors. The stages after that are each chip's own. Place j of the whole then has X(j with its ten bits reversed).
+; Chip k has L = 1024 / chips points in `real` and `imaginary`, from k L on. Radix 2, decimation in frequency. In the
+; first stages the two points of a butterfly are on neighbouring chips. These exchange their parts: one computes the
+; sums, the other the differences times the twiddle factors. Later stages are local. Place j then has X(reversed j).
 ;
-; To see: a link carries one direction at a time. If both sides sent at once, the token would change after each word, 22 cycles for a word each
-; way; so one side sends its whole part, then the other: 5 cycles a word.
+; To see: a link carries one direction at a time. If both sides sent at once, the token would change after each word,
+; and a word each way would cost 22 cycles. So one side sends its whole part, then the other: 5 cycles a word.
 
                 .include "../examples.inc"
                 .include "ports.inc"
@@ -15,8 +15,8 @@ N               .set    1024
                 .bss    variables,0
                 .bss    chip,1
                 .bss    points,1                ; L
-                .bss    half,1                  ; points between the two of a butterfly
-                .bss    stride,1                ; of the sine table
+                .bss    half,1                  ; distance between the two points of a butterfly
+                .bss    stride,1                ; step in the sine table
 real            .usect  "points",N
 imaginary       .usect  "points",N
 other_real      .usect  "points",N
@@ -55,7 +55,7 @@ parity:         ldi     r0,r3
                 ldi     ar6,r3
                 lsh     -1,r3
                 mpyi    port_step,r3
-                and     1,r2                    ; 0: it begins with the token
+                and     1,r2                    ; 0: this chip begins with the token
                 ldi     r2,r5
                 mpyi    3*port_step,r5
                 addi    r5,r3
@@ -129,7 +129,7 @@ stage:          address real,ar4
                 address sine,ar6
                 ldi     @half,ir1
                 ldi     ir1,ir0
-                addi    ir0,ir0                 ; butterflies of one twiddle factor stand 2 half apart
+                addi    ir0,ir0                 ; butterflies with the same twiddle factor are 2 half apart
                 ldi     @stride,r10
                 ldi     @points,r9              ; repetitions: L / (2 half)
                 ldi     @half,r8
@@ -178,7 +178,7 @@ butterfly:      stf     r2,*ar1++(ir0)
                 bnz     stage
 done:           b       done
 
-; Both parts out through the port whose output FIFO's register is at ar2.
+; Sends both parts through the port whose output FIFO register is at ar2.
 send:           address real,ar1
                 call    send_part
                 address imaginary,ar1
@@ -191,7 +191,7 @@ send_part:      ldi     @points,r4
                 sti     r5,*ar2
                 rets
 
-; And both of the other chip in, from the input FIFO's register at ar3.
+; Reads both parts of the other chip through the input FIFO register at ar3.
 receive:        address other_real,ar1
                 call    receive_part
                 address other_imag,ar1

@@ -1,11 +1,11 @@
 ; C := A B for matrices of 64 x 64 floats on a ring of 1, 2, 4, 8, 16 or more chips: `emulator exec matrix_ring.asm --topology ring:8`.
 ;
-; Chip k has m = 64 / chips rows of A in `a_part` (row after row) and as many columns of B in `b_part` (column after column), both from row and column
-; k m on, and computes its rows of C in `c_part`. The columns go round the ring: with each part that comes by, a chip computes where its rows meet them.
+; Chip k has m = 64 / chips rows of A in `a_part` (row by row) and as many columns of B in `b_part` (column by column),
+; from row and column k m on. It computes its rows of C in `c_part`. The columns go round the ring past every chip.
 ;
-; To see: all chips pass a part on at the same time, so none may send it whole before it reads: two FIFOs hold 16 words, and a ring of
-; chips that all wait for room is a deadlock (the emulator would say so). They send eight words and
-; read eight in turn.
+; To see: all chips send at the same time, so no chip may send a whole part before it reads. Two FIFOs hold 16 words,
+; and a ring of chips that all wait for room is a deadlock (the emulator would report it). So a chip sends eight words,
+; then reads eight, by turns.
 
                 .include "../examples.inc"
                 .include "ports.inc"
@@ -15,14 +15,14 @@ N               .set    64
                 .bss    variables,0
                 .bss    chips,1
                 .bss    rows,1                  ; m
-                .bss    part,1                  ; whose columns of B are here
+                .bss    part,1                  ; number of the chip whose columns of B are here
 a_part          .usect  "parts",N*N
 b_part          .usect  "parts",N*N
 c_part          .usect  "parts",N*N
 
                 .text
 start:          set_up
-                sti     r0,@part                ; it begins with its own
+                sti     r0,@part                ; at first its own
                 sti     r1,@chips
                 ldi     N,r4
 halve:          cmpi    1,r1
@@ -74,13 +74,13 @@ pass:           ldi     ar1,ar5                 ; eight words out
                 ldi     *ar5++,r2
         ||      sti     r2,*ar0
                 sti     r2,*ar0
-                ldi     *ar4,r2                 ; and eight in, to where they were
+                ldi     *ar4,r2                 ; and read eight, into the same places
                 rpts    6
                 ldi     *ar4,r2
         ||      sti     r2,*ar1++
                 sti     r2,*ar1++
                 db      ar2,pass
-                ldi     @part,r5                ; that of the chip before
+                ldi     @part,r5                ; now the columns of the chip before
                 subi    1,r5
                 ldi     @chips,r6
                 subi    1,r6

@@ -1,13 +1,13 @@
-; A worm: one chip that has a program boots a whole grid of chips that have none, and they boot one another:
+; A worm: one chip with a program boots a whole grid of chips without programs, and these boot one another:
 ; `emulator exec --network worm.toml --dump 0:count:1`.
 ;
-; A chip that is reset with the boot ROM waits for a stream on any port (c40-hardware.md 9.3). Chip 0 sends this program, as such a stream, to its
-; neighbours in the east and south; each that has been booted is told where it stands and how great the grid is, and does the same: the chips
-; of the first row boot east and south, all others south. When all whom it booted have answered how many they are, a chip answers for
-; them and itself through the port that it was booted from. So in the end chip 0 knows how many chips there are.
+; A chip that leaves reset with the boot ROM waits for a stream on any port (c40-hardware.md 9.3). Chip 0 sends this
+; program as a stream to its east and south neighbours. A booted chip gets its place and the grid's size and goes on:
+; the first row boots east and south, the others south. When all chips that it booted have answered with their counts,
+; a chip answers with their sum and itself through the port that booted it. So chip 0 learns the number of chips.
 ;
-; To see: the boot protocol; code that carries itself; AR3, which the loader leaves at the control register of the port it booted from.
-; Chip 0 comes in at `start`, the others at `booted`, the first word of the block.
+; To see: the boot protocol; code that sends itself; AR3, where the loader leaves the control register of its port.
+; Chip 0 starts at `start`, the others at `booted`, the first word of the block.
 
                 .include "ports.inc"
 
@@ -20,12 +20,12 @@ address         .macro  symbol,register         ; register := address of symbol
                 .endm
 
                 .bss    variables,0
-                .bss    count,1                 ; chips from here on
+                .bss    count,1                 ; number of chips from this one on
                 .bss    column,1
                 .bss    row,1
                 .bss    columns,1
                 .bss    rows,1
-                .bss    parent,1                ; CPCR of the port that this chip was booted from; 0: none
+                .bss    parent,1                ; CPCR of the port that booted this chip; 0: none
                 .bss    stack,16
 
                 .text
@@ -52,7 +52,7 @@ begin:          ldpk    @variables
                 ldi     1,r0
                 sti     r0,@count
 
-; Send to both before waiting for either: they go on at the same time.
+; Send to both neighbours before waiting for either: they work at the same time.
                 call    has_east
                 beq     no_east
                 address east,ar0
@@ -82,7 +82,7 @@ none_south:     ldi     @parent,ar3
                 sti     r0,*+ar3(output)
 done:           b       done
 
-; R0 not 0: this chip has to boot its neighbour in the east; in the south.
+; R0 not 0: this chip has to boot its neighbour in the east, or in the south.
 has_east:       ldi     0,r0
                 ldi     @row,r1
                 bne     decided
@@ -97,13 +97,13 @@ has_south:      ldi     @rows,r0
                 cmpi    0,r0
                 rets
 
-; The answer of the neighbour at the port with its CPCR at AR0.
+; The neighbour's answer through the port whose CPCR is at AR0.
 collect:        ldi     *+ar0(input),r0
                 addi    @count,r0
                 sti     r0,@count
                 rets
 
-; The boot stream to the port with its CPCR at AR0: GMICR, LMICR, one block, 0, IVTP, TVTP, the address for IACK. Then what it reads at `booted`.
+; The boot stream to the port with its CPCR at AR0: GMICR, LMICR, one block, 0, IVTP, TVTP, IACK address, parameters.
 infect:         address 100000h,ar1
                 ldi     *ar1,r0                 ; GMICR, LMICR as here
                 sti     r0,*+ar0(output)

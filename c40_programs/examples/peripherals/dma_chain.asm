@@ -1,12 +1,12 @@
 ; A chain of DMA lists: `emulator exec dma_chain.asm --events events.txt --dump transposed:16`.
 ;
-; Transposes a matrix of 16 x 16 words without the processor: list k of a chain has the registers of a transfer that takes row k, word after word
-; (source index 1), into column k (destination index 16). When a transfer has ended, the channel reads the next list by itself
-; (TRANSFER MODE 10); the last one stops (01) and interrupts (TCC). The processor writes the lists, starts the channel with a count of 0, which makes
-; it begin with the first list, and sleeps.
+; Transposes a matrix of 16 x 16 words without the processor. List k of a chain has the registers of a transfer from row
+; k, word by word (source index 1), to column k (destination index 16). After each transfer the channel reads the next
+; list by itself (TRANSFER MODE 10); the last one stops (01) and interrupts (TCC). The processor writes the lists and
+; starts the channel with a count of 0, so that it begins with the first list. Then the processor sleeps.
 ;
-; To see: 16 lists of 7 words at 2 cycles each, and 16 x 16 words at 2 cycles each: 16 * (14 + 32) = 736 cycles, and one to start, as --events says. The lists stand in
-; one block of the on-chip RAM, the matrices in the other; two accesses a cycle go into each.
+; To see: 16 lists of 7 words at 2 cycles and 16 x 16 words at 2 cycles: 16 * (14 + 32) = 736 cycles, and one to start,
+; as --events prints. Lists and matrices are in different on-chip RAM blocks; each block serves two accesses a cycle.
 
                 .include "../examples.inc"
 
@@ -51,7 +51,7 @@ write:          sti     r4,*ar1++               ; control
                 sti     r1,*ar1++               ; destination
                 sti     r3,*ar1++               ; destination index
                 addi    1,ar1,r5
-                sti     r5,*ar1++               ; link: the list behind this one
+                sti     r5,*ar1++               ; link: the next list
                 addi    n,r0
                 addi    1,r1
                 db      ar3,next

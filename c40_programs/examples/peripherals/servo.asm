@@ -1,12 +1,12 @@
 ; A servo that a timer drives: `emulator exec servo.asm servo.asm --link 0.0:1.3 --events events.txt --dump 0:positions:8`.
 ;
-; Chip 0 is the controller: timer 0 interrupts it every 1000 cycles (50 us at 40 MHz); the interrupt routine reads the position, computes a torque
-; (proportional to the error, minus damping times the speed, which is the difference of two positions), sends it, and keeps the position in `positions`. The main
-; program does nothing but IDLE, and could do anything. Chip 1 is what is moved: it sends its position, takes a torque and integrates:
-; v := v + u, x := x + v. It starts at 0 and is to go to 1.
+; Chip 0 is the controller. Its timer 0 interrupts every 1000 cycles (50 us at 40 MHz). The interrupt routine reads the
+; position, computes a torque (proportional to the error, less damping times the difference of two positions), sends the
+; torque, and stores the position in `positions`. The main program only executes IDLE. Chip 1 is the moved body: it
+; sends its position, takes a torque and integrates: v := v + u, x := x + v. It starts at 0; the target is 1.
 ;
-; To see: the words on the link stand at multiples of the timer's period, to the cycle, whatever the program does between: the
-; interrupt is taken in IDLE. A real plant would not wait for its controller; this one does.
+; To see: words appear on the link at exact multiples of the timer's period, whatever the program does in between: IDLE
+; takes the interrupt. A real plant would not wait for its controller; this one does.
 
                 .include "../examples.inc"
                 .include "../networks/ports.inc"

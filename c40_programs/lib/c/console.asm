@@ -1,5 +1,5 @@
-; int putchar(int c), int puts(const char *s) on a console device (docs/cli.md, Board files), one character a word. The device's address is
-; __console: the memory map's [symbols], or console_at.asm.
+; int putchar(int c), int puts(const char *s) on a console device (docs/cli.md, Board files), one character a word. The
+; device's address is __console: the memory map's [symbols], or console_at.asm.
 
                 .include "c_runtime.inc"
                 .global _putchar, _puts
@@ -7,7 +7,7 @@
 
                 .text
 _putchar:       whole_argument r0
-put:            address __console,ar1           ; +0 the character, +1 the status: bit 1 says that one can be sent
+put:            address __console,ar1           ; +0 the character, +1 the status: bit 1: ready for a character
 wait:           ldi     *+ar1(1),r1
                 tstb    2,r1
                 bz      wait

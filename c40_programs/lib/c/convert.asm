@@ -1,5 +1,5 @@
-; Between floats and whole numbers of 64 bits, under the names that GCC calls (docs/from-c.md). Whole numbers as in integer64.asm; to a whole number
-; the rounding is towards zero, to a float to the nearest of its 24 bits (by way of 32 bits, cut off), to a long double the 32 bits are cut off.
+; Between floats and 64-bit integers, under the names that GCC calls (docs/from-c.md). Integers as in integer64.asm.
+; Rounding: to an integer towards zero; to a float the nearest of 24 bits (after a cut to 32); to a long double a cut.
 
                 .include "c_runtime.inc"
                 .global ___fix_truncqfhi2, ___ufix_truncqfhi2, ___fix_trunchfhi2, ___ufix_trunchfhi2
@@ -35,10 +35,10 @@ to_whole:       pushf   r2                      ; its sign
                 or      r1,r0                   ; and the 1 before them: times 2^(e - 31)
                 subi    31,r3
                 subi3   32,r3,r1
-                lsh3    r1,r0,r1                ; what goes into the high word
+                lsh3    r1,r0,r1                ; the bits of the high word
                 lsh     r3,r0
                 pop     r3
-                lsh     8,r3                    ; the sign stands behind the exponent
+                lsh     8,r3                    ; the sign bit follows the exponent
                 cmpi    0,r3
                 retsge
                 ldi     0,r2
@@ -76,7 +76,7 @@ signed_to_float:
                 rets
 ___ufloathihf2: operand
 
-; R0 := R1:R0 as a number without sign. Uses R2, AR0.
+; R0 := R1:R0 as an unsigned number. Uses R2, AR0.
 to_float:       address ___unsfltconst,ar0
                 float   r0,r2
                 bge     low_done

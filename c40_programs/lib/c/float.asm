@@ -1,7 +1,7 @@
 ; Division and multiplication of floats, under the names that compilers call (docs/from-c.md).
 ;
-; TI's DIV_F: R0 := R0 / R1, rounded to a float's 24 bits; INV_F: R0 := 1 / R0 with 32 bits of mantissa. They change R0, R1 and ST only. The reciprocal
-; of more than 2^127 is 0, and so is what is divided by it.
+; TI's DIV_F: R0 := R0 / R1, rounded to 24 bits; INV_F: R0 := 1 / R0 with 32 bits of mantissa. They change R0, R1 and ST
+; only. The reciprocal of a number above 2^127 is 0, and so is a quotient with such a divisor.
 
                 .include "c_runtime.inc"
                 .global DIV_F, DIV_F30, DIV_F40, INV_F, INV_F30, INV_F40

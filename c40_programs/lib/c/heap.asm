@@ -1,7 +1,7 @@
-; void *malloc(size_t words), void free(void *): first fit in the section .sysmem, whose size the linker gives as __SYSMEM_SIZE. No room: a null pointer.
+; void *malloc(size_t words), void free(void *): first fit in .sysmem; the linker gives __SYSMEM_SIZE. Full: null.
 ;
-; A block is a word with its size and then that many words; the first of a free block's is the address of the next free block, by rising address,
-; 0 at the last. Neighbours that are both free become one.
+; A block is a word with its size and then that many words. A free block's first word is the address of the next free
+; block, by rising address, or 0 in the last one. free() joins neighbours that are both free.
 
                 .include "c_runtime.inc"
                 .global _malloc, _free, __sys_memory
@@ -18,7 +18,7 @@ heap_ready:     .word   0
                 .text
 _malloc:        whole_argument r0
                 cmpi    0,r0
-                ldiz    1,r0                    ; a pointer of its own all the same
+                ldiz    1,r0                    ; malloc(0) gets a pointer of its own too
                 blt     no_room
                 address heap_ready,ar0
                 ldi     *ar0,r1
@@ -36,7 +36,7 @@ _malloc:        whole_argument r0
                 address heap_first,ar0
                 sti     r1,*ar0
 
-search:         address heap_first,ar0          ; AR0: the word that leads to the block
+search:         address heap_first,ar0          ; AR0: the word that points to the block
 next_free:      ldi     *ar0,r1
                 bz      no_room
                 lda     r1,ar1
@@ -47,13 +47,13 @@ next_free:      ldi     *ar0,r1
                 lda     r1,ar0
                 b       next_free
 
-take:           ldi     *+ar1(1),r1             ; who leads here is to lead on
+take:           ldi     *+ar1(1),r1             ; the word that pointed to this block now points to the next
                 cmpi    2,r3
-                blt     taken                   ; too few for another block
+                blt     taken                   ; the rest is too small for a block
                 sti     r0,*ar1
                 addi3   1,ar1,r2
                 addi    r0,r2
-                lda     r2,ar2                  ; the block that is left
+                lda     r2,ar2                  ; the rest becomes a free block
                 subi    1,r3
                 sti     r3,*ar2
                 sti     r1,*+ar2(1)
@@ -83,13 +83,13 @@ find_place:     ldi     *ar0,r1
 insert:         ldi     *ar0,r1
                 sti     r0,*ar0
                 sti     r1,*+ar2(1)
-                lda     r0,ar1                  ; with the one behind
+                lda     r0,ar1                  ; joined with the next free block
                 call    join_next
                 cmpi    0,r2
                 retsz
-                lda     r2,ar1                  ; and the one before with it
+                lda     r2,ar1                  ; and with the free block before
 
-; AR1: a free block. Takes in the next one if that stands right behind it.
+; AR1: a free block. Joins it with the next free block if that follows directly.
 join_next:      ldi     *+ar1(1),r1
                 retsz
                 ldi     *ar1,r3

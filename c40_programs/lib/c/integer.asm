@@ -1,7 +1,7 @@
-; Division of whole numbers of 32 bits, rounded towards zero, under the names that compilers call (docs/from-c.md). Division by zero gives the quotient
-; FFFFFFFFh and the dividend as remainder; a signed one with the sign applied.
+; Division of 32-bit integers, rounded towards zero, under the names that compilers call (docs/from-c.md). Division by
+; zero: quotient FFFFFFFFh, remainder the dividend; in a signed division the quotient then gets its sign.
 ;
-; TI's DIV_I, MOD_I, DIV_U, MOD_U, MPY_I: R0 := R0 op R1. They change R0, R1, AR0, AR1, RC, RS, RE and ST only, as TI's own of 1992 do.
+; TI's DIV_I, MOD_I, DIV_U, MOD_U, MPY_I: R0 := R0 op R1. Like TI's of 1992 they change R0, R1, AR0, AR1, RC, RS, RE, ST
 
                 .include "c_runtime.inc"
                 .global DIV_U, MOD_U, DIV_I, MOD_I, MPY_I
@@ -36,7 +36,7 @@ divide:         cmpi    r1,r0
                 pop     rc
                 ash     -24,rc
                 subi    rc,ar0
-                lsh     ar0,ar1                 ; top bit under top bit
+                lsh     ar0,ar1                 ; the top bits now have the same place
                 rpts    ar0
                 subc    ar1,r0                  ; remainder : quotient
                 addi    1,ar0
@@ -47,7 +47,7 @@ divide:         cmpi    r1,r0
                 subi    1,ar1
                 and     ar1,r0
                 rets
-by_halves:      push    r0                      ; SUBC's shift would lose bit 31: half of it first
+by_halves:      push    r0                      ; SUBC's shift would lose bit 31: divide half of the number first
                 push    r1
                 lsh     -1,r0
                 ldi     ar1,r1
@@ -119,12 +119,12 @@ ___modqi3:      whole_arguments r0,r1
 ___mulqi3:      whole_arguments r0,r1
                 b       MPY_I
 
-; int ffs(int): the place of the lowest 1, counted from 1; 0 if there is none.
+; int ffs(int): the place of the lowest 1, counted from 1; 0 if the argument is 0.
 ___ffs:         whole_argument r0
                 negi    r0,r1
                 and     r1,r0                   ; that bit alone
                 retsz
-                blt     top                     ; as a float it would be negative
+                blt     top                     ; as a float this value would be negative
                 float   r0,r1
                 pushf   r1
                 pop     r0

@@ -1,5 +1,5 @@
-; Whole numbers of 64 bits, as GCC's `long long` has them: two words, low first; arguments on the stack whatever the convention, results in R0 (low) and
-; R1 (docs/from-c.md). Division by zero gives the quotient -1 and the dividend as remainder.
+; 64-bit integers, GCC's `long long`: two words, low first. Arguments always on the stack, results in R0 (low) and R1
+; (high) (docs/from-c.md). Division by zero gives the quotient -1 and the dividend as remainder.
 
                 .include "c_runtime.inc"
                 .global ___mulhi3, ___umulhi3_high, ___smulhi3_high
@@ -23,7 +23,7 @@ negate          .macro  low,high                ; as one number; uses R9, R11: o
 
                 .text
 ___mulhi3:      operands
-                mpyi3   r1,ar0,r2               ; of the cross products only the low words count
+                mpyi3   r1,ar0,r2               ; the cross products add only their low words
                 mpyi3   r0,ar1,r3
                 mpyuhi3 r0,ar0,r1
                 mpyi    ar0,r0
@@ -86,7 +86,7 @@ divide:         ldi     0,r2
                 addi    r0,r0
                 rolc    r1
                 rolc    r2
-                rolc    r3                      ; the carry is the remainder's bit 64
+                rolc    r3                      ; the carry is bit 64 of the remainder
                 ldihs   0,r10
                 ldilo   1,r10
                 subi3   ar0,r2,r9
