@@ -26,11 +26,11 @@ Word ordered(Word bits) { return (bits >> 63) != 0 ? bits ^ std::numeric_limits<
 // Doubles that are whole multiples of 2^-30 (the rows of a course are), and small enough that this multiple alone gives
 // their bits.
 constexpr double parts = 1 << 30;
-constexpr double most = 1LL << 52;
+constexpr double most_multiple = 1LL << 52;
 
 bool is_scaled(Word bits) {
   const double multiple = std::bit_cast<double>(bits) * parts;
-  if (!(multiple > -most && multiple < most)) return false;
+  if (!(multiple > -most_multiple && multiple < most_multiple)) return false;
   const double whole = static_cast<double>(static_cast<std::int64_t>(multiple)) / parts;
   return std::bit_cast<Word>(whole) == bits;  // false for a zero with a sign
 }

@@ -123,8 +123,8 @@ std::string disassembly(const Object& object) {
     const auto lookup = lookup_in(labels);
     fmt::format_to(std::back_inserter(out), "; section {}, {} words{}\n", section.name, section.size,
                    section.words.empty() ? ", reserved" : "");
-    const auto is_marked = [&](std::size_t i) {
-      const auto offset = static_cast<Address>(i);
+    const auto is_marked = [&](std::size_t word) {
+      const auto offset = static_cast<Address>(word);
       return labels.contains(section.address + offset) || relocations.contains(offset);
     };
     std::size_t run = 0;
