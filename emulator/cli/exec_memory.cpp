@@ -120,8 +120,9 @@ std::vector<machine::BoardDescription::Contents> rom_contents(const ExecOptions&
   std::vector<machine::BoardDescription::Contents> contents;
   for (const std::string& given : options.roms) {
     const auto [file, address] = file_at(given, "--rom", image);
-    std::vector<Word> words = toolchain::read_rom_words(file, options.rom_width, "--rom-width");
-    const auto said = toolchain::boot_width(toolchain::read_rom(file));
+    const auto bytes = toolchain::read_rom(file);  // once: a FIFO can be read once only
+    std::vector<Word> words = toolchain::rom_words_of(file, bytes, options.rom_width, "--rom-width");
+    const auto said = toolchain::boot_width(bytes);
     if (said && options.rom_width && *said != *options.rom_width)
       io::print(stderr, "--rom {}: warning: its first word says {} bits, as to a boot loader, and --rom-width {}\n",
                 file, *said, *options.rom_width);

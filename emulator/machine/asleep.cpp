@@ -19,7 +19,7 @@ bool enables(const c40::Chip& chip, unsigned bit) { return (chip.register_value(
 }  // namespace
 
 c40::Cycles next_timer_interrupt(const c40::Chip& chip) {
-  c40::Cycles next = no_cycle;
+  c40::Cycles next = never_cycle;
   for (int n = 0; n < c40::timer_count; ++n)
     if (enables(chip, timer_bits[static_cast<std::size_t>(n)]) && !chip.timer_drives_dma(n))
       next = std::min(next, chip.next_timer_event(n));
@@ -27,7 +27,7 @@ c40::Cycles next_timer_interrupt(const c40::Chip& chip) {
 }
 
 c40::Cycles next_dma_tick(const c40::Chip& chip) {
-  c40::Cycles next = no_cycle;
+  c40::Cycles next = never_cycle;
   for (const c40::DmaWait& wait : chip.dma_waits())
     if (wait.timer) next = std::min(next, chip.next_timer_event(*wait.timer));
   return next;
@@ -40,7 +40,7 @@ bool awaits_dma(const c40::Chip& chip) {
   });
 }
 
-bool awaits_timer(const c40::Chip& chip) { return next_timer_interrupt(chip) != no_cycle; }
+bool awaits_timer(const c40::Chip& chip) { return next_timer_interrupt(chip) != never_cycle; }
 
 bool can_interrupt(const c40::Chip& chip) {
   return chip.idle() || (chip.register_value(isa::Register::ST) & c40::st::GIE) != 0;
@@ -48,7 +48,7 @@ bool can_interrupt(const c40::Chip& chip) {
 
 bool sleeps_for_ever(const c40::Chip& chip) {
   if (!chip.idle() || chip.dma_busy() || awaits_timer(chip)) return false;
-  return !awaits_dma(chip) || next_dma_tick(chip) == no_cycle;
+  return !awaits_dma(chip) || next_dma_tick(chip) == never_cycle;
 }
 
 std::string armed_dma(const c40::Chip& chip) {

@@ -1,15 +1,12 @@
 #pragma once
 /// What could still wake an idle processor: one in IDLE, or in a branch to itself. Used for a single chip and for a
 /// network; in a network, links may add more.
-#include <limits>
 #include <string>
 
 #include "c40/chip.hpp"
+#include "machine/time.hpp"
 
 namespace machine {
-
-/// Later than every cycle.
-inline constexpr c40::Cycles no_cycle = std::numeric_limits<c40::Cycles>::max();
 
 /// The next enabled interrupt (IIE) by one of the chip's timers; the greatest number if there is none.
 c40::Cycles next_timer_interrupt(const c40::Chip& chip);

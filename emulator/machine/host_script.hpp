@@ -3,18 +3,16 @@
 /// Host scripts). A script is an input of the run: the same script gives the same run.
 #include <cstdint>
 #include <deque>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "c40/types.hpp"
+#include "machine/time.hpp"
 #include "state/visitor.hpp"
 
 namespace machine {
-
-inline constexpr c40::Cycles never_cycle = std::numeric_limits<c40::Cycles>::max();
 
 /// The message has the line and what would be right.
 class HostScriptError : public std::invalid_argument {

@@ -240,7 +240,7 @@ Time Network::effective(const NetworkAction& action) const {
 
 /// The cycle before which the chip's own next action cannot be.
 Cycles Network::next_action_on(const Node& node) const {
-  Cycles next = no_cycle;
+  Cycles next = never_cycle;
   for (const NetworkAction& a : actions_)
     if (a.target == node.number && target_of(a.kind) == ActionTarget::chip)
       next = std::min(next, node.first_cycle(a.time));

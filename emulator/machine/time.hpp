@@ -1,6 +1,9 @@
 #pragma once
 // The machine's time is the time of its chips (c40/clock.hpp).
+#include <limits>
+
 #include "c40/clock.hpp"
+#include "c40/types.hpp"
 
 namespace machine {
 
@@ -10,6 +13,9 @@ using c40::PacedClock;
 using c40::Skew;
 using c40::Ticks;
 using c40::Time;
+
+/// Later than every cycle.
+inline constexpr c40::Cycles never_cycle = std::numeric_limits<c40::Cycles>::max();
 
 /// PCI at its nominal 33 1/3 MHz.
 inline constexpr Clock pci_clock{100'000'000, 3};

@@ -226,7 +226,11 @@ Bytes read_rom(const std::filesystem::path& path) {
 
 std::vector<isa::Word> read_rom_words(const std::filesystem::path& path, std::optional<unsigned> width,
                                       std::string_view width_name) {
-  const Bytes bytes = read_rom(path);
+  return rom_words_of(path, read_rom(path), width, width_name);
+}
+
+std::vector<isa::Word> rom_words_of(const std::filesystem::path& path, std::span<const std::uint8_t> bytes,
+                                    std::optional<unsigned> width, std::string_view width_name) {
   if (!width) width = boot_width(bytes);
   if (!width)
     throw RomError(fmt::format(

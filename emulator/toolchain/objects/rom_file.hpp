@@ -33,6 +33,9 @@ std::vector<std::uint8_t> read_rom(const std::filesystem::path& path);
 /// \throws RomError: also where the file ends within a word
 std::vector<isa::Word> read_rom_words(const std::filesystem::path& path, std::optional<unsigned> width,
                                       std::string_view width_name);
+/// The same of a file that has been read.
+std::vector<isa::Word> rom_words_of(const std::filesystem::path& path, std::span<const std::uint8_t> bytes,
+                                    std::optional<unsigned> width, std::string_view width_name);
 
 /// What lies in memory that is 8, 16 or 32 bits wide, by rising address: the lowest byte of a word comes first.
 std::vector<isa::Word> rom_words(std::span<const std::uint8_t> bytes, unsigned width);
