@@ -74,6 +74,8 @@ def main() -> None:
                     session.send("Performance.enable", {"timeDomain": "threadTicks"})
                     for name, how in views(tab).items():
                         frames, thread, rate = played(tab, session, how)
+                        if not frames:
+                            raise SystemExit(f"{path}: the run ended while it was played; at least 100 s are expected")
                         middle, most = frames[len(frames) // 2], frames[int(len(frames) * 0.95)]
                         print(
                             f"  {width} x {height}, {name}: script {middle:.1f} ms, 95 % of frames {most:.1f} ms, "
