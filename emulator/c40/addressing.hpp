@@ -19,34 +19,21 @@ inline Word reverse_bits(Word x) {
   return __builtin_bswap32(x);
 }
 
-/// Only one correction, and the sum is not masked again (c40-isa.md 3.9).
-inline Word circular(Word ar, Word bk, std::int64_t step) {
-  const Word mask = bk == 0 ? 0u : ~Word{0} >> std::countl_zero(bk);
-  const std::int64_t index = ar & mask;
-  std::int64_t t = index + step;
-  if (t >= bk)
-    t -= bk;
-  else if (t < 0)
-    t += bk;
-  return (ar & ~mask) + static_cast<Word>(t);
+/// The forms that are not a displacement without a buffer: an index register, circular, bit-reversed.
+EffectiveAddress form_by_index(const Core& core, Word base, std::uint8_t modn, std::uint16_t displacement);
+
+inline Word signed_displacement(const Op& op, std::size_t slot) {
+  return static_cast<Word>(static_cast<std::int16_t>(op.displacement[slot]));
 }
 
-inline EffectiveAddress form_indirect(const Core& core, std::uint8_t ar, std::uint8_t modn,
-                                      std::uint16_t displacement) {
-  const Word base = core.r[ar];
-  if (modn == 24) return {base, base};
-  if (modn == 25) return {base, reverse_bits(reverse_bits(base) + reverse_bits(core.r[reg::IR0]))};
-  const Word step = modn < 8 ? displacement : core.r[modn < 16 ? reg::IR0 : reg::IR1];
-  switch (modn & 7) {
-    case 0: return {base + step, base};
-    case 1: return {base - step, base};
-    case 2: return {base + step, base + step};
-    case 3: return {base - step, base - step};
-    case 4: return {base, base + step};
-    case 5: return {base, base - step};
-    case 6: return {base, circular(base, core.r[reg::BK], step)};
-    default: return {base, circular(base, core.r[reg::BK], -std::int64_t{step})};
-  }
+/// `updated` counts only if the form changes ARn (isa::modn::modifies).
+inline EffectiveAddress form_indirect(const Core& core, const Op& op, std::size_t slot) {
+  const Word base = core.r[op.ar[slot]];
+  const std::uint8_t modn = op.modn[slot];
+  if (modn >= movement::end) [[unlikely]]
+    return form_by_index(core, base, modn, op.displacement[slot]);
+  const Word moved = base + signed_displacement(op, slot);
+  return {(modn & movement::before) != 0 ? moved : base, moved};
 }
 
 /// A place in memory, accessed by access `slot` of the op. Usage: form all places of an instruction from the old
@@ -59,15 +46,14 @@ struct Place {
 
   void form(const Core& core, const Op& op) {
     if constexpr (kind == Kind::direct) formed.address = core.r[reg::DP] << 16 | op.displacement[s];
-    if constexpr (kind == Kind::offset)
-      formed.address = core.r[op.ar[s]] + static_cast<Word>(static_cast<std::int16_t>(op.displacement[s]));
+    if constexpr (kind == Kind::offset) formed.address = core.r[op.ar[s]] + signed_displacement(op, s);
     if constexpr (kind == Kind::indirect) {
       before = core.r[op.ar[s]];
-      formed = form_indirect(core, op.ar[s], op.modn[s], op.displacement[s]);
+      formed = form_indirect(core, op, s);
     }
     if constexpr (kind == Kind::post) {
       before = formed.address = core.r[op.ar[s]];
-      formed.updated = before + static_cast<Word>(static_cast<std::int16_t>(op.displacement[s]));
+      formed.updated = before + signed_displacement(op, s);
     }
     if constexpr (kind == Kind::circular) {
       before = formed.address = core.r[op.ar[s]];
@@ -111,6 +97,12 @@ struct Place {
     return {};
   }
 };
+
+/// The code comes by value: the compiler would read it anew from the op after the first store.
+inline void set_register(Core& core, std::uint8_t code, Float40 value) {
+  core.e[code] = value.e;
+  core.r[code] = value.m;
+}
 
 inline void set_logic(Core& core, Word value) {
   core.negative = core.zero = value;

@@ -1,5 +1,7 @@
 #include "c40/bind.hpp"
 
+#include <algorithm>
+
 #include "c40/handler_tables.hpp"
 #include "isa/hazards.hpp"
 #include "isa/operations.hpp"
@@ -12,6 +14,7 @@ using isa::Format;
 using isa::Operand;
 using isa::Operation;
 
+constexpr std::uint16_t most_displacement = 255;  // of an op; a negative one is above it, as a number without a sign
 constexpr std::uint32_t address_registers = 0x1FFF00u;  // AR0-AR7, DP, IR0, IR1, BK, SP
 
 Kind kind_of(const Operand& operand) {
@@ -26,6 +29,28 @@ Kind kind_of(const Operand& operand) {
       return constant ? Kind::offset : Kind::indirect;
     }
     default: return Kind::constant;
+  }
+}
+
+/// The addressing of a memory operand as an op keeps it.
+struct Displaced {
+  std::uint8_t modn;
+  std::int32_t displacement;
+};
+Displaced displacement_of(const Operand& operand) {
+  using isa::modn::Action;
+  if (!operand.is(Operand::Kind::indirect)) return {0, operand.value};
+  if (operand.modn == isa::modn::plain) return {0, 0};
+  if (isa::modn::index(operand.modn) != isa::modn::Index::displacement) return {operand.modn, 0};
+  constexpr std::uint8_t pre = movement::before | movement::updates;
+  switch (isa::modn::action(operand.modn)) {
+    case Action::add: return {movement::before, operand.value};
+    case Action::subtract: return {movement::before, -operand.value};
+    case Action::pre_add: return {pre, operand.value};
+    case Action::pre_subtract: return {pre, -operand.value};
+    case Action::post_add: return {movement::updates, operand.value};
+    case Action::post_subtract: return {movement::updates, -operand.value};
+    default: return {operand.modn, operand.value};
   }
 }
 
@@ -83,11 +108,9 @@ class Binder {
     Op& op = out_.op;
     const Kind kind = general ? general_kind_of(operand) : kind_of(operand);
     op.ar[slot] = isa::code(operand.reg);
-    op.modn[slot] = operand.modn;
-    std::int32_t displacement = operand.value;
-    if (kind == Kind::offset && operand.modn == isa::modn::plain) displacement = 0;
-    if (kind == Kind::offset && operand.modn == 1) displacement = -displacement;
-    op.displacement[slot] = static_cast<std::uint16_t>(displacement);
+    const Displaced displaced = displacement_of(operand);
+    op.modn[slot] = displaced.modn;
+    op.displacement[slot] = static_cast<std::uint16_t>(displaced.displacement);
     if (kind == Kind::indirect) out_.address_updates = static_cast<int>(slot) + 1;
   }
 
@@ -134,14 +157,15 @@ class Binder {
     if (row_.operation == Operation::ldep) out_.op.selector = static_cast<std::uint8_t>(in_.src1.value);
     const Kind a = kind_of(in_.src1), b = kind_of(in_.src2);
     if (row_.operation == Operation::ldf_cond || row_.operation == Operation::ldi_cond)
-      return execute::conditional_load_handler(floating(), a);
+      return execute::conditional_load_handler(floating(), in_.condition, a);
     if (control) {
       describe_flow();
       return execute::control_handler(row_, in_.condition, in_.src1.is(Operand::Kind::target) ? Kind::none : a,
                                       follows_flags());
     }
-    if (floating()) return execute::float_handler(row_.operation, a, b, follows_flags());
-    return execute::integer_handler(row_.operation, a, b, follows_flags());
+    const Kind first = b == Kind::none && is_circular(0) ? Kind::circular : a;
+    if (floating()) return execute::float_handler(row_.operation, first, b, follows_flags());
+    return execute::integer_handler(row_.operation, first, b, follows_flags());
   }
 
   Handler parallel() {
@@ -172,11 +196,17 @@ class Binder {
     }
   }
 
+  /// *ARn++(d)%
+  bool is_circular(std::size_t slot) const {
+    return out_.op.modn[slot] == static_cast<std::uint8_t>(isa::modn::Action::post_add_circular);
+  }
+
   Kind common_movement() const {
     const Op& op = out_.op;
     if (op.ar[0] == op.ar[1] || row_.selector != 0) return Kind::indirect;
-    if (op.modn[0] == 6 && op.modn[1] == 6) return Kind::circular;
-    return op.modn[0] == 4 && op.modn[1] == 4 ? Kind::post : Kind::indirect;
+    if (is_circular(0) && is_circular(1)) return Kind::circular;
+    const bool post = op.modn[0] == movement::updates && op.modn[1] == movement::updates;
+    return post && std::max(op.displacement[0], op.displacement[1]) <= most_displacement ? Kind::post : Kind::indirect;
   }
 
   bool is_control() const { return isa::operation_row(row_.operation).kind == isa::OperationKind::control; }

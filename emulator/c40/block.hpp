@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -49,11 +50,13 @@ struct WindowAccess {
 };
 
 struct CodeBlock {
-  struct Exit {
+  /// Aligned, so that finding an exit takes a shift and no multiplication.
+  struct alignas(64) Exit {
     Cycles cycles = 0;
     PipelineId pipeline = 0;
     bool chained = false;  ///< `next` may be kept: only the pc decides which block follows.
     Costs causes{};
+    std::uint32_t charged = 0;  ///< Bit n: causes[n] is not 0.
     std::uint64_t count = 0;  ///< runs of the whole block that are not yet added to the chip's causes and instructions
     std::size_t size = 0;     ///< instructions of the block
     CodeBlock* next = nullptr;
@@ -69,10 +72,10 @@ struct CodeBlock {
   std::vector<WindowAccess> windows;
   std::array<Exit, 2> exits{};
   Cycles last_start = 0;
-  bool repeats = false;    ///< ends at RE: the loop hardware decides what follows
-  bool self_loop = false;  ///< if it follows itself, the state is the same again
+  Cycles plain_start = std::numeric_limits<Cycles>::max();  ///< last_start of a plain block; no budget covers any other
+  bool repeats = false;                                     ///< ends at RE: the loop hardware decides what follows
+  bool self_loop = false;                                   ///< if it follows itself, the state is the same again
   bool only_nop = false;
-  bool plain = false;  ///< neither repeats nor uses the cache
   bool in_one_go =
       false;  ///< runs from its first instruction to an exit in one go: it does not repeat and has no window access
   bool uses_cache = false;    ///< fetched while the cache was on

@@ -117,9 +117,13 @@ std::unique_ptr<CodeBlock> BlockRecording::finish(const BoundInstruction& last) 
   block.causes.push_back(costs_);
   block.pipelines.push_back(block.exits[0].pipeline);
   block.last_start = block.start[block.size - 1];
-  for (CodeBlock::Exit& exit : block.exits) exit.size = block.size;
+  for (CodeBlock::Exit& exit : block.exits) {
+    exit.size = block.size;
+    for (std::size_t cause = 0; cause < block_cause_count; ++cause)
+      exit.charged |= std::uint32_t{exit.causes[cause] != 0} << cause;
+  }
   block.uses_cache = cached();
-  block.plain = !block.repeats && !block.uses_cache;
+  if (!block.repeats && !block.uses_cache) block.plain_start = block.last_start;
   block.in_one_go = !block.repeats || (!block.windows.empty());
   const std::uint32_t own_words = block.size < longest_cached_block ? (1u << block.size) - 1 : ~0u;
   block.all_hits = (~key.hits & own_words) == 0;

@@ -1,5 +1,6 @@
 #include "c40/block_store.hpp"
 
+#include <bit>
 #include <utility>
 
 namespace c40 {
@@ -35,9 +36,16 @@ void BlockStore::clear(Memory& memory) {
   blocks_.clear();
 }
 
+void BlockStore::note(CodeBlock::Exit& exit, std::uint64_t times) {
+  if (times != 0) counted_.push_back(&exit);
+}
+
 void BlockStore::settle(Causes& causes, std::uint64_t& instructions) {
   for (CodeBlock::Exit* exit : counted_) {
-    for (std::size_t i = 0; i < block_cause_count; ++i) causes[i] += static_cast<Cycles>(exit->count) * exit->causes[i];
+    for (std::uint32_t left = exit->charged; left != 0; left &= left - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(left));
+      causes[i] += static_cast<Cycles>(exit->count) * exit->causes[i];
+    }
     instructions += exit->count * exit->size;
     exit->count = 0;
   }

@@ -21,14 +21,17 @@ class BlockStore {
   void clear(Memory& memory);
 
   /// Counts `times` runs of a whole block that end at this exit; settle() adds them up.
-  void count(CodeBlock::Exit& exit, std::uint64_t times) {
-    if (exit.count == 0 && times != 0) counted_.push_back(&exit);
+  [[gnu::always_inline]] void count(CodeBlock::Exit& exit, std::uint64_t times) {
+    if (exit.count == 0) [[unlikely]]
+      note(exit, times);
     exit.count += times;
   }
   /// Adds the counts to the chip's causes and instructions.
   void settle(Causes& causes, std::uint64_t& instructions);
 
  private:
+  void note(CodeBlock::Exit& exit, std::uint64_t times);
+
   std::vector<std::unique_ptr<CodeBlock>> blocks_;
   std::unordered_map<CodeBlockKey, CodeBlock*, CodeBlockKeyHash> by_key_;
   std::vector<CodeBlock::Exit*> counted_;  ///< exits whose count is not 0

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include "c40/types.hpp"
 
@@ -44,8 +45,7 @@ class Cache {
   bool is_latest(Address address) const { return start_[order_[0]] == address >> 5; }
   /// A hit: the segment becomes the most recently used one.
   void touch(Address address) {
-    if (is_latest(address)) return;
-    move_to_front(segment_of(address));
+    if (!is_latest(address)) move_to_front(segment_of(address));
   }
 
   /// Fetches words of one segment, at least one, in order: missing words are loaded.
@@ -79,16 +79,16 @@ class Cache {
  private:
   static constexpr Address nowhere = ~Address{0};  // no segment begins here: a start address has 27 bits
 
+  // Written out, for it is asked about each block.
   unsigned segment_of(Address address) const {
-    for (unsigned s = 0; s < segment_count; ++s)
-      if (start_[s] == address >> 5) return s;
-    return segment_count;
+    static_assert(segment_count == 4);
+    const Address start = address >> 5;
+    return start_[0] == start ? 0 : start_[1] == start ? 1 : start_[2] == start ? 2 : start_[3] == start ? 3 : 4;
   }
   void move_to_front(unsigned segment) {
-    unsigned at = 0;
-    while (order_[at] != segment) ++at;
-    for (; at != 0; --at) order_[at] = order_[at - 1];
-    order_[0] = static_cast<std::uint8_t>(segment);
+    const auto newest = static_cast<std::uint8_t>(segment);
+    std::uint8_t moved = std::exchange(order_[0], newest);
+    for (std::size_t at = 1; moved != newest; ++at) std::swap(moved, order_[at]);
   }
 
   std::array<std::array<Word, segment_words>, segment_count> words_{};

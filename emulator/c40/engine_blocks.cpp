@@ -103,18 +103,31 @@ Engine::Stepped Engine::run_blocks(CodeBlock* block, std::size_t at, Cycles limi
   CodeBlock::Exit* exit = nullptr;
   Cycles cycle = state_.cycle;
   InBlock in{at, at};
+  const auto leads_on = [&]() __attribute__((always_inline)) {
+    blocks_.count(*exit, 1);
+    cycle += exit->cycles;
+    block = exit->next;
+    return block != nullptr && block->key.pc == core.pc && !core.attention;
+  };
   for (;;) {
     Outcome outcome;
-    if (in.from == 0 && block->last_start < limit - cycle &&
-        (block->plain || (block->in_one_go && cache_.fits(*block)))) [[likely]] {
+    if (in.from == 0 && block->plain_start < limit - cycle) [[likely]] {
+      const Outcome ended = block->ops[0].handler(core, block->ops.data());
+      if (ended.exit <= Exit::taken) [[likely]] {
+        exit = &block->exits[ended.exit == Exit::taken];
+        if (leads_on()) [[likely]]
+          continue;
+        break;
+      }
+      outcome = ended;
+      exit = nullptr;
+      state_.cycle = cycle;
+    } else if (in.from == 0 && block->last_start < limit - cycle && block->in_one_go && cache_.fits(*block)) {
       if (block->repeats) core.loop_left = 0;
       outcome = block->ops[0].handler(core, block->ops.data());
-      if (outcome.exit <= Exit::taken) [[likely]] {
-        exit = &block->exits[outcome.exit == Exit::taken];
-        if (!block->plain) {
-          cache_.fetch(*block, 0, block->size);
-          if (block->repeats) exit = &end_repeat(*block, 1);
-        }
+      if (outcome.exit <= Exit::taken) {
+        cache_.fetch(*block, 0, block->size);
+        exit = block->repeats ? &end_repeat(*block, 1) : &block->exits[outcome.exit == Exit::taken];
       } else {
         exit = nullptr;
         state_.cycle = cycle;
@@ -136,11 +149,7 @@ Engine::Stepped Engine::run_blocks(CodeBlock* block, std::size_t at, Cycles limi
       cycle = state_.cycle;
     }
     in = {};
-    blocks_.count(*exit, 1);
-    cycle += exit->cycles;
-    block = exit->next;
-    if (block == nullptr || block->key.pc != core.pc || core.attention) [[unlikely]]
-      break;
+    if (!leads_on()) break;
   }
   state_.cycle = cycle;
   pipeline_.set(exit->pipeline);

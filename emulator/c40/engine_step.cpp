@@ -121,8 +121,7 @@ void Engine::annulled(const Step& step) {
   const Op& op = bound.op;
   std::array<Word, 2> updated{};
   const auto slots = static_cast<std::size_t>(bound.address_updates);
-  for (std::size_t i = 0; i < slots; ++i)
-    updated[i] = execute::form_indirect(core, op.ar[i], op.modn[i], op.displacement[i]).updated;
+  for (std::size_t i = 0; i < slots; ++i) updated[i] = execute::form_indirect(core, op, i).updated;
   for (std::size_t i = 0; i < slots; ++i)
     if (isa::modn::modifies(op.modn[i])) core.r[op.ar[i]] = updated[i];
   if (bound.row->write_stage == isa::WriteStage::decode) core.r[op.dst] = op.immediate;

@@ -83,11 +83,20 @@ constexpr std::uint32_t short_to_single(std::uint32_t half) {
   return {zero(), sign | st::UF};
 }
 
+/// The number of bits of s without its sign: 0 for 0 and -1, 32 for a normalised mantissa.
+[[gnu::always_inline]] constexpr int significant_bits(std::int64_t s) {
+  const auto magnitude = static_cast<std::uint64_t>(s ^ (s >> 63));
+  return std::countl_zero(magnitude << 1 | 1u) ^ 63;
+}
+/// Shifts s, which has `bits` significant bits, so that it has 32: floor.
+[[gnu::always_inline]] constexpr std::int64_t with_32_bits(std::int64_t s, int bits) {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(s) << (34 - bits)) >> 2;
+}
+
 /// Normalises any non-zero |s| < 2^35 (a right shift by at most 2, floor, or a left shift) and finishes.
 [[gnu::always_inline]] constexpr FloatResult normalise(std::int32_t e, std::int64_t s) {
-  const auto magnitude = static_cast<std::uint64_t>(s ^ (s >> 63));
-  const int k = std::countl_zero(magnitude << 1 | 1u) - 31;
-  return finish(e - k, static_cast<std::int64_t>(static_cast<std::uint64_t>(s) << (k + 2)) >> 2);
+  const int bits = significant_bits(s);
+  return finish(e + bits - 32, with_32_bits(s, bits));
 }
 
 constexpr FloatResult exact_zero() { return {zero(), st::Z}; }

@@ -13,8 +13,8 @@ Handler integer_store_handler(isa::Operation operation, Kind a, Kind b);
 Handler float_handler(isa::Operation operation, Kind a, Kind b, bool flags);
 Handler float_store_handler(isa::Operation operation, Kind a, Kind b);
 
-/// LDFcond, LDIcond; the condition is the op's selector.
-Handler conditional_load_handler(bool floating, Kind a);
+/// LDFcond, LDIcond; the condition is the op's selector, too.
+Handler conditional_load_handler(bool floating, isa::Condition condition, Kind a);
 
 /// STI, STF, STIK to memory of kind `to`; `from` is reg or constant.
 Handler store_handler(bool floating, Kind from, Kind to);

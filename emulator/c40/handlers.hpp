@@ -117,10 +117,7 @@ struct FloatForm {
       set_float(core, result.flags);
       if constexpr (Body::keeps_zero) core.zero = zero;
     }
-    if constexpr (Body::writes) {
-      core.e[op.dst] = result.value.e;
-      core.r[op.dst] = result.value.m;
-    }
+    if constexpr (Body::writes) set_register(core, op.dst, result.value);
   }
   template <class A, class B>
   static void run(Core& core, const Op& op, const A& a, const B& b) {
@@ -164,6 +161,7 @@ Handler one_source(Kind a) {
     case direct: return &compute<Form, direct, none, NoStore>;
     case offset: return &compute<Form, offset, none, NoStore>;
     case indirect: return &compute<Form, indirect, none, NoStore>;
+    case circular: return &compute<Form, circular, none, NoStore>;
     default: return nullptr;
   }
 }
@@ -175,6 +173,38 @@ Handler with_store(Kind a, Kind b) {
   using Store = ParallelStore<1, floating>;
   if (b == none) return &compute<Form, indirect, none, Store>;
   return a == reg ? &compute<Form, reg, indirect, Store> : &compute<Form, indirect, reg, Store>;
+}
+
+/// How a handler tests its condition: a common condition is fixed when the instruction is bound, any other is looked up
+/// in the op at each execution.
+template <isa::Condition condition>
+struct FixedTest {
+  static bool holds(const Core& core, const Op&) { return execute::holds(core, condition); }
+};
+struct OpTest {
+  static bool holds(const Core& core, const Op& op) {
+    return execute::holds(core, static_cast<isa::Condition>(op.selector));
+  }
+};
+
+/// handler_of(Test{}) with the condition's test.
+template <class HandlerOf>
+Handler with_test(isa::Condition condition, HandlerOf&& handler_of) {
+  using enum isa::Condition;
+  switch (condition) {
+    case U: return handler_of(FixedTest<U>{});
+    case LO: return handler_of(FixedTest<LO>{});
+    case LS: return handler_of(FixedTest<LS>{});
+    case HI: return handler_of(FixedTest<HI>{});
+    case HS: return handler_of(FixedTest<HS>{});
+    case EQ: return handler_of(FixedTest<EQ>{});
+    case NE: return handler_of(FixedTest<NE>{});
+    case LT: return handler_of(FixedTest<LT>{});
+    case LE: return handler_of(FixedTest<LE>{});
+    case GT: return handler_of(FixedTest<GT>{});
+    case GE: return handler_of(FixedTest<GE>{});
+    default: return handler_of(OpTest{});
+  }
 }
 
 }  // namespace c40::execute

@@ -30,25 +30,18 @@ void delay(Core& core, bool taken, Address target, Address straight_on) {
   core.annul = false;
 }
 
-template <bool relative, bool conditional>
+template <bool relative, class Test>
 Outcome branch(Core& core, const Op* op) {
-  const bool taken = !conditional || holds(core, static_cast<Condition>(op->selector));
-  core.pc = taken ? target_of(core, *op, relative) : op->pc + 1;
-  return leave(op, taken);
-}
-
-template <bool relative, Condition condition>
-Outcome branch_if(Core& core, const Op* op) {
-  const bool taken = holds(core, condition);
+  const bool taken = Test::holds(core, *op);
   core.pc = taken ? target_of(core, *op, relative) : op->pc + 1;
   return leave(op, taken);
 }
 
 enum class Annul { never, if_true, if_false };
 
-template <bool relative, Annul annul>
+template <bool relative, Annul annul, class Test = OpTest>
 Outcome branch_delayed(Core& core, const Op* op) {
-  const bool taken = holds(core, static_cast<Condition>(op->selector));
+  const bool taken = Test::holds(core, *op);
   delay(core, taken, target_of(core, *op, relative), op->pc + 4);
   if constexpr (annul != Annul::never) {
     core.annul = taken == (annul == Annul::if_true);
@@ -59,10 +52,10 @@ Outcome branch_delayed(Core& core, const Op* op) {
 }
 
 /// The condition uses the flags before the instruction; the target is read before the counter is decremented.
-template <bool relative, bool delayed>
+template <bool relative, bool delayed, class Test>
 Outcome decrement_and_branch(Core& core, const Op* op) {
   const Address target = target_of(core, *op, relative);
-  const bool met = holds(core, static_cast<Condition>(op->selector));
+  const bool met = Test::holds(core, *op);
   if (choices::db_counts_on_false || met) --core.r[op->dst];
   const bool taken = met && static_cast<std::int32_t>(core.r[op->dst]) >= 0;
   if constexpr (delayed) {
@@ -239,8 +232,7 @@ Outcome pop(Core& core, const Op* op) {
   if constexpr (floating) {
     const Float40 value = choices::popf_keeps_bits ? float40::from_single_raw(word) : float40::from_single(word);
     set_float(core, float40::load(value).flags);
-    core.e[op->dst] = value.e;
-    core.r[op->dst] = value.m;
+    set_register(core, op->dst, value);
   } else {
     core.r[op->dst] = integer::logic<flags>(core, word);
   }
@@ -277,37 +269,24 @@ Outcome to_expansion(Core& core, const Op* op) {
 }
 
 template <bool relative>
-Handler branch_handler(Condition condition) {
-  using enum Condition;
-  switch (condition) {
-    case U: return &branch<relative, false>;
-    case LO: return &branch_if<relative, LO>;
-    case LS: return &branch_if<relative, LS>;
-    case HI: return &branch_if<relative, HI>;
-    case HS: return &branch_if<relative, HS>;
-    case EQ: return &branch_if<relative, EQ>;
-    case NE: return &branch_if<relative, NE>;
-    case LT: return &branch_if<relative, LT>;
-    case LE: return &branch_if<relative, LE>;
-    case GT: return &branch_if<relative, GT>;
-    case GE: return &branch_if<relative, GE>;
-    default: return &branch<relative, true>;
-  }
-}
-
-template <bool relative>
 Handler flow_handler(const isa::Row& row, Condition condition) {
   const bool delayed = row.delay != isa::Delay::none;
   switch (row.operation) {
     case Operation::branch:
       switch (row.delay) {
-        case isa::Delay::none: return branch_handler<relative>(condition);
-        case isa::Delay::delayed: return &branch_delayed<relative, Annul::never>;
+        case isa::Delay::none:
+          return with_test(condition, []<class Test>(Test) -> Handler { return &branch<relative, Test>; });
+        case isa::Delay::delayed:
+          return with_test(condition,
+                           []<class Test>(Test) -> Handler { return &branch_delayed<relative, Annul::never, Test>; });
         case isa::Delay::annul_if_true: return &branch_delayed<relative, Annul::if_true>;
         case isa::Delay::annul_if_false: return &branch_delayed<relative, Annul::if_false>;
       }
       return nullptr;
-    case Operation::db: return delayed ? &decrement_and_branch<relative, true> : &decrement_and_branch<relative, false>;
+    case Operation::db:
+      return with_test(condition, [&]<class Test>(Test) -> Handler {
+        return delayed ? &decrement_and_branch<relative, true, Test> : &decrement_and_branch<relative, false, Test>;
+      });
     case Operation::call: return &call<relative>;
     case Operation::laj: return &link_and_jump<relative>;
     case Operation::rptb: return delayed ? &repeat_block<relative, true> : &repeat_block<relative, false>;

@@ -60,8 +60,7 @@ struct UnaryForm {
   }
   static void write(Core& core, const Op& op, const FloatResult& result) {
     set_float(core, result.flags);
-    core.e[op.dst] = result.value.e;
-    core.r[op.dst] = result.value.m;
+    set_register(core, op.dst, result.value);
   }
 };
 
@@ -108,7 +107,7 @@ struct FixForm : UnaryForm<FixForm<flags>> {
 /// LDM: the whole source word becomes the mantissa.
 using LdmForm = IntegerForm<integer::Lda, false>;
 
-template <bool floating, Kind kind>
+template <bool floating, Kind kind, class Test>
 Outcome conditional_load(Core& core, const Op* op) {
   Place<kind, 0> a;
   a.form(core, *op);
@@ -119,13 +118,12 @@ Outcome conditional_load(Core& core, const Op* op) {
   }
   if constexpr (floating) {
     const Float40 value = float40::canonical(a.floating(core, *op, op->src1));
-    if (holds(core, static_cast<isa::Condition>(op->selector))) {
-      core.e[op->dst] = value.e;
-      core.r[op->dst] = value.m;
+    if (Test::holds(core, *op)) {
+      set_register(core, op->dst, value);
     }
   } else {
     const Word value = a.integer(core, *op, op->src1);
-    if (holds(core, static_cast<isa::Condition>(op->selector))) core.r[op->dst] = value;
+    if (Test::holds(core, *op)) core.r[op->dst] = value;
   }
   return next(core, op);
 }
@@ -167,10 +165,8 @@ Outcome load_load(Core& core, const Op* op) {
   if constexpr (floating) {
     const Float40 x = i.floating(core, *op, 0);
     const Float40 y = choices::j_load_keeps_mantissa ? float40::from_single_raw(j.read(*op)) : j.floating(core, *op, 0);
-    core.e[op->dst2] = y.e;
-    core.r[op->dst2] = y.m;
-    core.e[op->dst] = x.e;
-    core.r[op->dst] = x.m;
+    set_register(core, op->dst2, y);
+    set_register(core, op->dst, x);
   } else {
     const Word x = i.read(*op), y = j.read(*op);
     core.r[op->dst2] = y;
@@ -226,10 +222,8 @@ Outcome multiply_add(Core& core, const Op* op) {
     const Float40 u = p == 1 ? vi : p == 2 ? vj : reg(op->src3), v = p == 0 || p == 1 ? reg(op->src4) : vi;
     const FloatResult product = float40::mul(x, y);
     const FloatResult sum = subtract ? float40::sub(u, v) : float40::add(u, v);
-    core.e[op->dst] = product.value.e;
-    core.r[op->dst] = product.value.m;
-    core.e[op->dst2] = sum.value.e;
-    core.r[op->dst2] = sum.value.m;
+    set_register(core, op->dst, product.value);
+    set_register(core, op->dst2, sum.value);
     latch(core, (product.flags | sum.flags) & (st::V | st::UF));
   } else {
     const Word vj = j.read(*op), vi = i.read(*op);
@@ -278,14 +272,14 @@ Handler store_to(Kind to) {
   }
 }
 
-template <bool floating>
+template <bool floating, class Test>
 Handler conditional_load_from(Kind a) {
   switch (a) {
-    case Kind::reg: return &conditional_load<floating, Kind::reg>;
-    case Kind::constant: return &conditional_load<floating, Kind::constant>;
-    case Kind::direct: return &conditional_load<floating, Kind::direct>;
-    case Kind::offset: return &conditional_load<floating, Kind::offset>;
-    case Kind::indirect: return &conditional_load<floating, Kind::indirect>;
+    case Kind::reg: return &conditional_load<floating, Kind::reg, Test>;
+    case Kind::constant: return &conditional_load<floating, Kind::constant, Test>;
+    case Kind::direct: return &conditional_load<floating, Kind::direct, Test>;
+    case Kind::offset: return &conditional_load<floating, Kind::offset, Test>;
+    case Kind::indirect: return &conditional_load<floating, Kind::indirect, Test>;
     default: return nullptr;
   }
 }
@@ -332,8 +326,10 @@ Handler float_store_handler(Operation operation, Kind a, Kind b) {
   }
 }
 
-Handler conditional_load_handler(bool floating, Kind a) {
-  return floating ? conditional_load_from<true>(a) : conditional_load_from<false>(a);
+Handler conditional_load_handler(bool floating, isa::Condition condition, Kind a) {
+  return with_test(condition, [&]<class Test>(Test) {
+    return floating ? conditional_load_from<true, Test>(a) : conditional_load_from<false, Test>(a);
+  });
 }
 
 Handler store_handler(bool floating, Kind from, Kind to) {

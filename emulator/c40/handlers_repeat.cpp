@@ -17,40 +17,53 @@ struct Wide {
 Wide unpacked(Float40 x) { return {x.e, float40::mantissa(x)}; }
 Float40 packed(Wide x) { return x.m == 0 ? float40::zero() : float40::pack(x.e, x.m); }
 
-/// Handles exponents outside the range, as float40::finish does.
-[[gnu::cold, gnu::noinline]] Wide saturated(Wide x, Word& range) {
+/// The flags V and UF of the passes so far.
+struct Flags {
+  Word ever = 0;
+  Word last = 0;       ///< of the last pass that set any
+  Word last_pass = 0;  ///< this pass, counted down
+  Word of(Word pass) const { return last_pass == pass ? last : 0; }
+};
+
+/// Handles exponents outside the range, as float40::finish does. By value, so that the flags stay in registers.
+struct Saturated {
+  Wide value;
+  Flags flags;
+};
+[[gnu::cold, gnu::noinline]] Saturated saturated(Wide x, Flags flags, Word pass) {
   const FloatResult result = float40::finish(x.e, x.m);
-  range |= result.flags & (st::V | st::UF);
-  return unpacked(result.value);
+  const Word set = result.flags & (st::V | st::UF);
+  return {unpacked(result.value), {flags.ever | set, flags.of(pass) | set, pass}};
 }
 
-[[gnu::always_inline]] inline Wide normalised(std::int32_t e, std::int64_t s, Word& range) {
-  const auto magnitude = static_cast<std::uint64_t>(s ^ (s >> 63));
-  const int k = std::countl_zero(magnitude << 1 | 1u) - 31;
-  const Wide result{e - k, static_cast<std::int64_t>(static_cast<std::uint64_t>(s) << (k + 2)) >> 2};
-  if (static_cast<std::uint32_t>(result.e + 127) > 254u) [[unlikely]]
-    return saturated(result, range);
-  return result;
+[[gnu::always_inline]] inline Wide normalised(std::int32_t e, std::int64_t s, Flags& flags, Word pass) {
+  const int bits = float40::significant_bits(s);
+  const Wide result{e + bits - 32, float40::with_32_bits(s, bits)};
+  if (static_cast<std::uint32_t>(result.e + 127) <= 254u) [[likely]]
+    return result;
+  const Saturated handled = saturated(result, flags, pass);
+  flags = handled.flags;
+  return handled.value;
 }
 
 /// The product of two words. Their mantissas have 25 bits, so the full product shifted down by 31 is the short product
 /// shifted by 15.
-[[gnu::always_inline]] inline Wide product_of(Word a, Word b, Word& range) {
+[[gnu::always_inline]] inline Wide product_of(Word a, Word b, Flags& flags, Word pass) {
   constexpr std::int32_t one = 1 << 23;
   const std::int32_t ea = static_cast<std::int32_t>(a) >> 24, eb = static_cast<std::int32_t>(b) >> 24;
   if (ea == float40::zero_exponent || eb == float40::zero_exponent) [[unlikely]]
     return {float40::zero_exponent, 0};
   const std::int64_t ma = (static_cast<std::int32_t>(a << 8) >> 8) ^ one,
                      mb = (static_cast<std::int32_t>(b << 8) >> 8) ^ one;
-  return normalised(ea + eb, ma * mb >> 15, range);
+  return normalised(ea + eb, ma * mb >> 15, flags, pass);
 }
 
-[[gnu::always_inline]] inline Wide sum_of(Wide a, Wide b, Word& range) {
+[[gnu::always_inline]] inline Wide sum_of(Wide a, Wide b, Flags& flags, Word pass) {
   const std::int32_t e = std::max(a.e, b.e);
   const std::int64_t s = (a.m >> std::min(e - a.e, 63)) + (b.m >> std::min(e - b.e, 63));
   if (s == 0) [[unlikely]]
     return {float40::zero_exponent, 0};
-  return normalised(e, s, range);
+  return normalised(e, s, flags, pass);
 }
 
 /// The memory that all passes of one operand read: a window that contains it, or null.
@@ -100,20 +113,17 @@ Outcome multiply_accumulate(Core& core, const Op* op) {
     return multiply_add_handler(true, false, 0, kind)(core, op);
   Wide product = unpacked({core.e[op->dst], core.r[op->dst]});
   Wide sum = unpacked({core.e[op->dst2], core.r[op->dst2]});
-  Word range = 0, ever = 0;
+  Flags flags;
   for (Word left = passes; left != 0; --left) {
-    range = 0;
-    sum = sum_of(product, sum, range);
-    product = product_of(j.next(), i.next(), range);
-    ever |= range;
+    sum = sum_of(product, sum, flags, left);
+    product = product_of(j.next(), i.next(), flags, left);
   }
   j.leave(core, *op, 0);
   i.leave(core, *op, 1);
-  const auto put = [&core](std::uint8_t code, Float40 value) { core.e[code] = value.e, core.r[code] = value.m; };
-  put(op->dst, packed(product));
-  put(op->dst2, packed(sum));
-  latch(core, ever);
-  core.range = range;
+  set_register(core, op->dst, packed(product));
+  set_register(core, op->dst2, packed(sum));
+  latch(core, flags.ever);
+  core.range = flags.of(1);
   core.negative = 0;
   core.zero = 1;
   core.loop_left = 0;

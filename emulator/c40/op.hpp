@@ -43,6 +43,13 @@ struct Window {
   Word words = 0;
 };
 
+/// The addressing of an indirect operand with a displacement, which an op keeps with its sign: two bits.
+namespace movement {
+inline constexpr std::uint8_t before = 1;   ///< the address is ARn + displacement, not ARn
+inline constexpr std::uint8_t updates = 2;  ///< ARn + displacement is the new ARn
+inline constexpr std::uint8_t end = 4;
+}  // namespace movement
+
 struct Op {
   Handler handler = nullptr;
   std::array<Window, 2> access{};
@@ -51,8 +58,8 @@ struct Op {
   std::array<std::uint16_t, 2> displacement{};
   std::uint8_t dst = 0, src1 = 0, src2 = 0, src3 = 0, src4 = 0, dst2 = 0;
   std::array<std::uint8_t, 2> ar{};
-  std::array<std::uint8_t, 2> modn{};
-  std::uint8_t selector = 0;   ///< Condition, byte or half-word.
+  std::array<std::uint8_t, 2> modn{};  ///< A movement, or, from movement::end on, the instruction's own modn
+  std::uint8_t selector = 0;           ///< Condition, byte or half-word.
   std::uint8_t direction = 2;  ///< In a block: the direction (0, 1) that a conditional call, return or trap must take.
 };
 static_assert(sizeof(Op) == 64);
@@ -121,7 +128,7 @@ enum class Kind : std::uint8_t {
   offset,    ///< *+ARn(d), *-ARn(d), *ARn: ARn does not change
   indirect,  ///< any form
   post,      ///< *ARn++(d), for the multiply-adds
-  circular   ///< *ARn++(d)%, for the multiply-adds
+  circular   ///< *ARn++(d)%, for the multiply-adds and for operations with one source
 };
 constexpr bool is_memory(Kind k) { return k >= Kind::direct; }
 constexpr bool updates_register(Kind k) { return k >= Kind::indirect; }

@@ -70,10 +70,14 @@ Summary Distribution::summary() const {
   if (result.count == 0) return result;
   result.mean = static_cast<double>(sum_) / static_cast<double>(result.count);
   result.exact_percentiles = bins_.empty();
-  std::vector<std::int64_t> sorted = samples_;
-  std::ranges::sort(sorted);
+  std::vector<std::int64_t> samples = samples_;
+  auto from = samples.begin();  // what comes before is smaller than the percentile that was asked for last
   const auto percentile = [&](std::uint64_t per_mille) {
-    return bins_.empty() ? sorted[rank(sorted.size(), per_mille) - 1] : percentile_of_bins(per_mille);
+    if (!bins_.empty()) return percentile_of_bins(per_mille);
+    const auto at = samples.begin() + static_cast<std::ptrdiff_t>(rank(samples.size(), per_mille) - 1);
+    std::ranges::nth_element(from, at, samples.end());
+    from = at;
+    return *at;
   };
   result.p50 = percentile(500);
   result.p99 = percentile(990);
