@@ -127,11 +127,12 @@ void Engine::annulled(const Step& step) {
   if (bound.row->write_stage == isa::WriteStage::decode) core.r[op.dst] = op.immediate;
 }
 
-void Engine::account(const StepTiming& t) {
+[[gnu::always_inline]] inline void Engine::account(const StepTiming& t) {
   state_.cycle += t.total;
   ++state_.instructions;
   Causes& causes = state_.causes;
-  if (t.total == 1) return add(causes, Cause::execute, 1);
+  if (t.total == 1) [[likely]]
+    return add(causes, Cause::execute, 1);
   add(causes, Cause::execute, t.execute());
   add(causes, Cause::branch, t.branch);
   add(causes, Cause::register_conflict, t.register_conflict);
@@ -317,7 +318,7 @@ const Transition& Engine::executed_transition(const Step& step) {
 
 // The common case of untraced_step, much cheaper: a known instruction outside delay slots whose accesses meet the same
 // windows as before and that does not affect interrupts. Else nothing has happened.
-bool Engine::quick_step() {
+[[gnu::always_inline]] inline bool Engine::quick_step() {
   Core& core = state_.core;
   const Address pc = core.pc;
   if (!code_.contains(pc) || core.delay_slots != 0 || code_.met.paged) return false;
@@ -362,14 +363,16 @@ bool Engine::quick_step() {
 }
 
 // Executes instruction after instruction, as long as the conditions that advance() checked cannot have changed and no
-// block can be used.
+// block can be used. A quick step changes none of the conditions that `attention` does not report.
 Engine::Stepped Engine::run_exactly(Cycles limit) {
   const Core& core = state_.core;
+  const auto goes_on = [&] { return !core.attention && state_.cycle < limit && (exact_only || !by_blocks()); };
   Step step;
-  while (!core.attention && core.code_writes == 0 && !peripherals_.interface_changed() && !core.idle &&
-         state_.cycle < limit && (exact_only || !by_blocks()))
-    if (!quick_step())
-      if (const Stepped why = exact_step(step, false); why != Stepped::done) return why;
+  while (core.code_writes == 0 && !peripherals_.interface_changed() && !core.idle && goes_on()) {
+    while (quick_step())
+      if (!goes_on()) return Stepped::done;
+    if (const Stepped why = exact_step(step, false); why != Stepped::done) return why;
+  }
   return Stepped::done;
 }
 

@@ -126,6 +126,28 @@ template <bool subtract>
   return normalise(a.e + b.e, s);
 }
 
+/// The product of two memory words before it is normalised; s = 0 for zero.
+struct SingleProduct {
+  std::int32_t e;
+  std::int64_t s;
+};
+/// The mantissas of words are those of registers shifted down by 8 bits, so the full product shifted down by 31 is this
+/// product shifted down by 15.
+[[gnu::always_inline]] constexpr SingleProduct product_of_singles(std::uint32_t a, std::uint32_t b) {
+  constexpr std::int32_t hidden = 1 << 23;
+  const std::int32_t ea = static_cast<std::int32_t>(a) >> 24, eb = static_cast<std::int32_t>(b) >> 24;
+  if (ea == zero_exponent || eb == zero_exponent) [[unlikely]]
+    return {zero_exponent, 0};
+  const std::int64_t ma = (static_cast<std::int32_t>(a << 8) >> 8) ^ hidden,
+                     mb = (static_cast<std::int32_t>(b << 8) >> 8) ^ hidden;
+  return {ea + eb, ma * mb >> 15};
+}
+/// c40-isa.md 7.3 for two memory words.
+[[gnu::always_inline]] constexpr FloatResult mul_singles(std::uint32_t a, std::uint32_t b) {
+  const SingleProduct p = product_of_singles(a, b);
+  return p.s == 0 ? exact_zero() : normalise(p.e, p.s);
+}
+
 /// c40-isa.md 7.6. NEGF is exactly 0 - x.
 constexpr FloatResult neg(Float40 x) {
   const std::int64_t m = mantissa(x);

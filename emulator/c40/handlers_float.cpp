@@ -220,7 +220,7 @@ Outcome multiply_add(Core& core, const Op* op) {
     const auto reg = [&](std::uint8_t code) { return Float40{core.e[code], core.r[code]}; };
     const Float40 x = p == 0 ? vj : reg(op->src1), y = p == 0 ? vi : p == 2 ? reg(op->src2) : vj;
     const Float40 u = p == 1 ? vi : p == 2 ? vj : reg(op->src3), v = p == 0 || p == 1 ? reg(op->src4) : vi;
-    const FloatResult product = float40::mul(x, y);
+    const FloatResult product = p == 0 ? float40::mul_singles(j.read(*op), i.read(*op)) : float40::mul(x, y);
     const FloatResult sum = subtract ? float40::sub(u, v) : float40::add(u, v);
     set_register(core, op->dst, product.value);
     set_register(core, op->dst2, sum.value);

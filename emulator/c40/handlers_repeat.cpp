@@ -46,16 +46,11 @@ struct Saturated {
   return handled.value;
 }
 
-/// The product of two words. Their mantissas have 25 bits, so the full product shifted down by 31 is the short product
-/// shifted by 15.
 [[gnu::always_inline]] inline Wide product_of(Word a, Word b, Flags& flags, Word pass) {
-  constexpr std::int32_t one = 1 << 23;
-  const std::int32_t ea = static_cast<std::int32_t>(a) >> 24, eb = static_cast<std::int32_t>(b) >> 24;
-  if (ea == float40::zero_exponent || eb == float40::zero_exponent) [[unlikely]]
+  const float40::SingleProduct p = float40::product_of_singles(a, b);
+  if (p.s == 0) [[unlikely]]
     return {float40::zero_exponent, 0};
-  const std::int64_t ma = (static_cast<std::int32_t>(a << 8) >> 8) ^ one,
-                     mb = (static_cast<std::int32_t>(b << 8) >> 8) ^ one;
-  return normalised(ea + eb, ma * mb >> 15, flags, pass);
+  return normalised(p.e, p.s, flags, pass);
 }
 
 [[gnu::always_inline]] inline Wide sum_of(Wide a, Wide b, Flags& flags, Word pass) {

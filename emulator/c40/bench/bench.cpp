@@ -1,7 +1,8 @@
-// Emulated instructions per second: c40_bench [--millions N] [--repeat N] FILE.hex...
+// Emulated instructions per second: c40_bench [--millions N] [--repeat N] [--exact CYCLES] FILE.hex...
 // Each file has one word per line; it is loaded and started at 1000h of board flat. Three ways are compared: blocks
 // (which runs use), the exact engine (which asks the pipeline model about every instruction), and a plain interpreter
-// that fetches, decodes and switches.
+// that fetches, decodes and switches. With --exact only the exact engine runs, for so many cycles, and the number of
+// its instructions is printed: scripts/host_costs counts what they cost.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,6 +24,7 @@ constexpr c40::Address start = 0x1000;
 struct Options {
   std::int64_t millions = 100;  // of cycles
   int repeat = 5;
+  c40::Cycles exact = 0;  // only the exact engine, for so many cycles
   std::vector<std::string> files;
 };
 
@@ -103,11 +105,13 @@ Options parse(int argc, char** argv) {
       options.millions = std::stoll(argv[++i]);
     else if (word == "--repeat" && i + 1 < argc)
       options.repeat = std::stoi(argv[++i]);
+    else if (word == "--exact" && i + 1 < argc)
+      options.exact = std::stoll(argv[++i]);
     else
       options.files.push_back(word);
   }
-  if (options.files.empty() || options.millions < 1 || options.repeat < 1)
-    throw std::invalid_argument("usage: c40_bench [--millions N] [--repeat N] FILE.hex...");
+  if (options.files.empty() || options.millions < 1 || options.repeat < 1 || options.exact < 0)
+    throw std::invalid_argument("usage: c40_bench [--millions N] [--repeat N] [--exact CYCLES] FILE.hex...");
   return options;
 }
 
@@ -116,6 +120,11 @@ Options parse(int argc, char** argv) {
 int main(int argc, char** argv) {
   try {
     const Options options = parse(argc, argv);
+    if (options.exact > 0) {
+      for (const std::string& file : options.files)
+        fmt::print("{}\n", run_chip(read_words(file), options.exact, true).instructions);
+      return 0;
+    }
     fmt::print("{:<12}{:>10}{:>16}{:>12}{:>12}\n", "million/s", "blocks", "every one timed", "plain", "blocks/plain");
     for (const std::string& file : options.files) measure(options, file);
   } catch (const std::exception& error) {
