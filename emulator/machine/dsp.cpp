@@ -43,11 +43,15 @@ Dsp::Dsp(unsigned slot, bool plugged, DspContext& context)
 }
 
 void Dsp::set_next() {
+  plan();
+  for (const Wire& wire : wires_) wire.actor.changed();  // the chip's accesses may have changed the next event of links
+}
+
+void Dsp::plan() {
   next_ = std::min({own_next_, edge_, reset_});
   if (dma_goes_on()) next_ = std::min(next_, clock_.at(chip_.settled()));
   if (!nets_out_.empty()) next_ = std::min(next_, next_pin_event());
   changed();
-  for (const Wire& wire : wires_) wire.actor.changed();  // the chip's accesses may have changed the next event of links
 }
 
 // While the processor is before or in an access, a DMA that moves words over a link to another slot continues.
@@ -171,9 +175,14 @@ bool Dsp::writable(Window window, Offset offset) const {
   return offset < SharedSram::size || context_.registers.answers(offset, true, false);
 }
 
-// Answers at once a write for which the bridge has room, and a read that the bridge's line answers.
 std::optional<c40::WindowAnswer> Dsp::answer_at_once(const c40::ExternalAccess& access) {
-  const BusRoute& route = route_of(access.address);
+  const auto answer = answer_at_once(access, route_of(access.address));
+  if (!answer) refused_ = access.cycle;
+  return answer;
+}
+
+// Answers at once a write for which the bridge has room, and a read that the bridge's line answers.
+std::optional<c40::WindowAnswer> Dsp::answer_at_once(const c40::ExternalAccess& access, const BusRoute& route) {
   if (access.write) {
     if (!writable(window_of(access.address), offset_of(access.address)) || clock_.at(access.cycle) >= run_end_ ||
         !bridge(route).has_room())
@@ -191,26 +200,27 @@ std::optional<c40::WindowAnswer> Dsp::answer_at_once(const c40::ExternalAccess& 
 
 // An access that was not answered at once, or before which the chip has to stop: while its DMA is active.
 bool Dsp::window_access(const c40::ExternalAccess& access) {
+  const BusRoute& route = route_of(access.address);
   if (access.write && !writable(window_of(access.address), offset_of(access.address))) {
     fault(access.cycle, chip_.pc(), access.address,
-          fmt::format("a write that nothing on bus {} takes from a DSP (PCI master abort)",
-                      bus_name(route_of(access.address))));
+          fmt::format("a write that nothing on bus {} takes from a DSP (PCI master abort)", bus_name(route)));
     return false;
   }
-  if (const auto answer = answer_at_once(access)) {
-    if (access.write)
-      chip_.complete_write(answer->arbitration, answer->transfer);
-    else
-      chip_.complete_read(answer->value, answer->arbitration, answer->transfer);
-    return true;
+  if (access.cycle != refused_) {  // the chip has not asked: its DMA is active
+    if (const auto answer = answer_at_once(access, route)) {
+      if (access.write)
+        chip_.complete_write(answer->arbitration, answer->transfer);
+      else
+        chip_.complete_read(answer->value, answer->arbitration, answer->transfer);
+      return true;
+    }
   }
   access_ = access;
   state_ = State::access;
   own_next_ = clock_.at(access.cycle);
   // A read without anything before it may go to the bus ahead of its turn, as a posted write does: nothing can act on
   // the board before the read begins.
-  if (!access.write && !chip_.dma_active() && own_next_ < run_end_ && bridge(route_of(access.address)).is_clear())
-    begin_read();
+  if (!access.write && !chip_.dma_active() && own_next_ < run_end_ && bridge(route).is_clear()) begin_read(route);
   return false;
 }
 
@@ -237,14 +247,13 @@ void Dsp::begin_access(Time horizon) {
     chip_.complete_write(0, 0);
     return run(horizon);
   }
-  if (!access_.write) return begin_read();
+  if (!access_.write) return begin_read(route);
   state_ = State::blocked;
   own_next_ = never;
   post(route, access_);
 }
 
-void Dsp::begin_read() {
-  const BusRoute& route = route_of(access_.address);
+void Dsp::begin_read(const BusRoute& route) {
   state_ = State::blocked;
   own_next_ = never;
   statistics_.bus_reads += 1;
@@ -274,7 +283,7 @@ void Dsp::resume_at(const Side& side, pci::Clocks ready, pci::Clocks arbitration
   transfer_ = waited - arbitration_;
   state_ = State::resuming;
   own_next_ = clock_.at(resumes);
-  set_next();
+  plan();
 }
 
 void Dsp::complete(Time horizon) {
@@ -477,7 +486,7 @@ void Dsp::list_state(state::Visitor& list) {
   list("dma waits", dma_waits_);
   list("fault", fault_);
   list("statistics", statistics_);
-  if (list.loads()) run_end_ = Time{0};  // still from the run before
+  if (list.loads()) run_end_ = Time{0}, refused_ = -1;  // still from the run before
 }
 
 void Dsp::append_state(std::vector<std::uint64_t>& words) const {

@@ -165,6 +165,7 @@ class Dsp final : public Scheduler::Processor,
 
   void run(Time until);
   std::optional<c40::WindowAnswer> answer_at_once(const c40::ExternalAccess& access) override;
+  std::optional<c40::WindowAnswer> answer_at_once(const c40::ExternalAccess& access, const BusRoute& route);
   bool needs_counters(const c40::ExternalAccess& access) const override;
   std::optional<Span> span() override;
   bool at_limit() override;
@@ -175,7 +176,7 @@ class Dsp final : public Scheduler::Processor,
   bool port_wait(const c40::PortAccess& access) override;
   bool faulted(const c40::Fault& why) override;
   void begin_access(Time horizon);
-  void begin_read();
+  void begin_read(const BusRoute& route);
   void begin_port_access(Time now, Time horizon);
   void driven(c40::Pin pin, c40::Drive drive, c40::Cycles at) override;
   Time next_pin_event() const;
@@ -203,6 +204,7 @@ class Dsp final : public Scheduler::Processor,
   void fault(c40::Cycles cycle, std::uint32_t pc, std::uint32_t address, std::string what);
   void report_fault(Time now);
   void set_next();
+  void plan();
   bool writable(Window window, Offset offset) const;
 
   bool on_a(std::uint32_t address) const { return address >= context_.symbols.window_a; }
@@ -241,6 +243,7 @@ class Dsp final : public Scheduler::Processor,
   Time run_end_{0};  // end of the present run
   Time edge_ = never;
   Time reset_ = never;
+  c40::Cycles refused_ = -1;  // the cycle of the access that was last not answered at once
   c40::ExternalAccess access_{};
   c40::PortAccess port_access_{};
   Word answer_ = 0;

@@ -41,6 +41,13 @@ class EventCalendar {
     }
   }
 
+  /// The same for an actor that has just acted. It was the earliest, so all nodes above it change: none is looked at
+  /// before.
+  void set_after_turn(std::size_t who, Time time) {
+    leaf(who)->time = time;
+    for (std::size_t i = (leaves_ + who) / 2; i > 0; i /= 2) nodes_[i] = earlier_child(i);
+  }
+
   Time time(std::size_t who) const { return nodes_[leaves_ + who].time; }
   const Turn& earliest() const { return nodes_[1]; }
   /// The earliest event of all actors other than `who`.

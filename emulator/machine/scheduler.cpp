@@ -47,7 +47,7 @@ bool Scheduler::step(Time limit) {
     const Acting acting{*this, actor};
     actor.act(now_);
   }
-  actor.changed();
+  calendar_.set_after_turn(turn.who, actor.next());
   return true;
 }
 
