@@ -87,9 +87,7 @@ kernel_none:
         rets
 
 exec_kernels:
-        .word   kernel_error, kernel_trajectory_crane, kernel_trajectory_agv, kernel_inverse_crane
-        .word   kernel_inverse_agv, kernel_torque, kernel_pid, kernel_identify
-        .word   kernel_grab_path, kernel_home_crane, kernel_home_agv, kernel_avoidance
+        kind_kernels                                    ; task_block.inc
         .rept   KIND_COUNT - KIND_USER
         .word   kernel_none                             ; [[tasks]] of the configuration put their programs here
         .endr

@@ -7,6 +7,7 @@ Kernels run on one chip whose windows answer in one cycle, with the scenes that 
 
 from __future__ import annotations
 
+import functools
 import json
 import random
 import statistics
@@ -205,10 +206,71 @@ def explained() -> str:
     return textwrap.fill(cmrc.run(dsps=1, duration_s=0.1).explain(), 118, initial_indent="> ", subsequent_indent="> ")
 
 
+def causes() -> str:
+    """The causes of a chip's cycles (docs/report.md)."""
+    import cmrc_test
+
+    return table(["cause", "meaning"], [[f"`{name}`", meaning] for name, _, meaning in cmrc_test.causes()])
+
+
+def job_kinds() -> str:
+    """The kinds of jobs (docs/report.md)."""
+    import cmrc_test
+
+    return table(
+        ["kind", "program", "x", "importance", "step of a process"],
+        [
+            [
+                f"`{row['name']}`",
+                f"`{row['symbol']}`" if row["symbol"] else "that of the block it repeats",
+                row["x"],
+                f"{row['importance']:X}h" if row["importance"] else "equation (7)",
+                " and ".join(robot for robot in ("crane", "AGV") if row[f"{robot.lower()}_step"]),
+            ]
+            for row in cmrc_test.job_kinds()
+        ],
+    )
+
+
+def parameters(part: str) -> str:
+    """The keys of the plant's parameters in a table of the configuration (docs/configuration.md). Keys that differ only
+    in the joint are one line."""
+    from cmrc import _core
+
+    lines: dict[tuple[str, ...], list[dict[str, object]]] = {}
+    for key in _core.cmrc.config_keys():
+        first, *joint, last = key["name"].split(".")
+        if first == part:
+            lines.setdefault((first, str(bool(joint)), last), []).append(key)
+    return table(
+        ["key", "default", "unit", "meaning", "source"],
+        [[key_of(keys), default_of(keys), keys[0]["unit"], meaning_of(keys[0]), keys[0]["source"]] for keys in lines.values()],
+    )
+
+
+def key_of(keys: Sequence[dict[str, object]]) -> str:
+    first, *joint, last = str(keys[0]["name"]).split(".")
+    joints = ",".join(str(key["name"]).split(".")[1] for key in keys)
+    return f"`{first}.{last}`" if not joint else f"`{first}.{joints if len(keys) == 1 else '{' + joints + '}'}.{last}`"
+
+
+def default_of(keys: Sequence[dict[str, object]]) -> str:
+    defaults = [f"{key['default']:.10g}" for key in keys]
+    return defaults[0] if len(set(defaults)) == 1 else ", ".join(defaults)
+
+
+def meaning_of(key: dict[str, object]) -> str:
+    """With the range of the value; a maximum of 10^12 and more is no limit."""
+    least, most = (f"{value:.0f}" if value == round(value) else f"{value:g}" for value in (key["minimum"], key["maximum"]))
+    return f"{key['meaning']}. " + (f"At least {least}" if key["maximum"] >= 1e12 else f"From {least} to {most}")
+
+
 TABLES: dict[str, Callable[[], str]] = {
     one.__name__: one
-    for one in (usual_runs, heartbeat, range_of_cycles, copy_by_dma, trajectories, round_trips, speed_up, legs, explained)
-}
+    for one in (
+        usual_runs, heartbeat, range_of_cycles, copy_by_dma, trajectories, round_trips, speed_up, legs, explained, causes, job_kinds,
+    )
+} | {part: functools.partial(parameters, part) for part in ("slewing", "gantry", "agv", "landing")}  # fmt: skip
 
 
 if __name__ == "__main__":

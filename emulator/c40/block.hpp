@@ -15,9 +15,8 @@
 
 namespace c40 {
 
-/// Cycles of a block by cause. Only the causes of the pipeline model, which come first in Cause.
-inline constexpr std::size_t block_cause_count = static_cast<std::size_t>(Cause::wait_state) + 1;
-using Costs = std::array<std::uint16_t, block_cause_count>;
+/// Cycles of a block by cause: those of the pipeline model.
+using Costs = std::array<std::uint16_t, pipeline_cause_count>;
 
 /// Everything on which the recorded timing and the chosen handlers depend.
 struct CodeBlockKey {
@@ -92,7 +91,7 @@ struct CodeBlock {
 inline void add(Causes& causes, Cause cause, Cycles cycles) { causes[static_cast<std::size_t>(cause)] += cycles; }
 
 inline void add_difference(Causes& causes, const Costs& to, const Costs& from) {
-  for (std::size_t i = 0; i < block_cause_count; ++i) causes[i] += to[i] - from[i];
+  for (std::size_t i = 0; i < pipeline_cause_count; ++i) causes[i] += to[i] - from[i];
 }
 
 }  // namespace c40

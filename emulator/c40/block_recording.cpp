@@ -11,16 +11,7 @@ namespace {
 constexpr std::size_t longest_block = 64, longest_cached_block = Cache::segment_words;
 
 void add_timing(Costs& costs, const StepTiming& t) {
-  const auto charge = [&](Cause cause, int cycles) {
-    auto& cost = costs[static_cast<std::size_t>(cause)];
-    cost = static_cast<std::uint16_t>(cost + cycles);
-  };
-  charge(Cause::execute, t.execute());
-  charge(Cause::branch, t.branch);
-  charge(Cause::register_conflict, t.register_conflict);
-  charge(Cause::memory_conflict, t.memory_conflict);
-  charge(Cause::cache_miss, t.cache_miss);
-  charge(Cause::wait_state, t.wait_state);
+  for (std::size_t i = 0; i < pipeline_cause_count; ++i) costs[i] = static_cast<std::uint16_t>(costs[i] + t.causes[i]);
 }
 
 }  // namespace
@@ -119,7 +110,7 @@ std::unique_ptr<CodeBlock> BlockRecording::finish(const BoundInstruction& last) 
   block.last_start = block.start[block.size - 1];
   for (CodeBlock::Exit& exit : block.exits) {
     exit.size = block.size;
-    for (std::size_t cause = 0; cause < block_cause_count; ++cause)
+    for (std::size_t cause = 0; cause < pipeline_cause_count; ++cause)
       exit.charged |= std::uint32_t{exit.causes[cause] != 0} << cause;
   }
   block.uses_cache = cached();

@@ -133,12 +133,7 @@ void Engine::annulled(const Step& step) {
   Causes& causes = state_.causes;
   if (t.total == 1) [[likely]]
     return add(causes, Cause::execute, 1);
-  add(causes, Cause::execute, t.execute());
-  add(causes, Cause::branch, t.branch);
-  add(causes, Cause::register_conflict, t.register_conflict);
-  add(causes, Cause::memory_conflict, t.memory_conflict);
-  add(causes, Cause::cache_miss, t.cache_miss);
-  add(causes, Cause::wait_state, t.wait_state);
+  for (std::size_t i = 0; i < pipeline_cause_count; ++i) causes[i] += t.causes[i];
 }
 
 // The DMA's cost for an instruction is the cycles beyond those without the DMA. If an instruction took fewer cycles
@@ -284,7 +279,7 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
   if (bound.writes_interrupts) peripherals_.pins_changed();
   if (dma_effect_ == DmaEffect::under_way) [[unlikely]]
     dma_side_.note_accesses(annul ? Demand{} : decoded.demand, *step.timing, before);
-  if (bound.flow != Flow::straight || bound.writes_status) cache_.note_control(state_.cycle - 1 - step.timing->branch);
+  if (bound.flow != Flow::straight || bound.writes_status) cache_.note_control(state_.cycle - 1 - step.timing->of(Cause::branch));
   advance_pc(pc);
   return Stepped::done;
 }

@@ -1,11 +1,34 @@
 #include "c40/pipeline_diagram.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <ranges>
 #include <stdexcept>
+#include <string_view>
+#include <vector>
 
 namespace c40 {
+namespace {
+
+/// The causes with a letter, last ones first.
+auto drawn_causes() {
+  return cause_rows | std::views::reverse | std::views::filter([](const CauseRow& row) { return !row.letter.empty(); });
+}
+
+/// These cycles pass between read and execute: the access waits for something outside the chip.
+bool waits_outside(const CauseRow& row) { return static_cast<std::size_t>(row.cause) >= pipeline_cause_count; }
+
+/// "p port, b shared bus, d DMA"
+std::string legend_of_causes() {
+  std::vector<std::string_view> letters;
+  for (const CauseRow& row : drawn_causes())
+    if (std::ranges::find(letters, row.letter) == letters.end()) letters.push_back(row.letter);
+  return fmt::format("{}", fmt::join(letters, ", "));
+}
+
+}  // namespace
 
 PipelineDiagram::PipelineDiagram(Cycles first, Cycles last, std::function<std::string(Address, Word)> text,
                                  TraceSink* next)
@@ -24,9 +47,10 @@ bool PipelineDiagram::put(std::string& cells, Cycles cycle, char letter) const {
 void PipelineDiagram::instruction(const TraceRecord& record) {
   if (next_ != nullptr) next_->instruction(record);
   const PipelineStages& at = record.stages;
-  const auto cause = [&](Cause c) { return record.causes[static_cast<std::size_t>(c)]; };
-  const Cycles bus = cause(Cause::bus_arbitration) + cause(Cause::bus_transfer), port = cause(Cause::comm_port),
-               waited = bus + port;
+  const auto cycles_of = [&](const CauseRow& row) { return record.causes[static_cast<std::size_t>(row.cause)]; };
+  auto outside = drawn_causes() | std::views::filter(waits_outside);
+  Cycles waited = 0;
+  for (const CauseRow& row : outside) waited += cycles_of(row);
   const Cycles fetched = record.cycle + at.fetch + at.fetch_cycles, decode = record.cycle + at.decode,
                read = record.cycle + at.read, execute = record.cycle + at.execute;
   if (record.cycle + at.fetch > last_ || execute + waited < first_) return;
@@ -40,13 +64,16 @@ void PipelineDiagram::instruction(const TraceRecord& record) {
   fill(decode, decode + 1, 'D');
   fill(decode + 1, read, '-');
   fill(read, execute, 'R');
-  fill(execute, execute + port, 'p');
-  fill(execute + port, execute + waited, 'b');
-  fill(execute + waited, execute + waited + 1, 'E');
+  Cycles done = execute;
+  for (const CauseRow& row : outside) {
+    fill(done, done + cycles_of(row), row.letter.front());
+    done += cycles_of(row);
+  }
+  fill(done, done + 1, 'E');
   if (!visible) return;
   // A delay by the DMA shows as stages that last longer. The causes do not say which of their cycles are the DMA's: the
   // last ones are drawn so.
-  Cycles held = cause(Cause::dma_conflict);
+  Cycles held = record.causes[static_cast<std::size_t>(Cause::dma_conflict)];
   for (Cycles c = execute - 1; held > 0 && c > record.cycle + at.fetch; --c) {
     if (c == read || c == decode) continue;  // each instruction has its own cycle in each stage
     put(cells, c, 'd');
@@ -93,9 +120,8 @@ std::vector<std::string> PipelineDiagram::ruler() const {
 
 std::string PipelineDiagram::text() const {
   std::string out = fmt::format(
-      "pipeline, cycles {} to {} (F fetch, D decode, R read, E execute, - holds, p port, b shared bus, d DMA, I "
-      "interrupt)\n",
-      first_, last_);
+      "pipeline, cycles {} to {} (F fetch, D decode, R read, E execute, - holds, {}, I interrupt)\n", first_, last_,
+      legend_of_causes());
   for (const std::string& line : ruler()) out += line + "\n";
   for (const Row& row : rows_) out += fmt::format("{}  {}\n", row.cells, row.label);
   return out;

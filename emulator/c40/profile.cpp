@@ -1,13 +1,16 @@
 #include "c40/profile.hpp"
 
 #include <algorithm>
+#include <ranges>
 
 #include "isa/decode.hpp"
 
 namespace c40 {
 
-static_assert(cause_count == static_cast<std::size_t>(Cause::halted) + 1 && name(Cause::halted) == "halted",
-              "each cause has one name, in the order of Cause");
+static_assert(std::ranges::equal(cause_rows, std::views::iota(std::size_t{0}, std::size_t{cause_count}), {},
+                                 [](const CauseRow& row) { return static_cast<std::size_t>(row.cause); }) &&
+                  cause_count == static_cast<std::size_t>(Cause::halted) + 1,
+              "each cause has one row, in the order of Cause");
 namespace {
 
 /// The number of instructions from this one to the first instruction of the routine that it calls; 0 if it calls none.

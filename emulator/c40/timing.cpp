@@ -146,24 +146,29 @@ StepTiming Pipeline::advance(const Demand& demand) {
 
   const int t = std::max(e + 1, demand.flush_cost != 0 ? e + demand.flush_cost : 0);
   out.total = t;
-  out.branch = t - (e + 1);
 
   // The delay is charged from the last stage back: a delay in a later stage hides one in an earlier stage.
+  const auto book = [&out](Cause cause, int cycles) {
+    auto& booked = out.causes[static_cast<std::size_t>(cause)];
+    booked = static_cast<std::int16_t>(booked + cycles);
+  };
   int rest = e;
-  const auto charge = [&rest](int& cause, int cycles) {
+  const auto charge = [&](Cause cause, int cycles) {
     const int share = std::min(rest, std::max(cycles, 0));
-    cause += share;
+    book(cause, share);
     rest -= share;
   };
-  charge(out.memory_conflict, e - e_read);
-  charge(out.wait_state, waits);
-  charge(out.memory_conflict, longest - 1 - waits + (a - r));
-  charge(out.register_conflict, d - undelayed);
+  charge(Cause::memory_conflict, e - e_read);
+  charge(Cause::wait_state, waits);
+  charge(Cause::memory_conflict, longest - 1 - waits + (a - r));
+  charge(Cause::register_conflict, d - undelayed);
   if (demand.fetch_missed)
-    charge(out.cache_miss, length - 1 + (f - earliest));
+    charge(Cause::cache_miss, length - 1 + (f - earliest));
   else
-    charge(out.wait_state, length - 1);
-  charge(out.memory_conflict, rest);
+    charge(Cause::wait_state, length - 1);
+  charge(Cause::memory_conflict, rest);
+  book(Cause::branch, t - (e + 1));
+  book(Cause::execute, 1);
 
   const auto stage = [](int cycle) { return static_cast<std::int16_t>(cycle); };
   out.stages = {stage(f), stage(demand.fetched ? length : 0), stage(d), stage(a), stage(e)};

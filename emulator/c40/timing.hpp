@@ -55,16 +55,12 @@ struct Demand {
   int flush_cost = 0;  ///< cost of a standard branch in this direction; 0 for everything else
 };
 
-/// Cycles that one instruction added to T, by cause; `start` is the beginning of each data access, relative to the old
-/// T.
+/// Cycles that one instruction added to T, in total and by cause; `start` is the beginning of each data access, relative
+/// to the old T.
 struct StepTiming {
   int total = 1;
-  int branch = 0;
-  int register_conflict = 0;
-  int memory_conflict = 0;
-  int cache_miss = 0;
-  int wait_state = 0;
-  int execute() const { return total - branch - register_conflict - memory_conflict - cache_miss - wait_state; }
+  std::array<std::int16_t, pipeline_cause_count> causes{};  ///< their sum is `total`
+  int of(Cause cause) const { return causes[static_cast<std::size_t>(cause)]; }
   std::array<int, 2> start{};
   PipelineStages stages;  ///< relative to the old T
   friend bool operator==(const StepTiming&, const StepTiming&) = default;

@@ -4,9 +4,13 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <span>
+#include <string>
+
 #include "plant/numerics/noise.hpp"
 #include "plant/parameters/check.hpp"
 #include "plant/parameters/config.hpp"
+#include "plant/parameters/parameter_rows.hpp"
 #include "plant/scene/wind.hpp"
 #include "python/bindings/plant.hpp"
 
@@ -14,13 +18,21 @@ using namespace plant;
 
 namespace {
 
+/// A member for each row; several rows may be of one member, for different cranes or joints.
+template <class P>
+py::class_<P>& add_members(py::class_<P>& owner, std::span<const ParameterRow<P>> rows) {
+  for (const auto& row : rows) {
+    const std::string name(row.member), meaning(row.meaning);
+    if (!py::hasattr(owner, name.c_str())) owner.def_readwrite(name.c_str(), row.at, meaning.c_str());
+  }
+  return owner;
+}
+
 void bind_drive(py::module_& m) {
   using P = DriveParameters;
-  py::class_<P>(m, "DriveParameters", "One joint's drive; torques on the motor side, N m.")
-      .def(py::init<>()) FIELD(rated_torque) FIELD(rated_speed) FIELD(gear) FIELD(rotor_inertia) FIELD(efficiency)
-          FIELD(torque_lag) FIELD(coulomb) FIELD(stribeck) FIELD(viscous) FIELD(smooth_speed) FIELD(stribeck_speed)
-              FIELD(brake) FIELD(peak) FIELD(overspeed) FIELD(overspeed_time) FIELD(saturation_time)
-                  FIELD(saturation_swings) FIELD(thermal_time) FIELD(thermal_trip)
+  py::class_<P> drive(m, "DriveParameters", "One joint's drive; torques on the motor side, N m.");
+  add_members(drive, drive_rows())
+      .def(py::init<>())
       .def_property_readonly("maximum_torque", &P::maximum_torque)
       .def_property_readonly("rated_force", &P::rated_force)
       .def_property_readonly("rated_joint_speed", &P::rated_joint_speed);
@@ -33,18 +45,18 @@ void bind_crane(py::module_& m) {
       .finalize();
   {
     using P = Portal;
-    py::class_<P>(m, "Portal",
-                  "The crane's four legs, which travel with it: before and behind it, the rails' y, side and height of "
-                  "a leg, m; leg 0: none.")
-        .def(py::init<>()) FIELD(along) FIELD(landside) FIELD(waterside) FIELD(leg) FIELD(height);
+    py::class_<P> portal(
+        m, "Portal",
+        "The crane's four legs, which travel with it: before and behind it, the rails' y, side and height of "
+        "a leg, m; leg 0: none.");
+    add_members(portal, portal_rows()).def(py::init<>());
   }
   using P = CraneParameters;
-  py::class_<P>(m, "CraneParameters",
-                "Geometry (m), masses (kg, kg m2), limits and drives of a crane (plant-and-bus.md 1.4, docs/plant.md).")
-      .def(py::init<>()) FIELD(machine) FIELD(portal) FIELD(a0) FIELD(jib) FIELD(pivot_height) FIELD(gantry_mass)
-          FIELD(slew_inertia) FIELD(jib_mass) FIELD(jib_centre) FIELD(jib_inertia) FIELD(counterweight)
-              FIELD(counterweight_radius) FIELD(spreader_mass) FIELD(spreader_inertia) FIELD(rated_load)
-                  FIELD(sway_damping) FIELD(gear_losses) FIELD(stiction) FIELD(lower) FIELD(upper)
+  py::class_<P> crane(
+      m, "CraneParameters",
+      "Geometry (m), masses (kg, kg m2), limits and drives of a crane (plant-and-bus.md 1.4, docs/plant.md).");
+  add_members(crane, crane_rows())
+      .def(py::init<>()) FIELD(machine) FIELD(portal) FIELD(gear_losses) FIELD(stiction) FIELD(lower) FIELD(upper)
       .def_property(
           "drives", [](const P& p) { return std::vector<DriveParameters>(p.drives.begin(), p.drives.end()); },
           [](P& p, const std::array<DriveParameters, joint_count>& drives) { p.drives = drives; });
@@ -54,14 +66,10 @@ void bind_crane(py::module_& m) {
 
 void bind_landing(py::module_& m) {
   using P = LandingParameters;
-  py::class_<P>(
+  py::class_<P> landing(
       m, "LandingParameters",
-      "The payload near contact (level L2) and the landing: N, N/m, N s/m, m, rad, s (plant-and-bus.md 1.3, 1.5).")
-      .def(py::init<>()) FIELD(fall_stiffness) FIELD(fall_damping) FIELD(fall_spread_x) FIELD(fall_spread_y)
-          FIELD(yaw_stiffness) FIELD(yaw_damping) FIELD(corner_stiffness) FIELD(corner_damping) FIELD(friction)
-              FIELD(near) FIELD(away) FIELD(guides) FIELD(guide_window) FIELD(guide_height) FIELD(guide_stiffness)
-                  FIELD(guide_damping) FIELD(seat_error) FIELD(seat_gap) FIELD(touch_speed) FIELD(touch_sway)
-                      FIELD(strict) FIELD(yaw_error) FIELD(lock_time);
+      "The payload near contact (level L2) and the landing: N, N/m, N s/m, m, rad, s (plant-and-bus.md 1.3, 1.5).");
+  add_members(landing, landing_rows()).def(py::init<>()) FIELD(guides) FIELD(guide_window) FIELD(strict);
 }
 
 void bind_agv(py::module_& m) {
@@ -70,13 +78,9 @@ void bind_agv(py::module_& m) {
       .value("differential", AgvDrive::differential)
       .finalize();
   using P = AgvParameters;
-  py::class_<P>(m, "AgvParameters",
-                "A container transporter: kg, m, kg m2, N/rad, rad, s, m/s2 (plant-and-bus.md 1.4, 1.5).")
-      .def(py::init<>()) FIELD(drive) FIELD(mass) FIELD(length) FIELD(width) FIELD(front) FIELD(rear) FIELD(yaw_inertia)
-          FIELD(deck_height) FIELD(cornering) FIELD(adhesion) FIELD(rolling) FIELD(drag) FIELD(steer_limit)
-              FIELD(steer_rate) FIELD(steer_lag) FIELD(drive_lag) FIELD(acceleration) FIELD(braking) FIELD(emergency)
-                  FIELD(blend_speed) FIELD(track) FIELD(wheel_slip) FIELD(protective_field) FIELD(protective_margin)
-                      FIELD(speed_gain) FIELD(speed_integral);
+  py::class_<P> agv(m, "AgvParameters",
+                    "A container transporter: kg, m, kg m2, N/rad, rad, s, m/s2 (plant-and-bus.md 1.4, 1.5).");
+  add_members(agv, agv_rows()).def(py::init<>()) FIELD(drive) FIELD(protective_field);
 }
 
 void bind_sensors(py::module_& m) {

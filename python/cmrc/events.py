@@ -7,6 +7,7 @@ of an argument, null if the event has none.
 
 from __future__ import annotations
 
+import functools
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
@@ -45,6 +46,13 @@ def argument_columns() -> list[str]:
     return list(dict.fromkeys(name for _, names in kinds.values() for name in names))
 
 
+@functools.cache
+def built_in_tasks() -> tuple[str, ...]:
+    """The names of the built-in kinds of tasks, by the numbers KIND_* of c40_programs/include/task_block.inc."""
+    names = _core.cmrc.Simulation(configured(None, None, {"report.reference": "none"}, (), {})).task_names()
+    return tuple(names[number] for number in sorted(names))
+
+
 def of_configuration(
     config: str | os.PathLike[str], settings: Mapping[str, Setting] | None = None, on_progress: Callable[[float, float], object] | None = None
 ) -> Iterator[pa.RecordBatch]:
@@ -69,7 +77,7 @@ def of_trace(path: str | os.PathLike[str]) -> Iterator[pa.RecordBatch]:
     """The events of a trace that ``--trace`` wrote, in batches. Raises ValueError with the line, ImportError,
     OSError."""
     pa = needed()
-    tasks = _core.cmrc.Simulation(configured(None, None, {"report.reference": "none"}, (), {})).task_names()
+    tasks = dict(enumerate(built_in_tasks()))
     numbers = {name: number for number, (name, _) in _core.report.event_names().items()}
     with open(path, encoding="utf-8", errors="strict") as lines:
         if lines.readline().rstrip("\n") != HEADER:

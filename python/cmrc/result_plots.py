@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cmrc.events import built_in_tasks
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -22,21 +24,6 @@ COLOURS = ("#000000", "#0072b2", "#d55e00", "#56b4e9", "#e69f00", "#009e73", "#c
 LINES = ("-", "--", "-.", ":")
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
 HATCHES = ("", "////", "\\\\\\\\", "....", "xxxx", "||||", "++++", "oooo")
-KINDS = (
-    "error",
-    "trajectory_planning.crane",
-    "trajectory_planning.agv",
-    "inverse_kinematics.crane",
-    "inverse_kinematics.agv",
-    "torque_compensation",
-    "pid",
-    "identify",
-    "grab_path",
-    "home.crane",
-    "home.agv",
-    "obstacle_avoidance",
-)
-"""By the numbers KIND_* of c40_programs/include/task_block.inc, as in events."""
 MISSED = ("late", "unfinished", "never_started", "lost", "dropped")
 _EVENT = re.compile(r"(\d+\.\d+) \[dsp (\d+)\] (claim|finish) block=(0x[0-9a-f]+|\d+) kind=(\d+)")
 
@@ -96,12 +83,13 @@ def gantt(result: Result, axes: Axes, from_s: float, to_s: float) -> None:
 
 def runs(events: str) -> Iterator[tuple[int, str, float, float]]:
     """DSP, kind, begin and end in s of every block in a trace; an unfinished block lasts to the last event."""
+    kinds = built_in_tasks()
     running: dict[int, tuple[str, float]] = {}
     last = 0.0
     for found in _EVENT.finditer(events):
         time, slot, kind = float(found[1]), int(found[2]), int(found[5])
         last = max(last, time)
-        name = KINDS[kind] if kind < len(KINDS) else f"user {kind - len(KINDS)}"
+        name = kinds[kind] if kind < len(kinds) else f"user {kind - len(kinds)}"
         begun = running.pop(slot, None)
         if begun is not None:
             yield slot, begun[0], begun[1], time

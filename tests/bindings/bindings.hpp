@@ -8,4 +8,5 @@ void bind_bus_model(py::module_& test);
 void bind_ledger(py::module_& test);
 void bind_machine(py::module_& test);
 void bind_report(py::module_& test);
+void bind_rows(py::module_& test);
 void bind_scheduling(py::module_& test);

@@ -7,5 +7,6 @@ PYBIND11_MODULE(cmrc_test, test) {
   bind_ledger(test);
   bind_machine(test);
   bind_report(test);
+  bind_rows(test);
   bind_scheduling(test);
 }

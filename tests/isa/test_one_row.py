@@ -32,8 +32,12 @@ def changed(folder: Path, name: str, old: str, new: str) -> None:
     [
         ("isa/table.hpp", ("  lopower, ", "  halve, lopower, "), "isa/operations.cpp",
          ('    {O::lopower, "lopower"', '    {O::halve, "halve", B::integer},\n    {O::lopower, "lopower"'), "each operation has one row"),
-        ("c40/types.hpp", ("///< IDLE\n", "///< IDLE\n  thrown,\n"), "c40/profile.cpp", None, "each cause has one name"),
-        ("cmrc/tasks/job_kinds.hpp", ("  user  ///<", "  rewind,\n  user  ///<"), "cmrc/tasks/job_kinds.cpp", None, "each built-in kind has one row"),
+        ("c40/types.hpp", ("  idle,\n", "  idle,\n  thrown,\n"), "c40/profile.cpp",
+         ('    {Cause::halted, "halted"', '    {Cause::thrown, "thrown", "", "the chip was thrown"},\n    {Cause::halted, "halted"'), "each cause has one row"),
+        ("cmrc/tasks/job_kinds.hpp", ("  user  ///<", "  rewind,\n  user  ///<"), "cmrc/tasks/job_kinds.cpp",
+         ('"", 2, none, {0xFFFD, 0xFFFC}, S::none, R::long_run, 0},\n',
+          '"", 2, none, {0xFFFD, 0xFFFC}, S::none, R::long_run, 0},\n'
+          '      {K::rewind, "rewind", "KIND_REWIND", 24, none, {0xE000, 0xE000}, S::crane, R::long_run, 0},\n'), "each built-in kind has one row"),
         ("c40/self_check.hpp", ("  reserved,        ///<", "  late,\n  reserved,        ///<"), "c40/self_check.cpp", None, "one name each, in order"),
     ],
     ids=["operation", "cause", "kind", "rule"],
@@ -44,7 +48,7 @@ def test_a_new_entry_without_its_row_does_not_compile(
     changed(tmp_path, header, *entry)
     refused = compiled(unit, tmp_path)
     assert refused.returncode != 0 and says in refused.stderr
-    if row is not None:
-        changed(tmp_path, unit, *row)
+    if row is not None:  # in the unit, or in the header whose entry it belongs to
+        changed(tmp_path, unit if row[0] in (EMULATOR / unit).read_text(encoding="utf-8") else header, *row)
         taken = compiled(unit, tmp_path)
         assert taken.returncode == 0, taken.stderr

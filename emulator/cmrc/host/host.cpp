@@ -34,14 +34,9 @@ Host::Host(const Config& config, const Words& words, const CraneJob& crane, cons
       user_tasks_(config_.tasks, words_, config_.rates.refresh_frequency_hz),
       errors_(config, words_, *this),
       control_(config, words_),
-      torque_{{.x = task::torque, .y = robot_class::crane, .kind = words.kind_torque, .area = words.cr_base},
-              JobKind::torque_compensation,
-              config.processes.subprocess_of("torque_compensation").number,
-              intervals_.servo},
-      pid_{{.x = task::pid, .y = robot_class::crane, .kind = words.kind_pid, .area = words.cr_base},
-           JobKind::pid,
-           config.processes.subprocess_of("pid").number,
-           intervals_.servo},
+      torque_{task_of(JobKind::torque_compensation, words), JobKind::torque_compensation,
+              config.processes.subprocess_of("torque_compensation").number, intervals_.servo},
+      pid_{task_of(JobKind::pid, words), JobKind::pid, config.processes.subprocess_of("pid").number, intervals_.servo},
       boots_(words_, std::move(boot_stream), milliseconds(config.watchdog.boot_limit_ms),
              nanoseconds(config.host.boot_pause_ns)),
       durations_(static_cast<std::size_t>(config.report.samples_max)),
@@ -54,7 +49,12 @@ Host::Host(const Config& config, const Words& words, const CraneJob& crane, cons
     longest_[static_cast<JobKind>(number)] = refreshes(run_us);
     if (heartbeat_us > 0) gaps_[static_cast<JobKind>(number)] = refreshes(heartbeat_us);
   };
-  for (std::size_t i = 0; i < kind_rows().size(); ++i) kind(i, w.*kind_rows()[i].run_us, kind_rows()[i].heartbeat_us);
+  for (const KindRow& row : kind_rows)
+    kind(static_cast<std::size_t>(row.kind),
+         row.run == LongestRun::servo      ? w.servo_run_us
+         : row.run == LongestRun::planning ? w.planning_run_us
+                                           : w.long_run_us,
+         row.heartbeat_us);
   for (std::size_t i = 0; i < config_.tasks.size(); ++i) {
     kind(static_cast<std::size_t>(JobKind::user) + i, w.long_run_us, config_.tasks[i].heartbeat_ms * 1e3);
   }

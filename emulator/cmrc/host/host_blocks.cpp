@@ -63,11 +63,11 @@ void Host::write_new_blocks() {
 }
 
 std::uint32_t Host::importance_of(const TaskBlock& block) const {
-  const bool waits_for_torque = config_.scheduling.pid_after_torque && block.task.kind == words_.kind_pid &&
-                                torque_.out &&
+  const bool waits_for_torque = config_.scheduling.pid_after_torque &&
+                                block.task.kind == words_.program(JobKind::pid) && torque_.out &&
                                 static_cast<std::int32_t>(list_[torque_.block].task.tick - block.task.tick) <= 0;
   if (waits_for_torque && block.flag == Flag::waiting) return 0;
-  if (user_tasks_.is_one(block.task) && block.task.x != task::recompute)
+  if (user_tasks_.is_one(block.task) && block.task.x != row_of(JobKind::recompute).x)
     return importance(user_tasks_.row(block.task), block.t);
   ImportanceParameters parameters = parameters_;
   parameters.n_crane = processes_.crane().interval();
@@ -111,12 +111,12 @@ void Host::take_out(const Done& done) {
   if (outcome != report::Outcome::on_time) {
     note(EventKind::miss, {task.kind, task.tick, static_cast<std::uint32_t>(outcome), words_.block(done.block), 0});
   }
-  if (task.kind == words_.kind_error) return errors_.decided(task, done.result, now_, *this);
-  if (task.kind == words_.kind_pid)
+  if (task.kind == words_.program(JobKind::error)) return errors_.decided(task, done.result, now_, *this);
+  if (task.kind == words_.program(JobKind::pid))
     pid_ended_ = now_, ++pid_runs_, control_.pid_ended(done.notify >> words_.pide_rests);
-  if (task.kind == words_.kind_pid && (done.notify & ~(~Word{0} << words_.pide_rests)) != 0)
+  if (task.kind == words_.program(JobKind::pid) && (done.notify & ~(~Word{0} << words_.pide_rests)) != 0)
     errors_.pid_says(done.notify, task.tick, now_, *this);
-  if (task.kind == words_.kind_pid && (done.result & words_.pid_starved) != 0) {
+  if (task.kind == words_.program(JobKind::pid) && (done.result & words_.pid_starved) != 0) {
     note(EventKind::starved, {0, done.result & 0xFFFF, 0, 0, 0});
   }
   for (Servo* servo : {&torque_, &pid_}) {

@@ -34,8 +34,8 @@ void Host::landing_decided(bool again) {
 }
 
 void Host::ask_again(const Task& lost) {
-  if (lost.kind == words_.kind_torque || lost.kind == words_.kind_pid)
-    (lost.kind == words_.kind_pid ? pid_ : torque_).waits = false;
+  if (lost.kind == words_.program(JobKind::torque_compensation) || lost.kind == words_.program(JobKind::pid))
+    (lost.kind == words_.program(JobKind::pid) ? pid_ : torque_).waits = false;
   else if (user_tasks_.owns(lost))
     user_tasks_.ended(lost);
   else
@@ -44,8 +44,8 @@ void Host::ask_again(const Task& lost) {
 
 void Host::stop_work(const Task& lost) {
   std::string what;
-  if (lost.kind == words_.kind_torque || lost.kind == words_.kind_pid) {
-    Servo& servo = lost.kind == words_.kind_pid ? pid_ : torque_;
+  if (lost.kind == words_.program(JobKind::torque_compensation) || lost.kind == words_.program(JobKind::pid)) {
+    Servo& servo = lost.kind == words_.program(JobKind::pid) ? pid_ : torque_;
     servo.stopped = true, servo.waits = false;
     what = fmt::format("sub-process {}; the drives brake", servo.subprocess);
   } else if (user_tasks_.owns(lost)) {
@@ -61,7 +61,7 @@ void Host::stop_work(const Task& lost) {
 
 void Host::resume_work(const Task& lost) {
   drops_.erase({lost.kind, lost.robot});
-  if (lost.kind == words_.kind_torque || lost.kind == words_.kind_pid)
+  if (lost.kind == words_.program(JobKind::torque_compensation) || lost.kind == words_.program(JobKind::pid))
     stop_servo(false);
   else if (user_tasks_.owns(lost))
     user_tasks_.resume(lost);

@@ -87,7 +87,7 @@ void Host::recompute(const Hung& hung) {
                                        : fmt::format("has had no heartbeat for {} refreshes", hung.age))});
   if (static_cast<std::int64_t>(block.recomputations) < config_.watchdog.recomputations_max) {
     ++list_[hung.block].recomputations;
-    list_.put_back(hung.block, task::recompute);
+    list_.put_back(hung.block, row_of(JobKind::recompute).x);
     ledger_.put_back(hung.block, now_);
     ++counts_.recomputed;
     note(EventKind::requeue,
@@ -147,7 +147,7 @@ void Host::give_up(std::size_t index) {
   for (Servo* servo : {&torque_, &pid_}) {
     if (servo->out && servo->block == index) servo->out = false, servo->waits = true;
   }
-  if (task.kind == words_.kind_error) return errors_.undecided(task, now_);
+  if (task.kind == words_.program(JobKind::error)) return errors_.undecided(task, now_);
   const std::int64_t drops = ++drops_[{task.kind, task.robot}];
   errors_.given_up(task, drops <= config_.watchdog.retries_max, now_, *this);
 }

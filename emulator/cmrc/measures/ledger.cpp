@@ -25,7 +25,7 @@ std::vector<std::optional<unsigned>> by_kind(const std::vector<std::optional<uns
 }
 
 std::vector<Time> periods(Time servo, std::size_t user_tasks) {
-  std::vector<Time> all(kind_rows().size() + user_tasks, Time::zero());
+  std::vector<Time> all(kind_rows.size() + user_tasks, Time::zero());
   all[static_cast<std::size_t>(JobKind::pid)] = all[static_cast<std::size_t>(JobKind::torque_compensation)] = servo;
   return all;
 }

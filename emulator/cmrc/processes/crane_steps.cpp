@@ -32,10 +32,7 @@ constexpr double touching_slower = 0.8;  // the second ramp reaches the surface 
 CraneSteps::CraneSteps(const CraneJob& job, const Words& words)
     : job_(job),
       words_(words),
-      chain_(
-          {.x = task::trajectory, .y = robot_class::crane, .kind = words.kind_trajectory_crane, .area = words.cr_base},
-          {.x = task::inverse, .y = robot_class::crane, .kind = words.kind_inverse_crane, .area = words.cr_base},
-          job.buffer_points),
+      chain_(task_of(JobKind::trajectory_crane, words), task_of(JobKind::inverse_crane, words), job.buffer_points),
       interval_(job.point_interval),
       next_interval_(job.slowed_interval),
       speeds_(job.speeds),
@@ -143,8 +140,8 @@ bool CraneSteps::lowered(HostServices& services) {
     case Phase::up:
       if (raised(services) && again_) aim_again(services);
       break;
-    case Phase::identify: load(words_.kind_identify, task::identify, services); break;
-    case Phase::plan: load(words_.kind_grab_path, task::grab_path, services); break;
+    case Phase::identify: load(JobKind::identify, services); break;
+    case Phase::plan: load(JobKind::grab_path, services); break;
     case Phase::align:
       if (!chain_.through(services.tick())) break;
       since_ = services.tick() + interval_;
@@ -254,11 +251,12 @@ void CraneSteps::landing_again() {
   phase_ = Phase::up;
 }
 
-void CraneSteps::load(Word kind, Word x, HostServices& services) {
+void CraneSteps::load(JobKind kind, HostServices& services) {
   if (asked_) return;
   asked_ = true;
-  services.load({.x = x, .kind = kind, .area = words_.cr_base, .tick = static_cast<std::uint32_t>(services.tick())},
-                std::nullopt);
+  Task task = task_of(kind, words_);
+  task.tick = static_cast<std::uint32_t>(services.tick());
+  services.load(task, std::nullopt);
 }
 
 bool CraneSteps::raised(HostServices& services) {
@@ -270,18 +268,18 @@ bool CraneSteps::raised(HostServices& services) {
 // ---- finished blocks ----
 
 void CraneSteps::finished(const Task& done, Word result, Word notify, HostServices& services) {
-  if (done.kind == words_.kind_pid)
+  if (done.kind == words_.program(JobKind::pid))
     pid_finished(done, result, services);
-  else if (done.kind == words_.kind_torque)
+  else if (done.kind == words_.program(JobKind::torque_compensation))
     torque_finished(result);
-  else if (done.kind == words_.kind_trajectory_crane)
+  else if (done.kind == words_.program(JobKind::trajectory_crane))
     chain_.trajectory_done((result & words_.end_of_leg) != 0, (notify & words_.must_inverse) != 0,
                            (notify & words_.must_trajectory) != 0);
-  else if (done.kind == words_.kind_inverse_crane)
+  else if (done.kind == words_.program(JobKind::inverse_crane))
     chain_.inverse_done();
-  else if (done.kind == words_.kind_identify && phase_ == Phase::identify)
+  else if (done.kind == words_.program(JobKind::identify) && phase_ == Phase::identify)
     asked_ = false, phase_ = (notify & words_.must_process << 2) != 0 ? Phase::plan : Phase::rest;
-  else if (done.kind == words_.kind_grab_path && phase_ == Phase::plan)
+  else if (done.kind == words_.program(JobKind::grab_path) && phase_ == Phase::plan)
     begin_leg(1, services), phase_ = Phase::align;
 }
 
@@ -291,9 +289,9 @@ void CraneSteps::torque_finished(Word result) {
 }
 
 void CraneSteps::dropped(const Task& lost) {
-  if (lost.kind == words_.kind_trajectory_crane)
+  if (lost.kind == words_.program(JobKind::trajectory_crane))
     chain_.lost_trajectory();
-  else if (lost.kind == words_.kind_inverse_crane)
+  else if (lost.kind == words_.program(JobKind::inverse_crane))
     chain_.lost_inverse();
   else
     asked_ = false;

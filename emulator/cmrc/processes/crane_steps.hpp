@@ -97,7 +97,7 @@ class CraneSteps {
   bool held() const { return too_windy_ && !pid_.locked && probes_ == 0 && !low_; }
   void landing_missed(HostServices& services);
   void aim_again(HostServices& services);
-  void load(Word kind, Word x, HostServices& services);
+  void load(JobKind kind, HostServices& services);
   bool raised(HostServices& services);
   std::int64_t ticks(double seconds) const;
 

@@ -45,15 +45,12 @@ void Errors::notice(ErrorEntry entry, Time now, HostServices& services) {
   if (second_sensor_ && sensor_ == 0) what |= words_.error_second;
   entries_.push_back(entry);
   tell(entries_.back(), noticed, services);
-  services.load({.x = task::error,
-                 .y = robot_class::none,
-                 .kind = words_.kind_error,
-                 .robot = entry.robot,
-                 .area = entry.origin == ErrorOrigin::block ? entry.lost.area : words_.cr_base,
-                 .tick = static_cast<std::uint32_t>(services.tick()),
-                 .argument = what,
-                 .error = static_cast<std::uint32_t>(entries_.size())},
-                std::nullopt);
+  Task task = task_of(JobKind::error, words_, entry.robot);
+  if (entry.origin == ErrorOrigin::block) task.area = entry.lost.area;
+  task.tick = static_cast<std::uint32_t>(services.tick());
+  task.argument = what;
+  task.error = static_cast<std::uint32_t>(entries_.size());
+  services.load(task, std::nullopt);
 }
 
 // Drives that fail together for different reasons have the origin "fault", which names none of the reasons.
@@ -135,7 +132,8 @@ void Errors::carry_out(ErrorEntry& entry, Time now, HostServices& services) {
     case Response::stop:
       if (entry.origin == ErrorOrigin::block) {
         hands_.stop_work(entry.lost);
-        if (entry.lost.kind == words_.kind_torque || entry.lost.kind == words_.kind_pid) {
+        if (entry.lost.kind == words_.program(JobKind::torque_compensation) ||
+            entry.lost.kind == words_.program(JobKind::pid)) {
           servo_stopped_ = true;
           hands_.hold_crane(true);
           go_to_rate(0, 0);

@@ -48,11 +48,8 @@ std::vector<Lane> round_from(const FleetJob& job, unsigned slot) {
 
 Fleet::Fleet(const FleetJob& job, const Words& words) : job_(job), words_(words) {
   for (unsigned i = 0; i < job.agvs; ++i) {
-    const Word area = words.agv_area(i);
-    const Task trajectory{
-        .x = task::trajectory, .y = robot_class::agv, .kind = words.kind_trajectory_agv, .robot = i + 1, .area = area};
-    const Task inverse{
-        .x = task::inverse, .y = robot_class::agv, .kind = words.kind_inverse_agv, .robot = i + 1, .area = area};
+    const Task trajectory = task_of(JobKind::trajectory_agv, words, i + 1),
+               inverse = task_of(JobKind::inverse_agv, words, i + 1);
     Agv agv{.chain = PointChain(trajectory, inverse, job.buffer_points)};
     agv.slot = i;
     agv.interval = agv.next_interval = job.interval;
@@ -198,10 +195,10 @@ void Fleet::move_up(unsigned index, HostServices& services) {
 
 void Fleet::finished(const Task& done, Word result, Word notify, HostServices& services) {
   PointChain& chain = agvs_.at(done.robot - 1).chain;
-  if (done.kind == words_.kind_trajectory_agv) {
+  if (done.kind == words_.program(JobKind::trajectory_agv)) {
     chain.trajectory_done((result & words_.end_of_leg) != 0, (notify & words_.must_inverse) != 0,
                           (notify & words_.must_trajectory) != 0);
-  } else if (done.kind == words_.kind_inverse_agv) {
+  } else if (done.kind == words_.program(JobKind::inverse_agv)) {
     chain.inverse_done();
     chain.pushed(services.tick());
   }
@@ -209,9 +206,9 @@ void Fleet::finished(const Task& done, Word result, Word notify, HostServices& s
 
 void Fleet::dropped(const Task& lost) {
   PointChain& chain = agvs_.at(lost.robot - 1).chain;
-  if (lost.kind == words_.kind_trajectory_agv)
+  if (lost.kind == words_.program(JobKind::trajectory_agv))
     chain.lost_trajectory();
-  else if (lost.kind == words_.kind_inverse_agv)
+  else if (lost.kind == words_.program(JobKind::inverse_agv))
     chain.lost_inverse();
 }
 

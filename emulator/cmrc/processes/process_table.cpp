@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "cmrc/processes/process_rows.hpp"
+#include "cmrc/tasks/job_kinds.hpp"
 
 namespace cmrc {
 namespace {
@@ -154,12 +155,16 @@ class Checker {
   }
 
   void task(const Process& process, const std::string& name) const {
-    const bool agvs = process.robot == Robots::agv;
-    const bool known = name == "identify" || name == "grab_path" ||
-                       (process.robot == Robots::crane && name == "home.crane") || (agvs && name == "home.agv");
-    require(known || users(name), process, "steps", fmt::format("\"{}\" is not a possible task", name),
-            agvs ? "home.agv, identify, grab_path or user.NAME of a row of [[tasks]] is expected"
-                 : "identify, grab_path, home.crane (of the crane) or user.NAME of a row of [[tasks]] is expected");
+    const auto fits = [&](const KindRow& row) {
+      return row.step == StepOf::both || (row.step == StepOf::crane && process.robot == Robots::crane) ||
+             (row.step == StepOf::agv && process.robot == Robots::agv);
+    };
+    std::vector<std::string_view> known;
+    for (const KindRow& row : kind_rows)
+      if (fits(row)) known.push_back(row.name);
+    require(std::ranges::find(known, name) != known.end() || users(name), process, "steps",
+            fmt::format("\"{}\" is not a possible task", name),
+            fmt::format("{} or user.NAME of a row of [[tasks]] is expected", fmt::join(known, ", ")));
   }
 
   void tokens(const Process& process) const {

@@ -207,19 +207,8 @@ Task Processes::user_block(const std::string& name, Robot robot) const {
 Task Processes::task_of(const Run& run, const HostServices& services) const {
   const std::string& name = run.process->steps[run.step].task;
   const Robot robot = run.process->robot == Robots::agv ? *run.agv + 1 : 0;
-  Task task;
-  if (name == "identify")
-    task = {.x = task::identify, .kind = words_.kind_identify, .area = words_.cr_base};
-  else if (name == "grab_path")
-    task = {.x = task::grab_path, .kind = words_.kind_grab_path, .area = words_.cr_base};
-  else if (name == "home.crane")
-    task = {.x = task::home_crane, .y = robot_class::crane, .kind = words_.kind_home_crane, .area = words_.cr_base};
-  else if (name == "home.agv")
-    task = {
-        .x = task::home_agv, .y = robot_class::agv, .kind = words_.kind_home_agv, .area = words_.agv_area(robot - 1)};
-  else
-    task = user_block(name, robot);
-  task.robot = robot;
+  const auto* row = std::ranges::find(kind_rows, name, &KindRow::name);
+  Task task = row != kind_rows.end() ? cmrc::task_of(row->kind, words_, robot) : user_block(name, robot);
   task.tick = static_cast<std::uint32_t>(services.tick());
   task.process = run.process->number;
   return task;
@@ -327,10 +316,8 @@ Task Processes::block_of(const Release& release, const HostServices& services) c
   const std::string& name = robot == 0 ? release.row().crane : release.row().agv;
   Task task;
   if (name == avoidance) {
-    task = {.x = task::avoidance,
-            .kind = words_.kind_avoidance,
-            .area = words_.agv_area(robot - 1),
-            .argument = static_cast<std::uint32_t>(fleet_.job().avoidance_cycles)};
+    task = cmrc::task_of(JobKind::obstacle_avoidance, words_, robot);
+    task.argument = static_cast<std::uint32_t>(fleet_.job().avoidance_cycles);
   } else {
     task = user_block(name, robot);
   }

@@ -188,7 +188,7 @@ void DockDebuggee::listen(machine::debug::DebugEventListener* listener, const st
 std::string DockDebuggee::task_name(Word kind) const {
   if (kind - words_.kind_user < simulation_.config().tasks.size())
     return simulation_.config().tasks[kind - words_.kind_user].name;
-  return std::string(kind_rows()[static_cast<std::size_t>(job_kind(kind, words_))].name);
+  return std::string(kind_rows[static_cast<std::size_t>(job_kind(kind, words_))].name);
 }
 
 void DockDebuggee::event(const report::Event& event) {

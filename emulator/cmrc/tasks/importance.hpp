@@ -7,16 +7,6 @@
 
 namespace cmrc {
 
-/// Task kinds x of table 1 of the paper. The gaps are for users' tasks.
-namespace task {
-inline constexpr std::uint32_t error = 1, recompute = 2, trajectory = 5, inverse = 6, torque = 7, pid = 8,
-                               identify = 11, grab_path = 12, home_crane = 13, avoidance = 21, home_agv = 22;
-}  // namespace task
-
-namespace robot_class {
-inline constexpr std::uint32_t none = 0, crane = 1, agv = 2;
-}  // namespace robot_class
-
 /// The parameters of equation (7) besides x, y and t: numbers of refreshes, and importances.
 struct ImportanceParameters {
   Equation7 equation = Equation7::restored;

@@ -13,8 +13,24 @@
 namespace cmrc {
 namespace {
 
-constexpr std::array<std::int64_t, 11> taken_kinds = {1,  2,  5,  6,  7, 8,
-                                                      11, 12, 13, 21, 22};  // kinds of the paper's table
+/// x is a kind of the paper's table.
+bool is_taken(std::uint32_t x) { return std::ranges::find(kind_rows, x, &KindRow::x) != kind_rows.end(); }
+
+/// "3, 4, 9, 10, 14 to 20 or one from 23 on"
+std::string free_kinds() {
+  const std::uint32_t last = std::ranges::max(kind_rows, {}, &KindRow::x).x;
+  std::string text;
+  for (std::uint32_t x = 1; x < last; ++x) {
+    if (is_taken(x)) continue;
+    const std::uint32_t first = x;
+    while (!is_taken(x + 1)) ++x;
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", first);
+    if (x == first + 1) text += fmt::format(", {}", x);
+    if (x > first + 1) text += fmt::format(" to {}", x);
+  }
+  return fmt::format("{} or one from {} on", text, last + 1);
+}
+
 constexpr std::size_t most_parameters = 32;
 
 /// Takes fields by name, and reports those left over.
@@ -97,10 +113,9 @@ UserTask user_task(const std::map<std::string, Field>& given, const Origin& wher
   task.name = fields.text("name", "a name for the report is expected");
   task.program = fields.text("program", "the label of a program is expected");
   task.x = static_cast<std::uint32_t>(fields.integer("kind", std::nullopt, 1, 0xFFFF));
-  if (std::find(taken_kinds.begin(), taken_kinds.end(), task.x) != taken_kinds.end()) {
+  if (is_taken(task.x))
     refuse(given.at("kind").origin, "tasks.kind", fmt::format("{} is a kind of the paper", task.x),
-           "3, 4, 9, 10, 14 to 20 or one from 23 on is expected");
-  }
+           free_kinds() + " is expected");
   task.importance = static_cast<std::uint32_t>(fields.integer("importance", std::nullopt, 1, 0xFFFF));
   task.importance_waiting =
       static_cast<std::uint32_t>(fields.integer("importance_waiting", task.importance, 0, 0xFFFF));

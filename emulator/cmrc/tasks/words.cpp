@@ -32,18 +32,6 @@ Words::Words(const std::function<Word(std::string_view)>& symbol) {
       {"FLAG_WAITING", &Words::flag_waiting},
       {"FLAG_TAKEN", &Words::flag_taken},
       {"FLAG_DONE", &Words::flag_done},
-      {"KIND_ERROR", &Words::kind_error},
-      {"KIND_TRAJECTORY_CRANE", &Words::kind_trajectory_crane},
-      {"KIND_TRAJECTORY_AGV", &Words::kind_trajectory_agv},
-      {"KIND_INVERSE_CRANE", &Words::kind_inverse_crane},
-      {"KIND_INVERSE_AGV", &Words::kind_inverse_agv},
-      {"KIND_TORQUE", &Words::kind_torque},
-      {"KIND_PID", &Words::kind_pid},
-      {"KIND_IDENTIFY", &Words::kind_identify},
-      {"KIND_GRAB_PATH", &Words::kind_grab_path},
-      {"KIND_HOME_CRANE", &Words::kind_home_crane},
-      {"KIND_HOME_AGV", &Words::kind_home_agv},
-      {"KIND_AVOIDANCE", &Words::kind_avoidance},
       {"KIND_COUNT", &Words::kind_count},
       {"KIND_USER", &Words::kind_user},
       {"US_BASE", &Words::us_base},
@@ -139,6 +127,9 @@ Words::Words(const std::function<Word(std::string_view)>& symbol) {
       {"RANGE_WAY", &Words::range_way},
   };
   for (const auto& [name, member] : table) this->*member = symbol(name);
+  programs.fill(~Word{0});
+  for (const KindRow& row : kind_rows)
+    if (!row.symbol.empty()) programs[static_cast<std::size_t>(row.kind)] = symbol(row.symbol);
 }
 
 }  // namespace cmrc

@@ -1,13 +1,14 @@
 #pragma once
 // The words that the host and the DSP programs share, by their names in c40_programs/include/*.inc: offsets on bus A,
 // bits, kinds.
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <string_view>
 
-namespace cmrc {
+#include "cmrc/tasks/job_kinds.hpp"
 
-using Word = std::uint32_t;
+namespace cmrc {
 
 struct Words {
   /// \param symbol gives the value of a symbol of the DSP image, or throws
@@ -17,8 +18,7 @@ struct Words {
   Word x, y, t, flag, importance, link, kind, area, tick, argument, owner, generation, result, notify, slice, alive,
       slice_cycles;
   Word flag_waiting, flag_taken, flag_done;
-  Word kind_error, kind_trajectory_crane, kind_trajectory_agv, kind_inverse_crane, kind_inverse_agv, kind_torque,
-      kind_pid, kind_identify, kind_grab_path, kind_home_crane, kind_home_agv, kind_avoidance, kind_count, kind_user;
+  Word kind_count, kind_user;
   Word us_base, us_words;
   Word must_process, may_process, must_subprocess, must_trajectory, must_inverse, must_continue, end_of_leg;
   Word pid_landed, pid_locked, pid_open, pid_starved, pid_settled, pid_ramp_done, pid_began, pid_steady, pid_windy,
@@ -37,6 +37,9 @@ struct Words {
       ag_avoid_beside, ag_segment_count, ag_segment;
   Word agv_unit, agv_unit_words, agv_range, agv_range_words, range_way;
 
+  std::array<Word, kind_rows.size()> programs{};  ///< KIND_*, by JobKind; 0xFFFFFFFF: the kind has no program
+
+  Word program(JobKind job) const { return programs[static_cast<std::size_t>(job)]; }
   Word block(std::size_t index) const { return block_pool + static_cast<Word>(index) * block_words; }
   Word agv_area(unsigned agv) const { return ag_base + agv * ag_words; }
 };

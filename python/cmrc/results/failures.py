@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from cmrc.events import built_in_tasks
 from cmrc.results.dsps import rates
 from cmrc.results.judgement import SERVO, Row, Verdict, counted, markdown, parameter, share_interval, with_interval
 from cmrc.results.runs import Reports, Run
@@ -20,12 +21,6 @@ NUMBER, NAME = 2, "failures"
 TITLE = "A DSP can be pulled out or fail in mid-task and nothing is lost"
 # What a DSP does at an instant, by where its program counter is (executive.asm); the last needs a block that it owns.
 PHASES = ("sleeps", "asks for the list", "holds the list", "fetches its block", "reports", "runs")
-# TB_KIND of task_block.inc; KIND_USER and above are none of the dock's.
-KINDS = (
-    "error", "trajectory_planning.crane", "trajectory_planning.agv", "inverse_kinematics.crane",
-    "inverse_kinematics.agv", "torque_compensation", "pid", "identify",
-    "grab_path", "home.crane", "home.agv", "obstacle_avoidance",
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -72,6 +67,7 @@ def looked(p: Parameters, dsps: int) -> tuple[tuple[float, int, str, str], ...]:
         settings={**settings(p, dsps), "report.reference": "none", "duration_s": p.latest_s + 0.001}
     )
     core: Any = simulation._core
+    kinds = built_in_tasks()
     place = {
         name: core.symbol(name)
         for name in ("exec_claim", "exec_acquired", "exec_idle", "exec_run", "exec_done", "exec_unknown", "exec_next")
@@ -92,7 +88,7 @@ def looked(p: Parameters, dsps: int) -> tuple[tuple[float, int, str, str], ...]:
         for slot in range(dsps):
             pc = core.dsp(slot).pc
             number = owned.get(slot)
-            name = KINDS[number] if number is not None and number < len(KINDS) else ""
+            name = kinds[number] if number is not None and number < len(kinds) else ""
             if place["exec_acquired"] <= pc < place["exec_idle"]:
                 phase = "holds the list"
             elif place["exec_claim"] <= pc < place["exec_acquired"] or place["exec_next"] <= pc < place["exec_run"]:
@@ -221,7 +217,7 @@ def section(p: Parameters, all_rows: Sequence[Row]) -> str:
     survivable = [row for row in all_rows if row["dsps"] > 1]
     kinds = [
         group([row for row in survivable if row["kind"] == kind and row["phase"] == "runs"], kind=kind)
-        for kind in KINDS
+        for kind in built_in_tasks()
         if any(row["kind"] == kind and row["phase"] == "runs" for row in survivable)
     ]
     phases = [group([row for row in survivable if row["phase"] == phase], phase=phase) for phase in PHASES]
@@ -251,7 +247,7 @@ def draw(p: Parameters, all_rows: Sequence[Row], figure: Figure) -> None:
     left, right = figure.subplots(1, 2, sharey=True)
     survivable = [row for row in all_rows if row["dsps"] > 1]
     names = [
-        *(k for k in KINDS if any(row["kind"] == k and row["phase"] == "runs" for row in survivable)),
+        *(k for k in built_in_tasks() if any(row["kind"] == k and row["phase"] == "runs" for row in survivable)),
         *PHASES[:-1],
     ]
     for row in survivable:
