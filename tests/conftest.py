@@ -1,5 +1,6 @@
 """What every test shares: where the build is, the path to the package in it, and the comparison with golden files."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -10,6 +11,11 @@ from pathlib import Path
 import pytest
 from locations import BUILD, ROOT
 from spent import Spent
+
+# Some hundred tests start a Python: it keeps what it has compiled, and numpy in it starts no thread beside the first.
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 GOLDEN = ROOT / "tests" / "golden"
 sys.path.insert(0, str(BUILD / "python"))
@@ -44,6 +50,15 @@ def pytest_configure(config: pytest.Config) -> None:
     # With workers each measures itself; the process that started them would count them once more.
     if (output := config.getoption("--spent")) and (hasattr(config, "workerinput") or not config.getoption("numprocesses", None)):
         config.pluginmanager.register(Spent(output))
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_pycollect_makeitem(collector: pytest.Collector, obj: object) -> list[pytest.Item] | None:
+    """Campaigns have 16,000 cases: where `-m` leaves them out, they are not made only to be left out."""
+    if collector.config.option.markexpr not in ("not campaign", "fast"):
+        return None
+    marks = getattr(obj, "pytestmark", [])
+    return [] if isinstance(marks, list) and any(mark.name == "campaign" for mark in marks) else None
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
