@@ -101,7 +101,7 @@ def test_the_list_of_a_board_that_is_gone_goes_to_the_host_before_others_get_it(
     # While they poll, whoever gets the list after a claim that broke off would take the same block again; the audit would tell.
     freed = 0
     for number, at in enumerate(range(TICK + 4 * US, TICK + 16 * US, 787_111)):
-        settings = {"dsps": 4, "duration_s": 0.054, "idle_policy": policy, "pause_nops": 10, "watchdog.semaphore_limit_us": 20}
+        settings = {**SETTINGS, "dsps": 4, "duration_s": 0.014, "idle_policy": policy, "pause_nops": 10, "watchdog.semaphore_limit_us": 20}
         simulation = cmrc.Simulation(cmrc.config(settings=settings, events=[{"at_s": at / 1e12, "action": "unplug", "dsp": (number + n) % 4} for n in range(2)]))
         simulation.run()
         report = json.loads(simulation.report_json())
