@@ -114,11 +114,8 @@ def test_what_is_drawn_reaches_every_failure_and_most_keys(programs: Path) -> No
 
 
 def test_a_failing_dock_is_made_small(programs: Path) -> None:
-    dock = next(
-        dock
-        for dock in (Generator(seed, programs).dock() for seed in range(100))
-        if len(dock.events) > 3 and len(dock.settings) > 8
-    )
+    dock = Generator(28, programs).dock()
+    assert len(dock.events) > 3 and len(dock.settings) > 8
     action = dock.events[1]["action"]
     small = random_docks.shrink(dock, lambda one: any(event["action"] == action for event in one.events))
     assert len(small.events) == 1 and small.tables == () and small.preset is None and len(small.settings) <= 4
