@@ -318,4 +318,4 @@ def test_the_example_asks_what_would_have_happened() -> None:
     ran = subprocess.run([sys.executable, ROOT / "examples" / "what_if.py"], capture_output=True, text=True, check=True, env={**os.environ, "PYTHONPATH": str(BUILD / "python")})
     fails, does_not = ran.stdout.splitlines()
     misses = [int(line.split(" deadlines")[0].split()[-1]) for line in (fails, does_not)]
-    assert fails.startswith("DSP 1 fails at 1 s") and misses[0] > misses[1]
+    assert fails.startswith("DSP 1 fails at 0.5 s") and misses[0] > misses[1]
