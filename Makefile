@@ -10,7 +10,7 @@ demo: build
 
 test: build
 	ctest --test-dir build --output-on-failure
-	$(PYTHON) -m pytest -q -n auto --dist loadfile tests
+	$(PYTHON) -m pytest -q -n auto --dist worksteal tests
 
 build: setup
 	@cmake --preset release -DPython_EXECUTABLE=$(CURDIR)/$(PYTHON) > build-configure.log 2>&1 || (cat build-configure.log; exit 1)

@@ -2,12 +2,12 @@
 
 import cmrc
 
-run = cmrc.Simulation(preset="saturated", dsps=3, duration_s=2.0)
-run.run_until(1.0)
+run = cmrc.Simulation(preset="saturated", dsps=3, duration_s=1.0)
+run.run_until(0.5)
 without = run.fork()
-run.at(1.0, "fail", dsp=1)
+run.at(0.5, "fail", dsp=1)
 
-for name, future in (("DSP 1 fails at 1 s", run), ("it does not fail", without)):
+for name, future in (("DSP 1 fails at 0.5 s", run), ("it does not fail", without)):
     result = future.run()
     servo = result.rates["f_p"]["realised_hz"]
     error_mm = 1000 * result.errors["load_m"]["rms"]

@@ -1,5 +1,6 @@
 """What every test shares: where the build is, the path to the package in it, and the comparison with golden files."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -10,6 +11,11 @@ from pathlib import Path
 import pytest
 from locations import BUILD, ROOT
 from spent import Spent
+
+# Some hundred tests start a Python: it keeps what it has compiled, and numpy in it starts no thread beside the first.
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 GOLDEN = ROOT / "tests" / "golden"
 sys.path.insert(0, str(BUILD / "python"))
@@ -46,11 +52,23 @@ def pytest_configure(config: pytest.Config) -> None:
         config.pluginmanager.register(Spent(output))
 
 
+SLOW = frozenset((ROOT / "tests" / "slow_tests.txt").read_text().split())
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_pycollect_makeitem(collector: pytest.Collector, name: str, obj: object) -> list[pytest.Item] | None:
+    """Campaigns have 16,000 cases: where `-m` leaves them out, they are not made only to be left out; slow tests likewise."""
+    only = collector.config.option.markexpr
+    marks = getattr(obj, "pytestmark", [])
+    campaign = isinstance(marks, list) and any(mark.name == "campaign" for mark in marks)
+    left_out = campaign and only in ("not campaign", "fast") or only == "fast" and f"{collector.nodeid}::{name}" in SLOW
+    return [] if left_out else None
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Marks as fast what is neither in tests/slow_tests.txt nor a campaign: `pytest -m fast`."""
-    slow = set((ROOT / "tests" / "slow_tests.txt").read_text().split())
     for item in items:
-        if item.nodeid.split("[")[0] not in slow and item.get_closest_marker("campaign") is None:
+        if item.nodeid.split("[")[0] not in SLOW and item.get_closest_marker("campaign") is None:
             item.add_marker(pytest.mark.fast)
 
 

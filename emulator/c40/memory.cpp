@@ -1,9 +1,9 @@
 #include "c40/memory.hpp"
 
 #include <fmt/format.h>
+#include <sys/mman.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <new>
 #include <stdexcept>
 #include <utility>
@@ -93,7 +93,7 @@ Board Board::plain_ram() {
   return board;
 }
 
-void Memory::Free::operator()(Word* words) const { std::free(words); }
+void Memory::Unmap::operator()(Word* words) const { munmap(words, bytes); }
 
 Memory::Memory(const Board& board) : flat_(board.is_flat), flat_words_max_(board.flat_words_max) {
   for (const Region& region : board.regions) add(area_of(region));
@@ -165,11 +165,13 @@ const Memory::Area* Memory::add(Area area) {
                         (place != areas_.begin() && (*std::prev(place))->contains(area.base));
   if (overlaps) throw std::invalid_argument(fmt::format("region {} overlaps another one", area.name));
   if (area.kind == Region::Kind::ram || area.kind == Region::Kind::rom) {
-    // The system gives zero pages on demand: a large SRAM costs nothing until it is used.
-    auto* data = static_cast<Word*>(std::calloc(std::size_t{area.words} + area.words / 32 + 1, sizeof(Word)));
-    if (data == nullptr) throw std::bad_alloc();
-    contents_.emplace_back(data);
-    area.data = data;
+    // The system gives zero pages on demand: a large SRAM costs nothing until it is used. calloc does so only as long
+    // as no SRAM has been freed: then it takes the freed one and writes zeros.
+    const std::size_t bytes = (std::size_t{area.words} + area.words / 32 + 1) * sizeof(Word);
+    void* const mapped = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (mapped == MAP_FAILED) throw std::bad_alloc();
+    area.data = static_cast<Word*>(mapped);
+    contents_.emplace_back(area.data, Unmap{bytes});
   }
   return areas_.insert(place, std::make_unique<Area>(std::move(area)))->get();
 }

@@ -76,7 +76,8 @@ class Memory {
   void list_state(state::Visitor& list);
 
  private:
-  struct Free {
+  struct Unmap {
+    std::size_t bytes = 0;
     void operator()(Word* words) const;
   };
   const Area* add(Area area);
@@ -94,7 +95,7 @@ class Memory {
   std::array<InterfaceControl, 2> control_{};   // local, global
   std::array<std::array<bool, 2>, 2> paged_{};  // by bus and strobe: some region has page_waits
   std::vector<std::unique_ptr<Area>> areas_;    // by base
-  std::vector<std::unique_ptr<Word, Free>> contents_;
+  std::vector<std::unique_ptr<Word, Unmap>> contents_;
   std::vector<AddressRange> apart_;
   std::vector<std::unique_ptr<Area>> divided_;  ///< areas whose contents are in pieces
 };

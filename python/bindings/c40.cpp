@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -145,9 +146,8 @@ class Processor : public c40::PeripheralSink {
   }
   py::dict run(Cycles max_cycles, std::optional<c40::Address> until) {
     if (self_check) self_check->look();
-    if (until) chip.add_breakpoint(*until);
+    stop_at(until);
     const auto after = [&] {
-      if (until) chip.remove_breakpoint(*until);
       if (self_check) self_check->run_ended();
     };
     try {
@@ -159,8 +159,17 @@ class Processor : public c40::PeripheralSink {
       throw;
     }
   }
+  void add_breakpoint(c40::Address address) {
+    breakpoints_.insert(address);
+    if (until_ != address) chip.add_breakpoint(address);
+  }
+  void remove_breakpoint(c40::Address address) {
+    breakpoints_.erase(address);
+    if (until_ != address) chip.remove_breakpoint(address);
+  }
   py::list trace(Cycles max_cycles) {
     Recorder recorder;
+    stop_at(std::nullopt);
     if (self_check)
       self_check->look(), self_check->hand_on_to(&recorder);
     else
@@ -229,6 +238,17 @@ class Processor : public c40::PeripheralSink {
   py::list events;
 
  private:
+  std::set<c40::Address> breakpoints_;  ///< those of the caller
+  std::optional<c40::Address> until_;   ///< one more, where the last run was to end
+
+  /// A change of breakpoints makes the chip forget its blocks: who calls one routine after the other, each to the same
+  /// return address, keeps them.
+  void stop_at(std::optional<c40::Address> until) {
+    if (until == until_) return;
+    if (until_ && !breakpoints_.contains(*until_)) chip.remove_breakpoint(*until_);
+    if (until && !breakpoints_.contains(*until)) chip.add_breakpoint(*until);
+    until_ = until;
+  }
   /// By a device, or as an access to nothing.
   bool answered(const c40::ExternalAccess& access) { return around->serve(access) || ignored.serve(chip, access); }
   /// In slices, so that Ctrl-C is heard.
@@ -401,8 +421,8 @@ void bind_processor(py::module_& m) {
       .def_property_readonly("dma_active", [](const Processor& p) { return p.chip.dma_active(); })
       .def_property_readonly("settled", [](const Processor& p) { return p.chip.settled(); })
       .def_property_readonly("watches_ports", [](const Processor& p) { return p.chip.watches_ports(); })
-      .def("add_breakpoint", [](Processor& p, c40::Address a) { p.chip.add_breakpoint(a); })
-      .def("remove_breakpoint", [](Processor& p, c40::Address a) { p.chip.remove_breakpoint(a); })
+      .def("add_breakpoint", &Processor::add_breakpoint)
+      .def("remove_breakpoint", &Processor::remove_breakpoint)
       .def(
           "locked", [](const Processor& p, bool global) { return p.chip.locked(global); }, py::arg("global_bus"),
           "Whether LOCK of the global, LLOCK of the local bus is low.")

@@ -42,3 +42,23 @@ def test_a_breakpoint_at_a_branch_to_itself_stops_each_round(exact: bool) -> Non
         assert chip.run(1000)["reason"] == "breakpoint"
         cycles.append(chip.cycle)
     assert [after - before for before, after in pairwise(cycles)] == [4] * 5  # of a branch (c40-hardware.md 7.2)
+
+
+def test_where_one_run_ends_no_other_does_but_at_a_breakpoint_of_its_own() -> None:
+    image = toolchain.assemble("        .text\nstart:  nop\nend:    bu end\n", "end.asm", sections={".text": 0x2FFC00})
+    chip, end = c40.Processor("default"), image.symbols["end"]
+    chip.load_image(image)
+    for _ in range(3):
+        assert chip.run(1000, until=end)["reason"] == "breakpoint"
+        assert chip.run(1000)["reason"] == "limit"
+        assert chip.run(1000, until=end)["reason"] == "breakpoint"
+        assert len(chip.trace(40)) == 10  # branches of 4 cycles
+    chip.add_breakpoint(end)
+    assert chip.run(1000, until=end)["reason"] == "breakpoint"
+    assert chip.run(1000)["reason"] == "breakpoint"
+    chip.remove_breakpoint(end)
+    assert chip.run(1000)["reason"] == "limit"
+    chip.run(1000, until=end)
+    chip.add_breakpoint(end)
+    chip.remove_breakpoint(end)
+    assert chip.run(1000, until=end)["reason"] == "breakpoint"

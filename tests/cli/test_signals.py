@@ -83,14 +83,14 @@ class Running:
         self.until(lambda: bool(self.children()))
 
     def computes(self) -> None:
-        """Half a second of processor time is more than it takes to begin the run."""
+        """A fifth of a second of processor time is more than it takes to begin the run."""
         self.has_child()
 
         def used() -> int:
             fields = Path(f"/proc/{self.process.pid}/stat").read_text().rsplit(")", 1)[1].split()
             return int(fields[11]) + int(fields[12])
 
-        self.until(lambda: used() > os.sysconf("SC_CLK_TCK") // 2)
+        self.until(lambda: used() > os.sysconf("SC_CLK_TCK") // 5)
 
     def has_said(self, words: str) -> None:
         self.until(lambda: words in self.stderr())

@@ -138,13 +138,15 @@ def broken(report: Report, dock: Dock, config: Any) -> list[str]:
 
 def differences(one: Any, other: Any, path: str = "") -> list[str]:
     """Where two reports part."""
+    if one == other:
+        return []
     if isinstance(one, dict) and isinstance(other, dict) and one.keys() == other.keys():
         return [line for key in one for line in differences(one[key], other[key], f"{path}.{key}")]
     if isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
         return [
             line for n, pair in enumerate(zip(one, other, strict=True)) for line in differences(*pair, f"{path}[{n}]")
         ]
-    return [] if one == other else [f"{path}: {one!r}, {other!r}"]
+    return [f"{path}: {one!r}, {other!r}"]
 
 
 def without_the_clock(report: Report) -> Report:

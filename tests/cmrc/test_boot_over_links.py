@@ -12,7 +12,7 @@ START = 0.02  # s, host.start_ms
 
 
 def run(events: list[tuple[float, str, int]] | None = None, **settings: Any) -> Report:
-    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 0.1, **settings}))
+    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 0.1, "report.reference": "none", **settings}))
     for at_s, action, slot in events or []:
         simulation.at({"at_s": at_s, "action": action, "dsp": slot})
     simulation.run()

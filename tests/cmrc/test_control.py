@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from cmrc import _core
 
-SECONDS = 8.0
+SECONDS = 5.0
 EXPERIMENT = {"report.misses_max": 0, "report.reference": "none"}
 
 
@@ -68,7 +68,7 @@ def test_a_hoist_with_70_percent_misses_is_three_times_as_far_off_as_with_30() -
         result = cmrc.run(
             dsps=2,
             preset="tight",
-            duration_s=SECONDS,
+            duration_s=8.0,
             settings={"report.misses_max": 0, "scheduling.servo_loss_share": share},
         )
         off.append(result.errors["joints"]["l"]["path"]["rms"])

@@ -55,7 +55,7 @@ def test_no_dsp_is_silent_when_there_is_nothing_to_do(tmp_path: Path) -> None:
     """An empty ship: homing, then the servo ends and no block is loaded any more."""
     layout = tmp_path / "layout.toml"
     layout.write_text("containers = []\n", encoding="utf-8")
-    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 2.5, "dock.layout": str(layout)}))
+    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 2.5, "dock.layout": str(layout), "report.reference": "none"}))
     simulation.run()
     report = json.loads(simulation.report_json())
     assert failures(report, "silent") == [] and all(dsp["resets"] == 0 for dsp in report["dsps"])
@@ -64,7 +64,7 @@ def test_no_dsp_is_silent_when_there_is_nothing_to_do(tmp_path: Path) -> None:
 
 def test_no_healthy_dsp_is_silent_however_busy() -> None:
     for preset, dsps in (("saturated", 2), ("heavy", 3)):
-        simulation = cmrc.Simulation(cmrc.config(preset=preset, settings={"duration_s": 0.5, "dsps": dsps, "watchdog.silence_ms": 5}))
+        simulation = cmrc.Simulation(cmrc.config(preset=preset, settings={"duration_s": 0.5, "dsps": dsps, "watchdog.silence_ms": 5, "report.reference": "none"}))
         simulation.run()
         report = json.loads(simulation.report_json())
         assert failures(report, "silent") == []
@@ -73,7 +73,7 @@ def test_no_healthy_dsp_is_silent_however_busy() -> None:
 
 def test_work_that_kills_every_dsp_is_asked_for_so_often_and_no_more(tmp_path: Path) -> None:
     programs = programs_with(tmp_path, "grab_path.asm", "kernel_grab_path")
-    settings = {"machine.programs": programs, "duration_s": 1.0, "dsps": 3, "watchdog.long_run_us": 3000, "watchdog.recomputations_max": 1}
+    settings = {"machine.programs": programs, "duration_s": 1.0, "dsps": 3, "watchdog.long_run_us": 3000, "watchdog.recomputations_max": 1, "report.reference": "none"}
     for retries in (0, 1, 2):
         report = run([], **settings, **{"watchdog.retries_max": retries})
         path = report["tasks"]["grab_path"]

@@ -14,7 +14,7 @@ def simulate(duration_s: float, tmp_path: Path, layout: str = "", **settings: An
         file = tmp_path / "layout.toml"
         file.write_text(layout, encoding="utf-8")
         settings["dock.layout"] = str(file)
-    simulation = cmrc.Simulation(duration_s=duration_s, settings=settings)
+    simulation = cmrc.Simulation(duration_s=duration_s, settings={"report.reference": "none", **settings})
     simulation.run()
     return simulation
 
@@ -67,7 +67,7 @@ def test_a_rigid_gantry_does_not_sway(tmp_path: Path) -> None:
 
 def test_a_failed_trolley_drive_brakes_it_and_a_gantry_has_no_luff() -> None:
     def made(joint: str, crane: str = "gantry") -> cmrc.Simulation:
-        settings = {"dock.crane": crane, "duration_s": 3}
+        settings = {"dock.crane": crane, "duration_s": 3, "report.reference": "none"}
         return cmrc.Simulation(settings=settings, events=[{"at_s": 2, "action": "fail_drive", "joint": joint}])
 
     simulation = made("trolley")

@@ -52,7 +52,7 @@ def handed_on(config: Any, cuts: list[float]) -> Any:
     return simulation
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(1, 6))])
 def test_errors_are_handled_as_in_one_run(seed: int) -> None:
     config = cmrc.config(settings={"dsps": 2, "duration_s": 3.0, "report.reference": "none", "agvs": 2, **AT_ONCE}, events=ERRORS)
     whole = cmrc.Simulation(config)
@@ -79,7 +79,7 @@ def test_changes_of_the_loops_wait_for_rest_in_whatever_simulation() -> None:
     assert dock_checks.differences(told(whole), told(handed_on(config, cuts))) == []
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(1, 4))])
 def test_a_busy_host_is_handed_on_in_the_middle_of_its_refreshes(seed: int) -> None:
     """With boards that die and hang, so that blocks are put back and given up; with the semaphore, the doorbells and the boot under way."""
     events = [{"at_s": 0.03 + 0.011 * n, "action": action, "dsp": n % 3} for n, action in enumerate(["hang", "fail", "reset", "hang", "reset", "hang"])]

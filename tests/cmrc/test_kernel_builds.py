@@ -13,7 +13,7 @@ cmrc = _core.cmrc
 
 
 def run(**settings: Any) -> dict[str, Any]:
-    simulation = cmrc.Simulation(cmrc.config(settings=settings))
+    simulation = cmrc.Simulation(cmrc.config(settings={"report.reference": "none", **settings}))
     simulation.run()
     report: dict[str, Any] = json.loads(simulation.report_json())
     return report

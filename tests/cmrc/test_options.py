@@ -19,7 +19,7 @@ OUTCOMES = ("on_time", "late", "unfinished", "never_started", "lost", "dropped")
 
 
 def run(preset: str = "base", **settings: Any) -> dict[str, Any]:
-    simulation = cmrc.Simulation(cmrc.config(preset=preset, settings=settings))
+    simulation = cmrc.Simulation(cmrc.config(preset=preset, settings={"report.reference": "none", **settings}))
     simulation.run()
     report: dict[str, Any] = json.loads(simulation.report_json())
     assert report["audit"]["violations"] == []
@@ -114,7 +114,7 @@ def test_a_slowed_crane_carries_its_load_the_same_way() -> None:
     ways, points = {}, []
     for factor in (1.0, 1.5, 3.0):
         mode = {} if factor == 1 else {"work_mode": "slowed_crane", "slow_factor": factor}
-        simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 14.0 * factor, **halved_rates, **mode}))
+        simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 14.0 * factor, "report.reference": "none", **halved_rates, **mode}))
         simulation.run()
         signals = simulation.signals()
         points.append(json.loads(simulation.report_json())["tasks"]["inverse_kinematics.crane"]["released"])

@@ -28,13 +28,13 @@ MIXED = [row("high", 2, importance=0xFBFE), row("low", 2, importance=0x0100), ro
 @pytest.mark.parametrize(
     ("options", "rule"),
     [
-        ("--dsps 4 --duration 0.3", Rule()),
-        ("--dsps 3 --duration 0.3 --idle-policy spin", Rule()),
-        ("--dsps 3 --duration 0.3 --idle-policy pause", Rule()),
-        ("--dsps 4 --duration 0.2 --preset saturated", Rule()),
+        ("--dsps 4 --duration 0.12", Rule()),
+        ("--dsps 3 --duration 0.12 --idle-policy spin", Rule()),
+        ("--dsps 3 --duration 0.12 --idle-policy pause", Rule()),
+        ("--dsps 4 --duration 0.12 --preset saturated", Rule()),
         ("--dsps 3 --duration 0.2 --preset saturated --set scheduling.slice_cycles=10000", Rule()),
         ("--dsps 16 --duration 0.1 --set dock.agvs=8", Rule()),
-        ("--dsps 3 --duration 0.2 --set scheduling.gamma_refreshes=2", Rule(gamma=2)),
+        ("--dsps 3 --duration 0.12 --set scheduling.gamma_refreshes=2", Rule(gamma=2)),
     ],
 )
 def test_only_its_dsp_ever_claims_a_block_and_the_order_of_all_is_by_importance(

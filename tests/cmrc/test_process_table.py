@@ -100,7 +100,7 @@ def test_the_end_of_a_process_names_the_robot_of_its_start(tmp_path: Path) -> No
 
 
 def run_report(toml: str, duration_s: float, **settings: Any) -> str:
-    simulation = cmrc.Simulation(cmrc.config(toml=toml, settings={**AT_ONCE, "duration_s": duration_s, **settings}))
+    simulation = cmrc.Simulation(cmrc.config(toml=toml, settings={**AT_ONCE, "duration_s": duration_s, "report.reference": "none", **settings}))
     simulation.run()
     report = simulation.report_json()
     assert json.loads(report)["audit"]["violations"] == []

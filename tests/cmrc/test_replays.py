@@ -46,7 +46,7 @@ def failures(*rows: tuple[float, str, dict[str, Any]]) -> str:
     return text
 
 
-CROWDED = "--dsps 1 --duration 0.3 --set dock.agvs=8 --set load.avoidance_cycles=30000 --set scheduling.agv_phase=together"
+CROWDED = "--dsps 1 --duration 0.15 --set dock.agvs=8 --set load.avoidance_cycles=30000 --set scheduling.agv_phase=together"
 DYING = failures((0.04003, "fail", {"dsp": 0}), (0.06003, "hang", {"dsp": 1}), (0.09004, "unplug", {"dsp": 2}), (0.12, "plug", {"dsp": 2}))
 ROUGH = failures(
     (0.0203, "pause_host", {"lasts_ms": 1.7}), (0.03, "stall_bus", {"bus": "A", "lasts_ms": 0.9}), (0.0402, "hang", {"dsp": 0}), (0.05, "slow", {"dsp": 1, "factor": 0.05}),
@@ -57,18 +57,18 @@ ROUGH = failures(
 @pytest.mark.parametrize(
     ("options", "toml", "rule", "kinds"),
     [
-        ("--dsps 1 --duration 0.3", "", Rule(), {1, 3, 5, 6, 7, 8}),
-        ("--dsps 4 --duration 0.3", "", Rule(), {1, 3, 5, 6, 7, 8}),
-        ("--dsps 16 --duration 0.2 --set dock.agvs=8", "", Rule(), {5, 6, 7}),
-        ("--dsps 4 --duration 0.3 --set dock.agvs=8", DRIVING, Rule(), {2, 4, 5, 6, 10}),
+        ("--dsps 1 --duration 0.15", "", Rule(), {1, 3, 5, 6, 7, 8}),
+        ("--dsps 4 --duration 0.15", "", Rule(), {1, 3, 5, 6, 7, 8}),
+        ("--dsps 16 --duration 0.13 --set dock.agvs=8", "", Rule(), {5, 6, 7}),
+        ("--dsps 4 --duration 0.15 --set dock.agvs=8", DRIVING, Rule(), {2, 4, 5, 6, 10}),
         (CROWDED, DRIVING, Rule(), {2, 4, 5, 6, 10, 11}),
         ("--dsps 1 --duration 0.2 --preset saturated", "", Rule(), {5, 6, 11}),
-        ("--dsps 2 --duration 0.2 --preset saturated --idle-policy spin", "", Rule(), {5, 6, 11}),
-        ("--dsps 4 --duration 0.2", DYING, Rule(), {5, 6}),
-        ("--dsps 2 --duration 0.2 --idle-policy pause", ROUGH, Rule(), {5, 6}),
-        ("--dsps 3 --duration 0.2 --set scheduling.gamma_refreshes=2 --set scheduling.alpha_refreshes=30", "", Rule(gamma=2, alpha=30), {5, 6}),
-        ("--dsps 2 --duration 0.2 --preset saturated --set scheduling.slice_cycles=10000", ROUGH, Rule(), {5, 6, 11}),
-        ("--dsps 2 --duration 0.2 --set rates.servo_frequency_hz=2000 --set scheduling.p=20480", "", Rule(servo=4, p=20480), {5, 6}),
+        ("--dsps 2 --duration 0.13 --preset saturated --idle-policy spin", "", Rule(), {5, 6, 11}),
+        ("--dsps 4 --duration 0.13", DYING, Rule(), {5, 6}),
+        ("--dsps 2 --duration 0.13 --idle-policy pause", ROUGH, Rule(), {5, 6}),
+        ("--dsps 3 --duration 0.13 --set scheduling.gamma_refreshes=2 --set scheduling.alpha_refreshes=30", "", Rule(gamma=2, alpha=30), {5, 6}),
+        ("--dsps 2 --duration 0.13 --preset saturated --set scheduling.slice_cycles=10000", ROUGH, Rule(), {5, 6, 11}),
+        ("--dsps 2 --duration 0.13 --set rates.servo_frequency_hz=2000 --set scheduling.p=20480", "", Rule(servo=4, p=20480), {5, 6}),
     ],
 )
 def test_the_list_and_every_claim_follow_equation_7(tmp_path: Path, options: str, toml: str, rule: Rule, kinds: set[int]) -> None:
@@ -98,20 +98,20 @@ def test_the_replay_notices_a_broken_rule(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "toml", "dsps", "least"),
     [
-        ("--dsps 1 --duration 0.3", "", 1, 2),
-        ("--dsps 1 --duration 0.3 --preset saturated", "", 1, 20),
-        ("--dsps 2 --duration 0.3 --preset saturated", "", 2, 20),
-        ("--dsps 4 --duration 0.5 --preset saturated --set scheduling.agv_phase=together", "", 4, 20),
-        ("--dsps 2 --duration 0.3 --preset saturated --idle-policy spin", "", 2, 20),
-        ("--dsps 2 --duration 0.3 --preset saturated --idle-policy pause", "", 2, 20),
-        ("--dsps 4 --duration 0.2", DYING, 4, 1),
-        ("--dsps 2 --duration 0.2 --preset saturated", ROUGH, 2, 10),
-        ("--dsps 2 --duration 0.2", ROUGH, 2, 3),
+        ("--dsps 1 --duration 0.15", "", 1, 2),
+        ("--dsps 1 --duration 0.2 --preset saturated", "", 1, 20),
+        ("--dsps 2 --duration 0.15 --preset saturated", "", 2, 20),
+        ("--dsps 4 --duration 0.25 --preset saturated --set scheduling.agv_phase=together", "", 4, 20),
+        ("--dsps 2 --duration 0.15 --preset saturated --idle-policy spin", "", 2, 20),
+        ("--dsps 2 --duration 0.15 --preset saturated --idle-policy pause", "", 2, 20),
+        ("--dsps 4 --duration 0.13", DYING, 4, 1),
+        ("--dsps 2 --duration 0.13 --preset saturated", ROUGH, 2, 10),
+        ("--dsps 2 --duration 0.13", ROUGH, 2, 3),
         ("--dsps 1 --duration 1.0", failures((0.05, "fail", {"dsp": 0})), 1, 1),
-        ("--dsps 3 --duration 0.2 --set machine.cycle_time_factor=14", "", 3, 50),
-        ("--dsps 1 --duration 0.3 --preset saturated --set scheduling.slice_cycles=10000", "", 1, 20),
-        ("--dsps 2 --duration 0.2 --preset saturated --set scheduling.slice_cycles=20000", ROUGH, 2, 10),
-        ("--dsps 3 --duration 0.2 --preset saturated --set scheduling.slice_cycles=5000", DYING, 3, 1),
+        ("--dsps 3 --duration 0.15 --set machine.cycle_time_factor=14", "", 3, 50),
+        ("--dsps 1 --duration 0.15 --preset saturated --set scheduling.slice_cycles=10000", "", 1, 20),
+        ("--dsps 2 --duration 0.13 --preset saturated --set scheduling.slice_cycles=20000", ROUGH, 2, 10),
+        ("--dsps 3 --duration 0.13 --preset saturated --set scheduling.slice_cycles=5000", DYING, 3, 1),
     ],
 )
 def test_chains_add_up_and_are_those_of_the_trace(tmp_path: Path, options: str, toml: str, dsps: int, least: int) -> None:

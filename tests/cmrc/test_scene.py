@@ -14,7 +14,7 @@ OUTCOMES = ("on_time", "late", "unfinished", "never_started", "lost", "dropped")
 
 
 def run(script: list[tuple[float, str, int]] | None = None, preset: str = "base", **settings: Any) -> Report:
-    simulation = cmrc.Simulation(cmrc.config(preset=preset, settings={**AT_ONCE, **settings}))
+    simulation = cmrc.Simulation(cmrc.config(preset=preset, settings={**AT_ONCE, "report.reference": "none", **settings}))
     for time_s, action, slot in script or []:
         simulation.at({"at_s": time_s, "action": action, "dsp": slot})
     simulation.run()
@@ -125,7 +125,7 @@ def test_a_dsp_that_dies_holding_the_list_does_not_stop_it() -> None:
 
 
 def test_pulling_every_dsp_ends_the_run() -> None:
-    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 5, "dsps": 2}))
+    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 5, "dsps": 2, "report.reference": "none"}))
     for slot in (0, 1):
         simulation.at({"at_s": 0.1, "action": "unplug", "dsp": slot})
     simulation.run()
@@ -143,12 +143,12 @@ def test_a_dsp_plugged_in_starts_working_by_itself() -> None:
 
 
 def test_a_rigid_crane_does_not_sway() -> None:
-    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 4, "crane_model": "rigid"}))
+    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 4, "crane_model": "rigid", "report.reference": "none"}))
     simulation.run()
     signals = simulation.signals()
     assert abs(signals["sway_alpha_rad"]).max() == abs(signals["sway_beta_rad"]).max() == 0
     assert signals["payload_x_m"] == pytest.approx(signals["tip_x_m"], abs=1e-9)
-    swaying = cmrc.Simulation(cmrc.config(settings={"duration_s": 4}))
+    swaying = cmrc.Simulation(cmrc.config(settings={"duration_s": 4, "report.reference": "none"}))
     swaying.run()
     assert abs(swaying.signals()["sway_beta_rad"]).max() > 1e-4
     error = json.loads(simulation.report_json())["pid_error"]
@@ -163,7 +163,7 @@ def test_strict_turns_a_miss_into_a_failed_run() -> None:
 
 def _strict_status(strict: bool) -> int:
     # One DSP: identify alone takes longer than a servo period.
-    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 0.04, "dsps": 1, "strict": strict}))
+    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 0.04, "dsps": 1, "strict": strict, "report.reference": "none"}))
     simulation.run()
     return int(simulation.exit_status)
 

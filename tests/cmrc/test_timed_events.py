@@ -13,7 +13,7 @@ OUTCOMES = ("on_time", "late", "unfinished", "never_started", "lost", "dropped")
 
 
 def run(events: list[dict[str, Any]], **settings: Any) -> Report:
-    simulation = cmrc.Simulation(cmrc.config(settings=settings, events=events))
+    simulation = cmrc.Simulation(cmrc.config(settings={"report.reference": "none", **settings}, events=events))
     simulation.run()
     report: Report = json.loads(simulation.report_json())
     assert report["audit"]["violations"] == []
@@ -85,7 +85,7 @@ def test_every_clock_of_a_stalled_bus_is_accounted_for() -> None:
 
 
 def test_a_failed_drive_brakes_its_joint_alone() -> None:
-    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 3, "signal_decimation": 80}, events=[{"at_s": 2, "action": "fail_drive", "joint": "slew"}]))
+    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 3, "signal_decimation": 80, "report.reference": "none"}, events=[{"at_s": 2, "action": "fail_drive", "joint": "slew"}]))
     simulation.run()
     signals = simulation.signals()
     last = signals["time_s"] > 2.9
@@ -160,7 +160,7 @@ def test_a_change_is_an_event_of_the_trace_and_of_the_hash() -> None:
 )
 def test_the_last_of_several_at_one_instant_holds(factors: tuple[float, ...], cycles: int) -> None:
     events = [{"at_s": 0.05, "action": "slow", "dsp": 0, "factor": factor} for factor in factors]
-    settings = {"duration_s": 0.1, "dsps": 1, "boot": "preloaded"}
+    settings = {"duration_s": 0.1, "dsps": 1, "boot": "preloaded", "report.reference": "none"}
     report = run(events, **settings)
     assert report["dsps"][0]["cycles"] == 1_250_000 + cycles
     assert [entry["what"] for entry in report["timed_events"]] == [f"slow DSP 0 to {factor}" for factor in factors]
@@ -183,8 +183,8 @@ def test_a_board_is_pulled_and_put_in_at_one_instant_in_that_order_only() -> Non
 def test_the_operators_last_word_at_one_instant_counts() -> None:
     def importances(words: tuple[str, str]) -> set[int]:
         events = [{"at_s": 0.03, "action": "set", "key": "scheduling.equation", "value": word} for word in words]
-        settings = {"duration_s": 0.06, "dsps": 1, "boot": "preloaded"}
-        simulation = cmrc.Simulation(cmrc.config(settings=settings, events=events))
+        settings = {"duration_s": 0.06, "dsps": 1, "boot": "preloaded", "report.reference": "none"}
+        simulation = cmrc.Simulation(cmrc.config(settings={"report.reference": "none", **settings}, events=events))
         first, words_each, count = (simulation.symbol(f"BLOCK_{name}") for name in ("POOL", "WORDS", "COUNT"))
         seen = set()
         for k in range(400):

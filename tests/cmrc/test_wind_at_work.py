@@ -11,10 +11,8 @@ import numpy as np
 import pytest
 from cmrc import _core, landings
 from cmrc._core import plant
-from locations import ROOT
+from locations import OVER_A_CONTAINER, ROOT
 
-OVER_IT = "[home]\nx_m = 0.0\ny_m = 23.9\nz_m = 7.2\n[[containers]]\nx_m = 0.0\ny_m = 24.0\n"
-"""A spreader that hangs above its container: it is lowered after some five seconds."""
 SEED = 112
 """Its wind of 19 m/s begins above 20 m/s and falls below that at 9.4 s, for good as far as the test goes."""
 
@@ -37,7 +35,7 @@ def at(simulation: Any, what: str) -> list[float]:
 def test_in_a_breeze_the_spreader_lands_at_the_first_try(tmp_path: Path) -> None:
     """12 m/s: without a shift upwind the spreader would hang 0.25 m beside the container, beyond what the guides catch."""
     wind = {"dock__wind_mean_m_s": 12.0, "dock__wind_gust_m_s": 1.56, "dock__wind_direction_deg": 90.0}
-    simulation = simulate(22.0, tmp_path, OVER_IT, **wind)
+    simulation = simulate(22.0, tmp_path, OVER_A_CONTAINER, **wind)
     assert len(at(simulation, "locked")) == 1 and not at(simulation, "missed")
     signals = simulation.signals()
     near = np.searchsorted(signals["time_s"], at(simulation, "touch")[0]) - 1
@@ -80,7 +78,7 @@ def test_a_load_that_stands_jammed_is_eased_into_the_cones() -> None:
 
 def test_no_lift_begins_in_too_much_wind_and_work_goes_on_when_it_falls(tmp_path: Path) -> None:
     wind: dict[str, Any] = {"dock__wind_mean_m_s": 19.0, "dock__wind_gust_m_s": 2.47, "run__seed": SEED}
-    simulation = simulate(24.0, tmp_path, OVER_IT, **wind)
+    simulation = simulate(24.0, tmp_path, OVER_A_CONTAINER, **wind)
     mean, end = means_of_three_seconds(24.0)
     falls = float(end[(end > 0.1) & (mean < 20.0)][0])
     assert falls > 8.0
@@ -99,12 +97,12 @@ def test_no_lift_begins_in_too_much_wind_and_work_goes_on_when_it_falls(tmp_path
 
 def test_the_limit_is_a_setting(tmp_path: Path) -> None:
     settings: dict[str, Any] = {"dock__wind_mean_m_s": 14.0, "dock__wind_limit_m_s": 13.9}
-    waiting = simulate(5.0, tmp_path, OVER_IT, **settings)
+    waiting = simulate(5.0, tmp_path, OVER_A_CONTAINER, **settings)
     assert np.abs(waiting.signals()["payload_z_m"][-1] - 7.2) < 0.1  # it stays where it hung
     report = json.loads(waiting.report_json())["wind"]
     assert report["above_share"] == pytest.approx(1.0, abs=0.01) and report["waits"] == 1
     assert report["waited_s"] == pytest.approx(5.0, abs=0.1)
-    working = simulate(5.0, tmp_path, OVER_IT, **{**settings, "dock__wind_limit_m_s": 14.1})
+    working = simulate(5.0, tmp_path, OVER_A_CONTAINER, **{**settings, "dock__wind_limit_m_s": 14.1})
     report = json.loads(working.report_json())["wind"]
     assert (report["above_s"], report["waited_s"], report["waits"]) == (0.0, 0.0, 0)
     assert "Wind above" not in working.report_text() and working.signals()["payload_z_m"][-1] < 7.1
@@ -176,7 +174,7 @@ def test_wind_on_a_rigid_crane_is_for_its_drives(tmp_path: Path) -> None:
     of = {"dock__crane_model": "rigid", "dock__wind_mean_m_s": 15.0, "dock__wind_limit_m_s": 10.0}
     signals = {}
     for direction in (0.0, 180.0):  # that it waits is what the limit is for
-        simulation = simulate(5.0, tmp_path, OVER_IT, **of, dock__wind_direction_deg=direction)
+        simulation = simulate(5.0, tmp_path, OVER_A_CONTAINER, **of, dock__wind_direction_deg=direction)
         assert json.loads(simulation.report_json())["failures"] == []
         signals[direction] = {name: values[-1000:] for name, values in simulation.signals().items()}
     for name, most in (("sway_alpha_rad", 0.0), ("sway_beta_rad", 0.0), ("payload_x_m", 0.01)):

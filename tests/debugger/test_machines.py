@@ -56,7 +56,7 @@ def test_at_a_stop_the_dock_is_as_one_that_nobody_looks_at(dsps: int, settings: 
     debugger.watch("LIST_WORK_POINTER", on="change", ignore=30)
     debugger.watch("EXEC_BLOCK", chip=dsps - 1)
     reasons = set()
-    for _ in range(20):
+    for _ in range(12):
         stop = debugger.go(0.09)
         if not stop.hits:
             break

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from locations import BUILD, ROOT
 
-MUTATIONS = 1000
+MUTATIONS = 400
 TARGETS = sorted(path.stem for path in (ROOT / "fuzz" / "targets").glob("*.cpp"))
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from harness_agv import Dsp
+from harness_agv import WINDOW_B, Dsp
 from range_scene import FIRST, MOUNT, STEP, Scene
 from reference_agv import Segment, wrap
 from test_inverse_agv import measure, pushed
@@ -28,8 +28,7 @@ def show(dsp: Dsp, rays: list[int]) -> None:
     assert s["AGV_RANGE"] == RANGE
     for name, value in (("RANGE_COUNT", len(rays)), ("RANGE_FIRST", FIRST), ("RANGE_STEP", STEP), ("RANGE_MOUNT", MOUNT)):
         dsp.device(RANGE + s[name], value)
-    for i, mm in enumerate(rays):
-        dsp.device(RANGE + s["RANGE_RAY"] + i, mm)
+    dsp.chip.load_words(WINDOW_B + RANGE + s["RANGE_RAY"], rays)
 
 
 def observe(dsp: Dsp, vehicle: Vehicle) -> None:

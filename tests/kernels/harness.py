@@ -5,26 +5,26 @@ from __future__ import annotations
 import functools
 import math
 import os
-from pathlib import Path
 from typing import Any
 
 import reference
 from cmrc import _core
-from locations import ROOT
 
 WINDOW_A, WINDOW_B = 0xC0000000, 0x70000000
 RETURN = 0x3FF000  # nothing is here: where the called code returns to
 
 
 @functools.cache
-def image_of(programs: Path, settings: tuple[tuple[str, str | float], ...]) -> Any:
-    return _core.cmrc.dsp_image(_core.cmrc.config(settings={"machine.programs": str(programs), **dict(settings)}))
+def image_of(programs: str, settings: tuple[tuple[str, str | float], ...]) -> Any:
+    return _core.cmrc.dsp_image(_core.cmrc.config(settings={"machine.programs": programs, **dict(settings)}))
 
 
 def image(**settings: str | float) -> Any:
-    """The DSPs' program as a run with these settings loads it; names have ``__`` for the dot."""
-    programs = Path(os.environ.get("CMRC_PROGRAMS", ROOT / "c40_programs"))
-    return image_of(programs, tuple((name.replace("__", "."), value) for name, value in sorted(settings.items())))
+    """The DSPs' program as a run with these settings loads it; names have ``__`` for the dot.
+
+    The one that the build has assembled, or that of the folder CMRC_PROGRAMS.
+    """
+    return image_of(os.environ.get("CMRC_PROGRAMS", ""), tuple((name.replace("__", "."), value) for name, value in sorted(settings.items())))
 
 
 def to_ti(x: float) -> int:

@@ -2,25 +2,17 @@
 
 from __future__ import annotations
 
-import functools
 import math
-import os
-from pathlib import Path
 
+import harness
 from cmrc import _core
-from locations import ROOT
 
 WINDOW_A, WINDOW_B = 0xC0000000, 0x70000000
 RETURN = 0x3FF000  # a word where nothing is: the kernel comes back here
 
 
-@functools.cache
-def image_of(programs: Path) -> _core.toolchain.Image:
-    return _core.cmrc.dsp_image(_core.cmrc.config(settings={"machine.programs": str(programs)}))
-
-
 def image() -> _core.toolchain.Image:
-    return image_of(Path(os.environ.get("CMRC_PROGRAMS", ROOT / "c40_programs")))
+    return harness.image()
 
 
 def to_ti(x: float) -> int:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+import numpy as np
+
 RAYS, FIRST, STEP, MOST, MOUNT = 180, -1_562_070, 17_453, 30_000, 7_400  # microradians, mm: as the registers show them
 
 
@@ -40,48 +42,39 @@ class Scene:
         for d in self.discs:
             d.x, d.y = d.x + d.vx * seconds, d.y + d.vy * seconds
 
-    def distance(self, x: float, y: float, direction: float) -> float:
-        dx, dy = math.cos(direction), math.sin(direction)
-        best = math.inf
+    def distances(self, x: float, y: float, directions: np.ndarray) -> np.ndarray:
+        """To the nearest disc or wall in each direction, m; infinity where there is none."""
+        dx, dy = np.cos(directions), np.sin(directions)
+        best = np.full(len(directions), math.inf)
         for d in self.discs:
             along = (d.x - x) * dx + (d.y - y) * dy
-            across2 = (d.x - x) ** 2 + (d.y - y) ** 2 - along**2
-            if across2 <= d.radius**2:
-                t = along - math.sqrt(d.radius**2 - across2)
-                if t >= 0:
-                    best = min(best, t)
+            inside = d.radius**2 - ((d.x - x) ** 2 + (d.y - y) ** 2 - along**2)
+            t = along - np.sqrt(np.maximum(inside, 0.0))
+            np.minimum(best, t, out=best, where=(inside >= 0) & (t >= 0))
         for w in self.walls:
             ex, ey = w.bx - w.ax, w.by - w.ay
             det = ex * dy - ey * dx
-            if abs(det) < 1e-12:
-                continue
+            det[np.abs(det) < 1e-12] = math.nan  # along the wall
             t = (ex * (w.ay - y) - ey * (w.ax - x)) / det
             u = (dx * (w.ay - y) - dy * (w.ax - x)) / det
-            if t >= 0 and 0 <= u <= 1:
-                best = min(best, t)
+            np.minimum(best, t, out=best, where=(t >= 0) & (u >= 0) & (u <= 1))
         return best
 
     def scan(self, x: float, y: float, heading: float) -> list[int]:
         """The registers RANGE_RAY of a vehicle whose middle is at (x, y)."""
         c, s = math.cos(heading), math.sin(heading)
-        px, py = x + MOUNT / 1e3 * c, y + MOUNT / 1e3 * s
-        out = []
-        for ray in range(RAYS):
-            mm = 1e3 * self.distance(px, py, heading + 1e-6 * (FIRST + ray * STEP))
-            out.append(MOST if mm >= MOST else max(8 * math.floor(mm / 8), 48))
-        return out
+        mm = 1e3 * self.distances(x + MOUNT / 1e3 * c, y + MOUNT / 1e3 * s, heading + 1e-6 * (FIRST + STEP * np.arange(RAYS)))
+        return [MOST if m >= MOST else max(8 * math.floor(m / 8), 48) for m in mm.tolist()]
 
     def clearance(self, x: float, y: float, heading: float, length: float = 14.8, width: float = 3.0) -> float:
         """Distance of the vehicle's rectangle from the nearest disc or wall's end; negative inside."""
         c, s = math.cos(heading), math.sin(heading)
-        best = math.inf
-        points = [(d.x, d.y, d.radius) for d in self.discs]
+        points = [np.array([[d.x, d.y, d.radius] for d in self.discs]).reshape(-1, 3)]
         for w in self.walls:
             n = max(2, int(math.hypot(w.bx - w.ax, w.by - w.ay) / 0.1))
-            points += [(w.ax + (w.bx - w.ax) * i / n, w.ay + (w.by - w.ay) * i / n, 0.0) for i in range(n + 1)]
-        for px, py, r in points:
-            u, v = c * (px - x) + s * (py - y), c * (py - y) - s * (px - x)
-            ox, oy = abs(u) - length / 2, abs(v) - width / 2
-            outside = math.hypot(max(ox, 0), max(oy, 0))
-            best = min(best, (outside if outside > 0 else max(ox, oy)) - r)
-        return best
+            points.append(np.linspace((w.ax, w.ay, 0.0), (w.bx, w.by, 0.0), n + 1))
+        px, py, r = np.concatenate(points).T
+        u, v = c * (px - x) + s * (py - y), c * (py - y) - s * (px - x)
+        ox, oy = np.abs(u) - length / 2, np.abs(v) - width / 2
+        outside = np.hypot(np.maximum(ox, 0), np.maximum(oy, 0))
+        return float(np.min(np.where(outside > 0, outside, np.maximum(ox, oy)) - r, initial=math.inf))

@@ -15,6 +15,7 @@ from test_golden_kernels import CASES, kernel_trace
 from traces import condensed, without_operands
 
 USER = "inverse_crane"  # stands early in the image: most kernels and functions after it move
+LONG = "avoidance_dwa"  # nearly all of the instructions of all kernels together, and a vehicle's: of the crane's area it knows nothing
 
 
 def substitute(path: Path, old: str, new: str) -> None:
@@ -51,18 +52,26 @@ def before(word: str) -> Callable[[str], str]:
     return added
 
 
+AT_THE_END = "at the end"
+
+
 @pytest.fixture(scope="module")
 def traces() -> dict[str, str]:
-    return {kernel: kernel_trace(kernel, *rest) for kernel, *rest in CASES}
+    """The golden ones: test_golden_kernels.py compares them with those of the programs as they are."""
+    return {kernel: (ROOT / "tests" / "golden" / f"kernel-{kernel}.trace").read_text() for kernel, *_ in CASES}
 
 
 @pytest.mark.parametrize(
     "added",
     [at_the_end, before("CR_SPEED"), before("CR_RING"), before("CR_TRAJECTORY")],
-    ids=["at the end", "CR_SPEED", "CR_RING", "CR_TRAJECTORY"],
+    ids=[AT_THE_END, "CR_SPEED", "CR_RING", "CR_TRAJECTORY"],
 )
 def test_a_word_added_for_one_kernel_changes_no_other_golden_trace(
-    added: Callable[[str], str], traces: dict[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    added: Callable[[str], str],
+    traces: dict[str, str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    request: pytest.FixtureRequest,
 ) -> None:
     programs = tmp_path / "c40_programs"
     shutil.copytree(ROOT / "c40_programs", programs)
@@ -83,7 +92,9 @@ def test_a_word_added_for_one_kernel_changes_no_other_golden_trace(
     monkeypatch.setenv("CMRC_PROGRAMS", str(programs))
     after = image().symbols
     assert sum(after[f"kernel_{kernel}"] != before[f"kernel_{kernel}"] for kernel, *_ in CASES) > 15  # they did move
-    changed = [kernel for kernel, *rest in CASES if kernel_trace(kernel, *rest) != traces[kernel]]
+    # All variants move the long one alike: once is enough.
+    cases = [case for case in CASES if case[0] != LONG or AT_THE_END in request.node.name]
+    changed = [kernel for kernel, *rest in cases if kernel_trace(kernel, *rest) != traces[kernel]]
     assert changed == [USER]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import random
 import subprocess
 from collections.abc import Callable
@@ -812,3 +813,17 @@ def test_interrupts_and_dma_are_events() -> None:
 def test_bad_commands(run: Any, arguments: list[str], message: str) -> None:
     result = run(*arguments)
     assert result.returncode == 2 and result.stdout == "" and message in result.stderr, result.stderr
+
+
+def test_memory_that_no_program_has_touched_costs_nothing_in_a_second_network_either() -> None:
+    """64 chips have 700 MB of RAM. calloc would fill what an earlier network has freed with zeros."""
+
+    def resident_mb() -> float:
+        return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+    before = resident_mb()
+    for _ in range(4):
+        network = Network(c40.assemble("loop:   bu loop\n"), topology="torus:4x4x4")
+        network.run(until_us=1)
+        del network
+    assert resident_mb() - before < 250

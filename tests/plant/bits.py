@@ -19,7 +19,7 @@ def crane(integrator: str) -> str:
     alone, draw = public.Crane(integrator=integrator, tolerance=1e-10), random.Random(1)
     middle, swing = (0, 0, 900, -1000, 0), (400, 600, 300, 200, 20)
     bits = hashlib.sha256()
-    for _ in range(200):
+    for _ in range(80):
         alone.run([m + draw.uniform(-s, s) for m, s in zip(middle, swing, strict=True)], 0.05, 1)
         bits.update(struct.pack("<14d", *alone.state.q, *alone.state.qd))
     return bits.hexdigest()
@@ -45,7 +45,7 @@ def leg() -> str:
 def bumps() -> str:
     """A vehicle runs into posts, one by one: ODE's box against its cylinder."""
     bits = []
-    for k in range(6):
+    for k in range(0, 6, 2):
         config = plant.default_dock(1)
         config.layout.movers = [plant.Mover(0.2 + 0.05 * k, 2.0, [plant.Waypoint(0, 33.0, 8.8 + 0.03 * k)])]
         dock = plant.Dock(config)
