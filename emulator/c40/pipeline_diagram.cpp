@@ -119,9 +119,9 @@ std::vector<std::string> PipelineDiagram::ruler() const {
 }
 
 std::string PipelineDiagram::text() const {
-  std::string out = fmt::format(
-      "pipeline, cycles {} to {} (F fetch, D decode, R read, E execute, - holds, {}, I interrupt)\n", first_, last_,
-      legend_of_causes());
+  std::string out =
+      fmt::format("pipeline, cycles {} to {} (F fetch, D decode, R read, E execute, - holds, {}, I interrupt)\n",
+                  first_, last_, legend_of_causes());
   for (const std::string& line : ruler()) out += line + "\n";
   for (const Row& row : rows_) out += fmt::format("{}  {}\n", row.cells, row.label);
   return out;

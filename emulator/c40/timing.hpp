@@ -55,8 +55,8 @@ struct Demand {
   int flush_cost = 0;  ///< cost of a standard branch in this direction; 0 for everything else
 };
 
-/// Cycles that one instruction added to T, in total and by cause; `start` is the beginning of each data access, relative
-/// to the old T.
+/// Cycles that one instruction added to T, in total and by cause; `start` is the beginning of each data access,
+/// relative to the old T.
 struct StepTiming {
   int total = 1;
   std::array<std::int16_t, pipeline_cause_count> causes{};  ///< their sum is `total`
