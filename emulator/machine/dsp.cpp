@@ -206,7 +206,7 @@ bool Dsp::window_access(const c40::ExternalAccess& access) {
           fmt::format("a write that nothing on bus {} takes from a DSP (PCI master abort)", bus_name(route)));
     return false;
   }
-  if (access.cycle != refused_) {  // the chip has not asked: its DMA is active
+  if (std::exchange(refused_, -1) != access.cycle) {  // the chip has not asked: its DMA is active
     if (const auto answer = answer_at_once(access, route)) {
       if (access.write)
         chip_.complete_write(answer->arbitration, answer->transfer);

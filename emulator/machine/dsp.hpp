@@ -243,7 +243,8 @@ class Dsp final : public Scheduler::Processor,
   Time run_end_{0};  // end of the present run
   Time edge_ = never;
   Time reset_ = never;
-  c40::Cycles refused_ = -1;  // the cycle of the access that was last not answered at once
+  c40::Cycles refused_ =
+      -1;  // the cycle of the access before which the chip stops, if it was just not answered at once
   c40::ExternalAccess access_{};
   c40::PortAccess port_access_{};
   Word answer_ = 0;
