@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "isa/types.hpp"
+#include "isa/word.hpp"
 
 namespace c40 {
 
@@ -15,8 +15,8 @@ using isa::Word;
 /// H1 periods: one H1 period is one instruction cycle, two CLKIN periods (c40-hardware.md 0.3).
 using Cycles = std::int64_t;
 
-/// The cause of a cycle. Every cycle of a chip has exactly one cause. The pipeline model (timing.hpp) books the causes up
-/// to wait_state, and they alone are in a block's constants.
+/// The cause of a cycle. Every cycle of a chip has exactly one cause. The pipeline model (timing.hpp) books the causes
+/// up to wait_state, and they alone are in a block's constants.
 enum class Cause : std::uint8_t {
   execute,
   branch,

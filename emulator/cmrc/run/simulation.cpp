@@ -9,6 +9,7 @@
 
 #include "bus_model/bus.hpp"
 #include "c40/chip.hpp"
+#include "cmrc/configuration/config.hpp"
 #include "cmrc/host/host.hpp"
 #include "cmrc/measures/ledger.hpp"
 #include "cmrc/measures/run_profile.hpp"
