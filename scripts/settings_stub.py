@@ -1,6 +1,7 @@
-"""python/cmrc/_settings.pyi from the configuration's schema: what an editor offers as keywords of cmrc.run.
+"""python/cmrc/_settings.pyi from the configuration's schema: what an editor offers as keywords of cmrc.run; and the
+numbers in the classes of parameters of python/cmrc/_core/plant.pyi from the C++ module.
 
-`PYTHONPATH=build/python python scripts/settings_stub.py` writes it; tests/python/test_settings_stub.py holds it equal.
+`PYTHONPATH=build/python python scripts/settings_stub.py` writes both; tests/python/test_settings_stub.py holds them.
 """
 
 from __future__ import annotations
@@ -9,9 +10,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from cmrc import files, keywords
+from cmrc import _core, files, keywords
 
 PLACE = Path(__file__).resolve().parent.parent / "python" / "cmrc" / "_settings.pyi"
+PLANT = PLACE.parent / "_core" / "plant.pyi"
+PARAMETERS = ("DriveParameters", "Portal", "CraneParameters", "LandingParameters", "AgvParameters")
 HEAD = """# Written by scripts/settings_stub.py from the configuration's schema (docs/configuration.md).
 from typing import Literal, TypedDict
 
@@ -46,5 +49,22 @@ def type_of(key: Mapping[str, Any]) -> str:
     return keywords.TYPES[key["type"]].__name__
 
 
+def plant_stub(text: str) -> str:
+    """The text of plant.pyi with a line for each number of the classes of parameters, in the module's order."""
+    for name in PARAMETERS:
+        head, begin, rest = text.partition(f"class {name}:\n    def __init__(self) -> None: ...\n")
+        body, end, rest = rest.partition("\nclass ")
+        others = [line for line in body.splitlines() if not line.endswith(": float")]
+        members = vars(getattr(_core.plant, name)).items()
+        numbers = [
+            f"    {member}: float"
+            for member, value in members
+            if isinstance(value, property) and value.fset and (value.fget.__doc__ or "").strip().endswith("-> float")
+        ]
+        text = head + begin + "\n".join([*numbers, *others]) + "\n" + end + rest
+    return text
+
+
 if __name__ == "__main__":
     files.write(PLACE, stub())
+    files.write(PLANT, plant_stub(PLANT.read_text(encoding="utf-8")))

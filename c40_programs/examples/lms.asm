@@ -1,9 +1,10 @@
-; Least mean squares: an adaptive filter of 16 taps learns an unknown system from its input and output. For each of `samples`
+; Least mean squares: an adaptive filter of 16 taps learns an unknown system from its input and output. For each of
+; `samples`
 ;     y = sum w(k) x(n-k),  e = d - y,  w(k) := w(k) + 2 mu e x(n-k)
 ; Input at `input`, the unknown system's output at `desired`; results: weights at `weights`, errors at `errors`.
 ;
-; To see: a circular buffer for x (BK, *AR++%); the update of TI's application note, with the multiply of the next tap beside the add and the store of
-; this one.
+; To see: a circular buffer for x (BK, *AR++%); the update of TI's application note, with the multiply of the next tap
+; beside the add and the store of this one.
 
                 .include "examples.inc"
 

@@ -1,6 +1,7 @@
 ; Product of two matrices of floats, stored by rows: C (rows x columns) := A (rows x inner) B (inner x columns).
 ;
-; To see: the C40's inner loop, one multiply and one add per cycle under RPTS; a column walked with a stride in IR1; RND before a store.
+; To see: the C40's inner loop, one multiply and one add per cycle under RPTS; a column walked with a stride in IR1; RND
+; before a store.
 
                 .include "examples.inc"
 

@@ -1,7 +1,7 @@
 ; Quicksort (Hoare's partition, the middle element as pivot) of `count` signed words at `numbers`, in place.
 ;
-; To see: recursion on a stack that grows upwards; scans by pre-increment; parallel stores that swap two words in the slots of a delayed
-; branch; signed comparison.
+; To see: recursion on a stack that grows upwards; scans by pre-increment; parallel stores that swap two words in the
+; slots of a delayed branch; signed comparison.
 
                 .include "examples.inc"
 

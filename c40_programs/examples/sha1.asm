@@ -1,4 +1,5 @@
-; SHA-1 (FIPS 180-4) of `length` bytes at `message`, four bytes to a word, the first in bits 7-0. Result: five words at `digest`.
+; SHA-1 (FIPS 180-4) of `length` bytes at `message`, four bytes to a word, the first in bits 7-0. Result: five words at
+; `digest`.
 ;
 ; To see: part-word moves (LBU, MB) reverse a word's bytes; padding computed at run time; rotations by shifts; one macro
 ; for four kinds of rounds; the schedule of 80 words is in on-chip RAM block 1.

@@ -13,7 +13,8 @@ K_AV_BEYOND         .set $ - LIFT
 K_AV_ACROSS         .set $ - LIFT
                     .float 11.0                 ; m: things farther beside the lane do not matter
 K_AV_STANDS         .set $ - LIFT
-                    .float 8.0                  ; m: farther things do not matter to the methods (to avoid_motion they do)
+                    .float 8.0                  ; m: farther things do not matter to the methods (to avoid_motion they
+                                                ; do)
 K_AV_OVERLAP_LOW    .set $ - LIFT
                     .float -0.5                 ; overlap of the lane's pieces, for points whose foot is on a joint
 K_AV_CLOSE_AHEAD    .set $ - LIFT
@@ -35,7 +36,8 @@ K_AV_NEAR           .set $ - LIFT
 K_AV_HOME_STRAIGHT  .set $ - LIFT
                     .float 25.0                 ; before the end of the leg there is no shift
 K_AV_FRONT          .set $ - LIFT
-                    .float 4.0                  ; m by which the way to a shift begins later than the middle's: front first
+                    .float 4.0                  ; m by which the way to a shift begins later than the middle's: front
+                                                ; first
 K_AV_BLEND          .set $ - LIFT
                     .float 0.06666667           ; 1 / 15 m, the length of a change of shift
 K_AV_T              .set $ - LIFT
@@ -51,13 +53,16 @@ K_AV_MOVES          .set $ - LIFT
 K_AV_MOVES_MOST     .set $ - LIFT
                     .float 3.0                  ; m/s
 K_AV_COMES          .set $ - LIFT
-                    .float 0.5                  ; m/s: the AGV lets a thing pass that comes along beside the way this fast
+                    .float 0.5                  ; m/s: the AGV lets a thing pass that comes along beside the way this
+                                                ; fast
 K_AV_CROSSES        .set $ - LIFT
                     .float 0.6                  ; m/s: a thing that enters the way at this speed is remembered
 K_AV_PASSES         .set $ - LIFT
-                    .float 22.0                 ; m for a thing to move past the vehicle; half as much again for speed errors
+                    .float 22.0                 ; m for a thing to move past the vehicle; half as much again for speed
+                                                ; errors
 K_AV_BESIDE         .set $ - LIFT
-                    .float 4.5                  ; m: a thing so far beside leaves room for any shift; so far ahead, it is not yet beside
+                    .float 4.5                  ; m: a thing so far beside leaves room for any shift; so far ahead, it
+                                                ; is not yet beside
 K_AV_SOON           .set $ - LIFT
                     .float 2.0                  ; m ahead of the front
 

@@ -1,4 +1,5 @@
-; ---- the decision: AG_AVOID_LIMIT, AG_AVOID_SHIFT, AG_AVOID_HOLD from SHIFT and SPEED; R0, R1 as a kernel returns them ----
+; ---- the decision: AG_AVOID_LIMIT, AG_AVOID_SHIFT, AG_AVOID_HOLD from SHIFT and SPEED; R0, R1 as a kernel returns them
+; ----
 avoid_decide:
         call    avoid_beside
         call    avoid_side
@@ -255,8 +256,9 @@ avoid_ahead:
         subf    @AV_MOUNT, r0
         rets
 
-; FREE, CLOSE: what blocks the way from the present lateral place to SHIFT, and back to the lane before the leg's end, and what stands close beside it. SEEN: on the
-; inner side of a bend a thing leaves the view before it is as near as that along the lane; the vehicle must stop earlier.
+; FREE, CLOSE: what blocks the way from the present lateral place to SHIFT, and back to the lane before the leg's end,
+; and what stands close beside it. SEEN: on the inner side of a bend a thing leaves the view before it is as near as
+; that along the lane; the vehicle must stop earlier.
 avoid_block:
         call    alive
         ldf     @K_AV_NO_LIMIT, r7              ; free distance

@@ -1,7 +1,8 @@
 ; Shared by the three builds of obstacle avoidance (docs/kernels_job.md, "Obstacle avoidance"). Here: the range sensor's
 ; echoes as points on the lane. avoidance_decide.asm: shift and speed allowed. avoidance_motion.asm: moving things.
 ;
-; Frames: the vehicle's (x ahead, y left, origin in its middle) and the lane's (along: arc length of the leg, lateral: left of it).
+; Frames: the vehicle's (x ahead, y left, origin in its middle) and the lane's (along: arc length of the leg, lateral:
+; left of it).
 
         .if AGV_RANGE_WORDS != 8 * AGV_UNIT_WORDS
         .error "avoid_look takes the sensor's place from the unit's by a shift"
@@ -33,7 +34,8 @@ AV_TARGET       .set SCRATCH + 118      ; f x2 a point of the lane ahead in the 
 AV_CLOSE        .set SCRATCH + 120      ; f m, from the front to what blocks the way or stands close beside it
 AV_PATH_COUNT   .set SCRATCH + 121      ; i pieces of the leg in AV_PATH
 AV_TOTAL        .set SCRATCH + 122      ; f m, length of the leg
-AV_PATH         .set SCRATCH + 128      ; pieces of 8 words: x0, y0, cos, sin of heading0, curvature, length, arc length at its start, 1/curvature
+AV_PATH         .set SCRATCH + 128      ; pieces of 8 words: x0, y0, cos, sin of heading0, curvature, length, arc length
+                                        ; at its start, 1/curvature
 AV_COUNT        .set SCRATCH + 123      ; i AG_PRODUCED: the time, in points
 AV_RATE         .set SCRATCH + 124      ; f 1/s, of the time since the look that is compared with; 0: there is none
 AV_NEAR_FOUND   .set SCRATCH + 125      ; i points in AV_NEAR
@@ -43,18 +45,23 @@ AV_PLACE        .set SCRATCH + 204      ; f m, AG_AVOID_PLACE
 AV_FLANK        .set SCRATCH + 206      ; f m, AG_AVOID_BESIDE
 AV_SEEN         .set SCRATCH + 205      ; f m, from the front to what blocks the way near the front, straight ahead
 AV_MINIMA       .set SCRATCH + 208      ; per sector: mm to the nearest echo less 1 (FFFFFFFFh: none), its ray
-AV_POINTS       .set SCRATCH + 352      ; per echo AV_POINT_WORDS: range, x, y, along from the vehicle's middle, lateral, sector, swing
+AV_POINTS       .set SCRATCH + 352      ; per echo AV_POINT_WORDS: range, x, y, along from the vehicle's middle,
+                                        ; lateral, sector, swing
 AV_POINT_WORDS  .set 7
 AV_SECTORS_MOST .set 72
-AV_NEAR         .set AV_MINIMA          ; i x16 addresses of points, once the minima have become points: the nearest of each four sectors
-AV_NOW          .set AV_MINIMA              ; when the decision is made, this look: i AV_COUNT + 1, f x2 m along the leg of the blocking and the close thing, f x2 AV_BINS: lateral place nearest to the lane, left, right
+AV_NEAR         .set AV_MINIMA          ; i x16 addresses of points, once the minima have become points: the nearest of
+                                        ; each four sectors
+AV_NOW          .set AV_MINIMA              ; when the decision is made, this look: i AV_COUNT + 1, f x2 m along the leg
+                                            ; of the blocking and the close thing, f x2 AV_BINS: lateral place nearest
+                                            ; to the lane, left, right
 AV_THEN         .set AV_NOW + AV_LOOK_WORDS  ; an earlier one
 AV_BINS         .set 32                 ; of 1.5 m along the leg, modulo 48 m
 AV_BLOCK        .set 1
 AV_BESIDE       .set 2
 AV_SIDES        .set 3
 AV_LOOK_WORDS   .set AV_SIDES + 2 * AV_BINS
-AV_BANK         .set 370h               ; four earlier looks, behind the words of a split task: two per half, AV_BANK_WORDS apart
+AV_BANK         .set 370h               ; four earlier looks, behind the words of a split task: two per half,
+                                        ; AV_BANK_WORDS apart
 AV_BANK_WORDS   .set 48h
 AV_RANGE        .set 0
 AV_PX           .set 1
@@ -207,7 +214,8 @@ avoid_sector_done:
         dbu     ar2, avoid_sector
         rets
 
-; ---- PATH: the pieces of the leg from 15 m behind the vehicle to 45 m ahead, and a straight beyond the leg's end; S, LATERAL, LEFT ----
+; ---- PATH: the pieces of the leg from 15 m behind the vehicle to 45 m ahead, and a straight beyond the leg's end; S,
+; LATERAL, LEFT ----
 avoid_path:
         ldf     0.0, r8                         ; where trajectory planning is
         ldi     *+ar6(AG_PRODUCED), r0
@@ -273,7 +281,8 @@ avoid_path_left:
         stf     r0, @AV_LEFT
         rets
 
-; *AR2++ <- the piece that starts at R0, R1, heading R6, curvature R7, length R9, arc length R10; R11 += 1. Keeps R8 .. R10.
+; *AR2++ <- the piece that starts at R0, R1, heading R6, curvature R7, length R9, arc length R10; R11 += 1. Keeps R8 ..
+; R10.
 avoid_piece:
         stf     r0, *ar2
         stf     r1, *+ar2(1)
@@ -293,8 +302,9 @@ avoid_piece_straight:
         addi    1, r11
         rets
 
-; ---- ALONG, ACROSS of the world point R10, R11: its foot on the nearest piece; R0 <- 1, or 0 if no piece is within K_AV_ACROSS ----
-; On an arc, with u, v in the frame of its start: lateral = (1 - |(k u, 1 - k v)|) / k, along = atan2(k u, 1 - k v) / k. Keeps R10, R11, AR3, AR5.
+; ---- ALONG, ACROSS of the world point R10, R11: its foot on the nearest piece; R0 <- 1, or 0 if no piece is within
+; K_AV_ACROSS ---- On an arc, with u, v in the frame of its start: lateral = (1 - |(k u, 1 - k v)|) / k, along = atan2(k
+; u, 1 - k v) / k. Keeps R10, R11, AR3, AR5.
 avoid_project:
         ldhi    hi16(AV_PATH), ar2
         or      lo16(AV_PATH), ar2
@@ -503,7 +513,8 @@ avoid_target_within:
         stf     r0, @AV_TARGET + 1
         rets
 
-; ---- NEAR, NEAR_FOUND: of each four sectors the nearest point within K_AV_STANDS of the lane, for methods that look at 16. Clobbers R0 .. R5 ----
+; ---- NEAR, NEAR_FOUND: of each four sectors the nearest point within K_AV_STANDS of the lane, for methods that look at
+; 16. Clobbers R0 .. R5 ----
 avoid_nearest:
         ldhi    hi16(AV_POINTS), ar1
         or      lo16(AV_POINTS), ar1

@@ -216,8 +216,9 @@ avoid_crossing_soon:
         ldf     r7, r2
         br      avoid_remember
 
-; R1 <- speed at which the place R9 (bin R3, side R4) has come nearer since the look three slots before (0.6 to 1.3 s). A shorter time would let the rim of
-; a post beside the driving vehicle look like motion. 0: unknown. Clobbers R0, R2, R5, R10, AR0, IR0.
+; R1 <- speed at which the place R9 (bin R3, side R4) has come nearer since the look three slots before (0.6 to 1.3 s).
+; A shorter time would let the rim of a post beside the driving vehicle look like motion. 0: unknown. Clobbers R0, R2,
+; R5, R10, AR0, IR0.
 avoid_older:
         ldi     @AV_COUNT, r0
         lsh     -4, r0
@@ -246,7 +247,8 @@ avoid_older:
         mpyf3   r0, r10, r1
         rets
 
-; R2 <- place nearest to the lane in the look at AR0, in bin R3 and its neighbours, on the side whose bins begin at R4. Clobbers IR0.
+; R2 <- place nearest to the lane in the look at AR0, in bin R3 and its neighbours, on the side whose bins begin at R4.
+; Clobbers IR0.
 avoid_before:
         ldf     @K_AV_NO_LIMIT, r2
         subi    1, r3

@@ -42,7 +42,8 @@ potential_point:
         cmpf    0.0, r6
         bge     potential_left
         negf    r7, r7
-potential_left:                                 ; -(cos, sin) turned: along = -c60 cos + s60 sin, across = -s60 cos - c60 sin
+potential_left:                                 ; -(cos, sin) turned: along = -c60 cos + s60 sin, across = -s60 cos -
+                                                ; c60 sin
         mpyf3   r7, r4, r6
         ldf     r5, r1
         mpyf    @K_PF_COS, r1

@@ -63,8 +63,9 @@ trajectory_gantry_next:
         stf     r0, @TJ_TOTAL
         br      trajectory_crane_points
 
-; Sub-process 2: travel = x, trolley = y, l = h_p - z, kappa = yaw - 90 degrees, each within its limits. The payload's reference sway is alpha = -p_y''/g,
-; beta = p_x''/g. A load shift towards the water moves the trolley by as much, one along -x moves the travel back.
+; Sub-process 2: travel = x, trolley = y, l = h_p - z, kappa = yaw - 90 degrees, each within its limits. The payload's
+; reference sway is alpha = -p_y''/g, beta = p_x''/g. A load shift towards the water moves the trolley by as much, one
+; along -x moves the travel back.
 kernel_inverse_gantry:
         ldi     @TASK + TB_ARGUMENT, ar0
         and     1, ar0
@@ -137,8 +138,9 @@ inverse_gantry_limit:
         stf     r0, @IK_SWAY + 3
         br      inverse_crane_write
 
-; Sub-process 3: the load hangs plumb, so every axis moves its own mass: travel (m_g + m_t + m_p) sdd, trolley (m_t + m_p) ydd, hoist m_p (ldd - g),
-; rotator I_k kappadd. Newton-Euler (torque_newton_euler.asm) does the same by its table of links, which gantry_constants replaces.
+; Sub-process 3: the load hangs plumb, so every axis moves its own mass: travel (m_g + m_t + m_p) sdd, trolley (m_t +
+; m_p) ydd, hoist m_p (ldd - g), rotator I_k kappadd. Newton-Euler (torque_newton_euler.asm) does the same by its table
+; of links, which gantry_constants replaces.
 kernel_torque_gantry:
         call    torque_set_point
         ldi     @TQ_STAGE, r0

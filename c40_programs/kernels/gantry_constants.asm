@@ -3,12 +3,14 @@ gantry_masses:                                  ; kg: all moving masses without 
                     .space 2
 gantry_limits:                                  ; m: travel, trolley, hoist
                     .space 6
-gantry_travel:                                  ; T >= c h / v, T^2 >= c h along the quay: 0.1 m/s2; the same for quintics
+gantry_travel:                                  ; T >= c h / v, T^2 >= c h along the quay: 0.1 m/s2; the same for
+                                                ; quintics
                     .float 2.4609375, 9.372 / 0.1, 1.875, 5.7735 / 0.1
 
 ; New values for the slewing crane's constants: place on chip, number of words, words; a place of 0 ends the list.
 gantry_constants:
-                    .word K_NE_TABLE, 6 * NE_ROW        ; as in torque_newton_euler_constants.asm: travel, trolley, two empty links, load, yaw
+                    .word K_NE_TABLE, 6 * NE_ROW        ; as in torque_newton_euler_constants.asm: travel, trolley, two
+                                                        ; empty links, load, yaw
                     .word 1, 2, 0, 1, 1
                     .float 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
                     .word 1

@@ -4,18 +4,22 @@
 ; the container, to CR_CLEARANCE above the deck of the highest AGV in the loading spot, present or not (process 4 aligns
 ; the load). Route 3 leads home. A no-go box grows by half the load's plan and a margin, and upwards: no way below it.
 ;
-; 1. The end over the bay gets a column: a point straight above it, raised in steps while the way from the column to the other end is blocked.
-; 2. If it stays blocked, every box that blocks the straight way gets the face with the cheapest exit: the least depth behind the face
-;    along the way; upwards if the box holds an end. An elastic band of 5 via points is pulled tight around those faces: minimise the
-;    sum of |p_(i+1) - p_i|^2 outside the boxes by projected Gauss-Seidel. In each of the GP_SWEEPS sweeps
+; 1. The end over the bay gets a column: a point straight above it, raised in steps while the way from the column to the
+; other end is blocked.
+; 2. If it stays blocked, every box that blocks the straight way gets the face with the cheapest exit: the least depth
+; behind the face
+;    along the way; upwards if the box holds an end. An elastic band of 5 via points is pulled tight around those faces:
+;    minimise the sum of |p_(i+1) - p_i|^2 outside the boxes by projected Gauss-Seidel. In each of the GP_SWEEPS sweeps
 GP_PUSHES           .set 12
-;        p_i := (p_(i-1) + p_(i+1))/2. Then, for its two steps and every box, the middle of the part inside is moved out, and p_i with it.
+;        p_i := (p_(i-1) + p_(i+1))/2. Then, for its two steps and every box, the middle of the part inside is moved
+;        out, and p_i with it.
 ;    The last GP_PUSHES sweeps only move points out.
 ; 3. Via points are left out if a straight way without them is free. 4. If a step of the band is still blocked (the
 ; boxes leave no way between them), the route goes straight up, over everything
 ;    between the ends, and straight down.
 
-GP_BOXES            .set SCRATCH                ; grown boxes, 8 words each: xmin, xmax, ymin, ymax, top, face (i, -1: any); up to 9
+GP_BOXES            .set SCRATCH                ; grown boxes, 8 words each: xmin, xmax, ymin, ymax, top, face (i, -1:
+                                                ; any); up to 9
 GP_BOX_COUNT        .set SCRATCH + 72           ; i
 GP_POINT            .set SCRATCH + 80           ; p_0 .. p_6: x, y, z, yaw
 GP_START            .set SCRATCH + 108          ; x, y, z, yaw
@@ -312,8 +316,9 @@ grab_path_emit_at:
         sti     r0, @GP_OUT_COUNT
         rets
 
-; ---- R0 = 1 when the straight way from point R6 to point R7 enters a box by more than GP_TOUCH, else 0; R6, R7 kept ----
-; A box is the set where five functions are positive, each linear along the way: the share t0..t1 with all positive.
+; ---- R0 = 1 when the straight way from point R6 to point R7 enters a box by more than GP_TOUCH, else 0; R6, R7 kept
+; ---- A box is the set where five functions are positive, each linear along the way: the share t0..t1 with all
+; positive.
 grab_path_blocked:
         call    alive
         ldhi    hi16(SCRATCH), ar3
@@ -344,7 +349,8 @@ grab_path_is_blocked:
         ldi     1, r0
         rets
 
-; ---- r8 = t0, r9 = t1: the share of the way from *ar3 to *ar4 inside the box *ar1, none when t1 <= t0; GP_NEAR, GP_FAR. Changes r0..r5. ----
+; ---- r8 = t0, r9 = t1: the share of the way from *ar3 to *ar4 inside the box *ar1, none when t1 <= t0; GP_NEAR,
+; GP_FAR. Changes r0..r5. ----
 grab_path_clip:
         call    grab_path_clip_plan
         cmpf    r8, r9
@@ -636,7 +642,8 @@ grab_path_lay_box_next:
         ble     grab_path_lay_next
         rets
 
-; ---- from p_0 on, each time to the farthest point with a free straight way; R0 = 1 when even the next point has none, else 0 ----
+; ---- from p_0 on, each time to the farthest point with a free straight way; R0 = 1 when even the next point has none,
+; else 0 ----
 grab_path_shorten:
         ldi     0, r0
         sti     r0, @GP_FROM

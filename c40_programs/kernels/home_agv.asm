@@ -4,7 +4,8 @@
 ; the lane, to the nearest point sigma in 0..length of any segment. The part behind is dropped; the point's segment then
 ; starts at the vehicle. A second run changes nothing. Arcs turn by at most half a circle.
 ;     line: sigma = (p - p0) . t
-;     arc:  heading of the nearest point = atan2(sx, -sy) of s (p - centre), s the sign of the curvature; sigma = wrap(heading - heading0)/curvature
+;     arc:  heading of the nearest point = atan2(sx, -sy) of s (p - centre), s the sign of the curvature; sigma =
+;     wrap(heading - heading0)/curvature
 
 HA_X                .set SCRATCH + 96
 HA_Y                .set SCRATCH + 97
@@ -62,7 +63,8 @@ home_agv_project:
         subf    *+ar1(TA_SEGMENT_Y), r7
         ldf     *+ar1(TA_SEGMENT_CURVE), r8
         bz      home_agv_line
-                    ; k (p - centre) = k d - n, n = (-s0, c0) the left normal: at the nearest point it is -(left normal) there
+                    ; k (p - centre) = k d - n, n = (-s0, c0) the left normal: at the nearest point it is -(left normal)
+                    ; there
         mpyf    r8, r6
         addf    r0, r6                          ; sin of the heading there, times a positive length
         mpyf    r8, r7

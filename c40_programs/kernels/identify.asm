@@ -376,7 +376,8 @@ identify_better:
         stf     r0, @ID_BEST + 1
         ldf     0.0, r0
         stf     r0, @ID_BEST + 3                ; rows lie along x
-        ldi     @ID_RIGHT, rc                   ; z: deck + mean of the cells i + 2 .. j - 2, which no edge cuts, + half a quantum
+        ldi     @ID_RIGHT, rc                   ; z: deck + mean of the cells i + 2 .. j - 2, which no edge cuts, + half
+                                                ; a quantum
         subi    @ID_LEFT, rc
         subi    3, rc
         float   rc, r0

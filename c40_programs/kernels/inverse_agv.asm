@@ -2,8 +2,9 @@
 ;
 ; The drive obeys this set-point after those that wait before it. So the measured pose is extrapolated to that instant,
 ;     t = (waiting + 3/2) period,  turn = k_a v t,  x += v t cos(heading + turn/2),  ...,  heading += turn
-; and compared with the point: e across (left positive), e_x along, e_th = heading - heading_ref - k_a v_ref^2 m / (2 C), whose last term is the
-; angle at which tyres of cornering stiffness C carry the mass m round a bend. With k_a the curvature ahead,
+; and compared with the point: e across (left positive), e_x along, e_th = heading - heading_ref - k_a v_ref^2 m / (2
+; C), whose last term is the angle at which tyres of cornering stiffness C carry the mass m round a bend. With k_a the
+; curvature ahead,
 ;     k = k_a - k_e e - k_th sin e_th,   front = atan(l k / 2) within +-30 degrees,   rear = -front
 ;     speed = v_ref + k_x e_x
 ; v_ref is physical: the nominal one times dt/period, since points of equal spacing are held for a period.

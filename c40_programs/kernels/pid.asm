@@ -12,14 +12,16 @@ PD_STAGE        .set PD_STATE + 2
 PD_SERVOING     .set 2                  ; the first stage in which errors are computed
 PD_LAST_TICK    .set PD_STATE + 3       ; refresh of the last run
 PD_OUT_TICK     .set PD_STATE + 4       ; refresh at which a joint or the sway was last out of tolerance
-PD_WATCH        .set PD_STATE + 7       ; i bits 4..0: joints beyond their following error, bits 12..8: whose encoders do not follow (pid_watch.asm)
+PD_WATCH        .set PD_STATE + 7       ; i bits 4..0: joints beyond their following error, bits 12..8: whose encoders
+                                        ; do not follow (pid_watch.asm)
 PD_BESIDE       .set PD_STATE + 5       ; f x2: the load's offset from its path: radial, tangential, m (pid_sway.asm)
 PD_LAST         .set PD_STATE + 8       ; CR_ENCODER_LAST
 PD_SWAY         .set PD_STATE + 13      ; f x2: filtered angle of the rope from its reference, rad
 PD_LAW          .set PD_STATE + 15      ; i twice the generation of the parameters (CR_CONTROL) of the last tick, plus:
 PD_DRY          .set 1                  ; a point was due and missing
 PD_TOTAL        .set PD_STATE + 16      ; CR_ENCODER_TOTAL
-PD_SEEN         .set PD_STATE + 21      ; i the last sample of the sway sensor in use: alpha, beta << 12, its number << 24
+PD_SEEN         .set PD_STATE + 21      ; i the last sample of the sway sensor in use: alpha, beta << 12, its number <<
+                                        ; 24
 PD_SAMPLED      .set PD_STATE + 22      ; i refresh of that sample
 PD_SAME         .set PD_STATE + 23      ; i number of samples without a change: alpha, beta << 16
 PD_PI           .set PD_STATE + 24      ; f x5: proportional and integral part, from which the next tick starts
@@ -57,7 +59,8 @@ PD_DRIVES       .set SCRATCH + 170      ; DRIVE_STATUS
 PD_STILL        .set SCRATCH + 171      ; bit 4 - j: encoder j shows the same count as at the last run
 PD_ERRORS       .set SCRATCH + 173      ; TB_NOTIFY
 PD_BACK         .set SCRATCH + 176      ; CR_REJOIN
-PD_SHIFT        .set SCRATCH + 186      ; f x2: the suspension's shift against sway and wind, the other way: radial, tangential, m
+PD_SHIFT        .set SCRATCH + 186      ; f x2: the suspension's shift against sway and wind, the other way: radial,
+                                        ; tangential, m
 
 ; The law as plant-and-bus.md 2.1 prints it: the derivative acts on the measurement alone, and the set-point runs
 ; straight from joint point to joint point (first-order hold).
@@ -121,7 +124,8 @@ pid_build:
         cmpi    1, r0
         blt     pid_take_pose
         bgt     pid_servo
-        absf    @PD_FEED + 2, r0        ; the torque that holds the jib: thousands of N m once computed (and a word of 0 is 1.0)
+        absf    @PD_FEED + 2, r0        ; the torque that holds the jib: thousands of N m once computed (and a word of 0
+                                        ; is 1.0)
         cmpf    2.0, r0
         ble     pid_finish
 pid_enable:

@@ -1,4 +1,5 @@
-; Per joint (s, psi, phi, l, kappa): u_max, N m, and codes per N m, which are the plant's (plant_constants.asm); tolerance of PID_SETTLED.
+; Per joint (s, psi, phi, l, kappa): u_max, N m, and codes per N m, which are the plant's (plant_constants.asm);
+; tolerance of PID_SETTLED.
 K_PD_JOINTS         .set $ - LIFT
                     .float 0.0, 0.0, 0.02
                     .float 0.0, 0.0, 1.5e-3
@@ -58,7 +59,8 @@ K_PC_SWAY_FILTER    .set K_PC_JOINTS + PC_SWAY + 2
 K_PC_SWAY_LIMIT     .set K_PC_JOINTS + PC_SWAY + 3
 K_PC_FILTER         .set K_PC_JOINTS + CR_CONTROL_WORDS + 0     ; f x5: T_d / (T_d + N h) for h = PERIOD
 K_PC_SMOOTH         .set K_PC_JOINTS + CR_CONTROL_WORDS + 5     ; f h / (T + h) of the measured sway
-K_PC_STEP           .set K_PC_JOINTS + CR_CONTROL_WORDS + 6     ; f h of the wind's observer: after a gap its step is bounded
+K_PC_STEP           .set K_PC_JOINTS + CR_CONTROL_WORDS + 6     ; f h of the wind's observer: after a gap its step is
+                                                                ; bounded
 K_PC_OBSERVE        .set K_PC_JOINTS + CR_CONTROL_WORDS + 7     ; f x3: 3 o h, 3 o^2 h, o^3 h
 K_PC_BRAKE          .set K_PC_JOINTS + CR_CONTROL_WORDS + 10    ; f gain / g
 K_PC_PERIOD         .set K_PC_JOINTS + CR_CONTROL_WORDS + 11

@@ -2,7 +2,8 @@
 ;
 ; Per axis, radial and tangential, in the slewing frame: theta the rope's angle from its reference, y the load's offset
 ; from its path, v the rate of y, w the acceleration by the wind, l the rope's length, x the suspension's shift:
-;   e = x + l theta - y      y' = v + 3 o e      v' = w - g theta + 3 o^2 e      w' = o^3 e      x = -gain / g v - l / g w
+;   e = x + l theta - y      y' = v + 3 o e      v' = w - g theta + 3 o^2 e      w' = o^3 e      x = -gain / g v - l / g
+;   w
 ; The first equation measures y; the others are an observer with three poles at o. x brakes the load's swing, and holds
 ; the suspension so far upwind that the load hangs where it should.
 ; While the load stands on something, or a drive is off, the rope gives no information: y and v decay, and w stays.
@@ -35,7 +36,8 @@ pid_sway_between:
         ldi     @SV_DRIVES, r0
         xor     1Fh, r0
         or      r0, ir0
-        ldf     @SV_PATH_RATE, r0               ; the reference sway goes with the acceleration: with the square of the path's rate
+        ldf     @SV_PATH_RATE, r0               ; the reference sway goes with the acceleration: with the square of the
+                                                ; path's rate
         mpyf    r0, r0
         ldf     @PD_SWAY_FROM, r1
         mpyf    r0, r1
@@ -43,7 +45,8 @@ pid_sway_between:
         mpyf    @PD_SWAY_FROM + 1, r0
         stf     r0, @PD_SWAY_FROM + 1
 pid_sway_at_rate:
-        absf    @PD_WIND, r0                    ; its sign: the path moves, and no wind is known; what is not yet known drives v
+        absf    @PD_WIND, r0                    ; its sign: the path moves, and no wind is known; what is not yet known
+                                                ; drives v
         absf    @PD_WIND + 1, r1
         addf    r1, r0
         absf    @PD_SPEED, r1
@@ -64,11 +67,13 @@ pid_sway_at_rate:
         ldf     @K_PC_BRAKE, r4                 ; R4 = gain / g
         ldf     @PD_Y + 3, r5
         mpyf    @K_ONE_OVER_G, r5               ; R5 = l / g
-        subi    PD_SWAY_TO - PD_ANGLES, ar0     ; AR0 (PD_ANGLES) and AR1 (PD_SWAY_FROM) now point to the ends of FROM, TO
+        subi    PD_SWAY_TO - PD_ANGLES, ar0     ; AR0 (PD_ANGLES) and AR1 (PD_SWAY_FROM) now point to the ends of FROM,
+                                                ; TO
         subi    8, ar1
         ldhi    hi16(PD_SWAY), ar2
         or      lo16(PD_SWAY), ar2
-        ldi     0, ar3                          ; the signs of these: AR3 some swing is out of tolerance, AR5 the load is not over its
+        ldi     0, ar3                          ; the signs of these: AR3 some swing is out of tolerance, AR5 the load
+                                                ; is not over its
         ldi     0, ar5                          ; place, AR4 the wind displaces it
         ldi     0, ar4
         ldi     1, rc
@@ -168,7 +173,8 @@ pid_sway_axis_end:
         or      r1, r0
         sti     r0, @PD_RESULT
 
-        ldf     @PD_Y + 2, r0                   ; R9, COSINE <- cos phi of the measured luff angle, to 8e-6 up to 80 degrees: enough
+        ldf     @PD_Y + 2, r0                   ; R9, COSINE <- cos phi of the measured luff angle, to 8e-6 up to 80
+                                                ; degrees: enough
         mpyf    r0, r0                          ; for a gain. A gantry does not need it
         ldf     @K_COS8, r9
         mpyf    r0, r9
@@ -181,7 +187,8 @@ pid_sway_axis_end:
         addf    1.0, r9
         stf     r9, @PD_COSINE
         negf    @PD_SHIFT, r0
-        mpyf    @PD_SWAY_FROM + 2, r0           ; by which the luff moves. What that lifts the jib's tip the hoist pays out
+        mpyf    @PD_SWAY_FROM + 2, r0           ; by which the luff moves. What that lifts the jib's tip the hoist pays
+                                                ; out
         mpyf3   r0, r9, r1
         mpyf    @K_PD_LIFT, r1
         addf    @PD_R + 3, r1

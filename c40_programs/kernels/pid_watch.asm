@@ -1,7 +1,11 @@
-; PID's part of the errors (docs/controller.md, Errors): which joints it leaves alone, how they come back to their path, what is wrong.
+; PID's part of the errors (docs/controller.md, Errors): which joints it leaves alone, how they come back to their path,
+; what is wrong.
 
-        .if DRIVE_LATE != DRIVE_FAULT + 8 | TRIP_OVERSPEED != 0 | TRIP_SATURATION != 8 | TRIP_HEAT != 16 | SWAY_BITS != 12
-        .error "PID takes the drives' bits from octets one above the other, and packs codes of the sway sensors in 12 bits"
+        .if DRIVE_LATE != DRIVE_FAULT + 8 | TRIP_OVERSPEED != 0 | TRIP_SATURATION != 8 | TRIP_HEAT != 16
+        .error "PID takes the drives' bits from octets one above the other"
+        .endif
+        .if SWAY_BITS != 12
+        .error "PID packs codes of the sway sensors in 12 bits"
         .endif
 
 ; Drives' errors go to ERRORS. CR_REJOIN is added to the set-point of a joint whose drive is or was failed, late or off

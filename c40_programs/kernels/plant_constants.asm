@@ -42,11 +42,13 @@ K_TQ_YAW_BASE       .set $ - LIFT               ; its yaw inertia, kg m2
                     .space 1
 K_TQ_YAW_PER_KG     .set $ - LIFT               ; m2: increase by a container, per kg
                     .space 1
-K_TQ_DRIVES         .set $ - LIFT               ; per channel: rotor J_m n^2, Coulomb F_c, 1 / v_0, viscous b, 1 / (n eta)
+K_TQ_DRIVES         .set $ - LIFT               ; per channel: rotor J_m n^2, Coulomb F_c, 1 / v_0, viscous b, 1 / (n
+                                                ; eta)
                     .space 25
 K_PD_UNIT           .set $ - LIFT               ; per channel: joint unit per encoder count
                     .space 5
-K_PD_LIFT           .set $ - LIFT               ; m: times cos phi, by which the jib's tip rises per rad of luff; of a gantry 0
+K_PD_LIFT           .set $ - LIFT               ; m: times cos phi, by which the jib's tip rises per rad of luff; of a
+                                                ; gantry 0
                     .space 1
 K_PD_TURN           .set $ - LIFT               ; 1 if the tangential motion also turns the load; of a gantry 0
                     .space 1
@@ -78,17 +80,21 @@ K_IA_DRIFT_LOADED   .set $ - LIFT               ; with a container
                     .space 1
 K_AV_HALF           .set $ - LIFT               ; m, half the vehicle's width and 0.4
                     .space 1
-K_AV_CLOSE          .set $ - LIFT               ; m, half its width and 0.9: nearer than this beside the way is passed slowly
+K_AV_CLOSE          .set $ - LIFT               ; m, half its width and 0.9: nearer than this beside the way is passed
+                                                ; slowly
                     .space 1
-K_AV_NEEDS          .set $ - LIFT               ; m from the lane's middle to what is passed: K_AV_HALF and what the vehicle may be off its way, 0.15
+K_AV_NEEDS          .set $ - LIFT               ; m from the lane's middle to what is passed: K_AV_HALF and what the
+                                                ; vehicle may be off its way, 0.15
                     .space 1
 K_AV_WAY            .set $ - LIFT               ; m, width of the way: twice K_AV_HALF
                     .space 1
 K_AV_HALF_LENGTH    .set $ - LIFT               ; m, of the vehicle
                     .space 1
-K_AV_SWING          .set $ - LIFT               ; m2, less half its square: times a curvature, how far the ends swing out
+K_AV_SWING          .set $ - LIFT               ; m2, less half its square: times a curvature, how far the ends swing
+                                                ; out
                     .space 1
-K_AV_REAR           .set $ - LIFT               ; m: the rear has passed a place when the middle is this far past it: half the length and 1.6
+K_AV_REAR           .set $ - LIFT               ; m: the rear has passed a place when the middle is this far past it:
+                                                ; half the length and 1.6
                     .space 1
 K_AV_PASSED         .set $ - LIFT               ; m, the vehicle's length and 1.2
                     .space 1

@@ -223,7 +223,8 @@ torque_closed_form:
         subf    r1, r0
         stf     r0, @TQ_TAU + 1
 
-; tau_s = m sdd - mu (psid^2 cos psi + psidd sin psi) - A [cos psi (cos phi phid^2 + sin phi phidd) - 2 sin psi sin phi phid psid]
+; tau_s = m sdd - mu (psid^2 cos psi + psidd sin psi) - A [cos psi (cos phi phid^2 + sin phi phidd) - 2 sin psi sin phi
+; phid psid]
         ldf     @K_TQ_GANTRY, r0
         addf    r11, r0
         mpyf    @TQ_QDD, r0

@@ -1,8 +1,9 @@
 ; Sub-process 3, second build: joint forces by recursive Newton-Euler over a table of links (docs/kernels.md).
 ;
-; Six links hang on each other: gantry (P, x), slewing platform (R, z), jib (R, -y), a massless link that turns back by the luff angle,
-; because the load does not tilt (R, y, the same angle), load (P, -z), spreader's yaw (R, z). Each joint turns or slides along one coordinate axis k;
-; b, c are the two that follow it cyclically, so a turn touches two components. Outwards, in the frame of each link:
+; Six links hang on each other: gantry (P, x), slewing platform (R, z), jib (R, -y), a massless link that turns back by
+; the luff angle, because the load does not tilt (R, y, the same angle), load (P, -z), spreader's yaw (R, z). Each joint
+; turns or slides along one coordinate axis k; b, c are the two that follow it cyclically, so a turn touches two
+; components. Outwards, in the frame of each link:
 ;   w = R w_p + qd e_k          wd = R wd_p + (R w_p) x qd e_k + qdd e_k          (R alone where the joint slides)
 ;   a = R (wd_p x p + w_p x (w_p x p) + a_p) [+ 2 w x qd e_k + qdd e_k]
 ;   F = m (a + wd x s + w x (w x s))        N = I wd + w x I w

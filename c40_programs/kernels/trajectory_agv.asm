@@ -1,8 +1,8 @@
 ; Sub-process 1 of an AGV: the next point of its leg (docs/kernels_job.md).
 ;
 ; A leg is at most 8 lines and arcs. With s the arc length and v the speed at the last point, dt = AG_STEP_TIME:
-;     v' = min( v + a dt, limit of the segment at s, sqrt(q) - h/2 ),  h = B dt,  q = h^2/4 - h v + min over what lies ahead of (u^2 + 2 B d)
-;     s' = s + (v + v') dt / 2
+;     v' = min( v + a dt, limit of the segment at s, sqrt(q) - h/2 ),  h = B dt,  q = h^2/4 - h v + min over what lies
+;     ahead of (u^2 + 2 B d) s' = s + (v + v') dt / 2
 ; where d is the distance to a segment ahead and u its speed limit, or the distance to the leg's end and u = 0: from v'
 ; the brake B still meets every u. The state is kept at 40 bits and twice, by the parity of k: a block that runs
 ; again gives the same point. At the end of the leg the point repeats until the vehicle stands there.
@@ -194,7 +194,8 @@ trajectory_agv_next:
 trajectory_agv_speed_done:
         rets
 
-; ---- obstacle avoidance: R0 = v' is cut to the limit, which is physical; 1 m/s^2 is the most that the drive's ramp brakes. Clobbers R1, R2, R6 ----
+; ---- obstacle avoidance: R0 = v' is cut to the limit, which is physical; 1 m/s^2 is the most that the drive's ramp
+; brakes. Clobbers R1, R2, R6 ----
 trajectory_agv_limit:
         ldf     r0, r6
         ldf     @TA_SLOW, r0
@@ -216,8 +217,10 @@ trajectory_agv_limit:
         ldfgt   r1, r0
         rets
 
-; ---- the shift across the lane follows AG_AVOID_SHIFT as a critically damped system over the way: o'' = w^2 (wanted - o) - 2 w o',
-; |o''| <= 0.04 1/m, w = 0.3 1/m, above 2.5 m/s slower: 0.75 1/s. The curvature that is written is that of 0.35 s ahead, for the wheels' lag ----
+; ---- the shift across the lane follows AG_AVOID_SHIFT as a critically damped system over the way: o'' = w^2 (wanted -
+; o) - 2 w o',
+; |o''| <= 0.04 1/m, w = 0.3 1/m, above 2.5 m/s slower: 0.75 1/s. The curvature that is written is that of 0.35 s ahead,
+; for the wheels' lag ----
 trajectory_agv_shift:
         ldf     @TA_SLOW, r0
         mpyf    r9, r0                          ; physical speed
@@ -341,7 +344,8 @@ trajectory_agv_pose:
         ldf     @TA_CHORD, r0
         rets
 
-; ---- mean curvature of the leg from s' + SWEEP_FROM v to s' + SWEEP_TO v, v the physical speed: what the wheels must be told now ----
+; ---- mean curvature of the leg from s' + SWEEP_FROM v to s' + SWEEP_TO v, v the physical speed: what the wheels must
+; be told now ----
 trajectory_agv_preview:
         ldf     @TA_SLOW, r0
         mpyf    r9, r0                          ; physical speed

@@ -13,7 +13,8 @@ K_TA_SWEEP_TO       .set $ - LIFT
 K_TA_SWEEP_LEAST    .set $ - LIFT
                     .float 0.1                  ; m, on either side
 K_TA_AT_SPOT        .set $ - LIFT
-                    .float 0.01                 ; m along the leg within which the AGV has arrived: there inverse kinematics stops it
+                    .float 0.01                 ; m along the leg within which the AGV has arrived: there inverse
+                                                ; kinematics stops it
 
 ; sin u / u = 1 - u^2/3! + u^4/5! - ..., to u^14: error below 2.6e-7 for |u| <= pi, 1e-9 for |u| <= pi/2
 K_TA_SINC1          .set $ - LIFT

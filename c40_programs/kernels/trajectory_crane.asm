@@ -1,6 +1,7 @@
 ; Sub-process 1, crane: Cartesian point k of the present leg (docs/kernels.md, "Trajectory").
 ;
-; The payload's path through the via points P_0 .. P_n is a sum of blends of degree 9 that overlap by half the shorter one:
+; The payload's path through the via points P_0 .. P_n is a sum of blends of degree 9 that overlap by half the shorter
+; one:
 ;   p(t) = P_0 + sum (P_i - P_i-1) S((t - t_i) / T_i),    t_i+1 = t_i + T_i - min(T_i, T_i+1) / 2
 ; The written point is the suspension above which such a payload hangs without sway:
 ;   x, y: p + (l / g) p''     with its rates, l the rope's length there; z, yaw: p

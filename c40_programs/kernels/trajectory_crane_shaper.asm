@@ -1,7 +1,8 @@
 ; Sub-process 1, crane, second build (plant-and-bus.md 2.1): quintics, look-ahead for the joints' speeds, input shaper.
 ;
 ; The path is that of trajectory_crane.asm with quintics as blends. What is written is the path through a ZVD shaper,
-;   X(t) = p(t)/4 + p(t - T/2)/2 + p(t - T)/4,    T = 2 pi sqrt(l/g), l the mean of the rope's lengths at the leg's two ends,
+;   X(t) = p(t)/4 + p(t - T/2)/2 + p(t - T)/4,    T = 2 pi sqrt(l/g), l the mean of the rope's lengths at the leg's two
+;   ends,
 ; all four coordinates alike: the path in space is unchanged. When a leg begins, the joints' speeds are
 ; computed at 16 points of the path; if one passes its limit, all segments are stretched.
 

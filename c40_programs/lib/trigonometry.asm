@@ -136,7 +136,8 @@ m_wrap:
         subf    r2, r0
         rets
 
-; R0 <- tanh R0 = +-(1 - e)/(1 + e), e = exp(-2 |x|) = 2^-n 2^-f with n + f = 2 |x| log2 e, 2^-f a polynomial of degree 6 (6e-9).
+; R0 <- tanh R0 = +-(1 - e)/(1 + e), e = exp(-2 |x|) = 2^-n 2^-f with n + f = 2 |x| log2 e, 2^-f a polynomial of degree
+; 6 (6e-9).
 m_tanh:
         ldf     r0, r4                  ; its sign
         absf    r0, r0

@@ -1,5 +1,5 @@
-; Routines after the structures of TI's published programs. Each is called with its arguments in registers; scripts/published_counts runs them and makes a
-; table of docs/validation.md.
+; Routines after the structures of TI's published programs. Each is called with its arguments in registers;
+; scripts/published_counts runs them and makes a table of docs/validation.md.
 
                 .text
 
@@ -12,8 +12,9 @@ fir:            mpyf3   *ar0++(1),*ar1++(1)%,r0
                 addf    r0,r2
                 rets
 
-; N biquads, direct form II, one sample. AR0 coefficients a2, b2, a1, b1, b0 of each; AR1 delays: word k N + i is delay k of biquad i, circular with
-; BK = 3N; IR0 = N, IR1 = N+1, RC = N-1, R2 = x. R0 := y; AR1 := where the next sample begins.
+; N biquads, direct form II, one sample. AR0 coefficients a2, b2, a1, b1, b0 of each; AR1 delays: word k N + i is delay
+; k of biquad i, circular with BK = 3N; IR0 = N, IR1 = N+1, RC = N-1, R2 = x. R0 := y; AR1 := where the next sample
+; begins.
 biquads:        ldf     0.0,r1
                 rptb    biquad_end
                 mpyf3   *ar0++(1),*ar1,r0               ; a2 d(n-2)
@@ -29,7 +30,8 @@ biquad_end:     addf    r0,r2
                 addf3   r1,r2,r0
                 rets
 
-; LMS filter of N taps. AR0 weights, AR1 samples (circular, BK = N), RC = N-2, R5 = desired, R6 = 2 mu, IR0 = N, IR1 = N-2. R2 := y.
+; LMS filter of N taps. AR0 weights, AR1 samples (circular, BK = N), RC = N-2, R5 = desired, R6 = 2 mu, IR0 = N, IR1 =
+; N-2. R2 := y.
 lms:            mpyf3   *ar0++(1),*ar1++(1)%,r0
                 ldf     0.0,r2
                 rpts    rc
@@ -117,8 +119,10 @@ divide:         xor3    r1,r0,r3                        ; sign
 divide_none:    ldi     0,r0
                 rets
 
-; N complex points (real, imaginary, real ...), decimation in frequency, radix 2, then in natural order to another place.
-; AR5 points, AR6 table of sines (N points of one and a quarter period), AR3 result, R8 = N; AR5 and AR3 on multiples of 2N.
+; N complex points (real, imaginary, real ...), decimation in frequency, radix 2, then in natural order to another
+; place.
+; AR5 points, AR6 table of sines (N points of one and a quarter period), AR3 result, R8 = N; AR5 and AR3 on multiples of
+; 2N.
 fft_radix2:     ldi     r8,r9                           ; words between the two of a butterfly
                 ldi     1,r10                           ; butterflies of one twiddle factor
                 ldi     r8,ir1
@@ -180,7 +184,8 @@ fft_sorted:     stf     r0,*+ar3(1)
         ||      stf     r1,*ar3++(ir1)
                 rets
 
-; The same with radix 4, N a power of 4. The middle two results of a butterfly change places, so that reversing bits sorts them.
+; The same with radix 4, N a power of 4. The middle two results of a butterfly change places, so that reversing bits
+; sorts them.
                 .bss    fft_points,1
                 .bss    fft_table,1
                 .bss    fft_result,1
@@ -312,7 +317,8 @@ fft4_next:      ldi     @fft_repeat,r0                  ; four times as many but
                 sti     r0,@fft_step
                 lsh     -2,ir0
                 b       fft4_stage
-fft4_eighth:    rptb    fft4_diagonal                   ; W = (1 - j) / sqrt(2): its square is -j, its cube -(1 + j) / sqrt(2)
+fft4_eighth:    rptb    fft4_diagonal                   ; W = (1 - j) / sqrt(2): its square is -j, its cube -(1 + j) /
+                                                        ; sqrt(2)
                 addf3   *+ar2(1),*+ar0(1),r0
                 addf3   *+ar3(1),*+ar1(1),r1
                 subf3   *+ar2(1),*+ar0(1),r8            ; y0 - y2

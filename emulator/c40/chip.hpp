@@ -19,6 +19,10 @@
 #include "c40/pipeline_stages.hpp"
 #include "c40/types.hpp"
 
+namespace isa {
+enum class Register : std::uint8_t;
+enum class Expansion : std::uint8_t;
+}  // namespace isa
 namespace state {
 class Visitor;
 }

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "isa/types.hpp"
+#include "isa/word.hpp"
 
 namespace c40 {
 

@@ -6,6 +6,7 @@
 #include "io/file_roles.hpp"
 #include "io/output_file.hpp"
 #include "io/print.hpp"
+#include "isa/types.hpp"
 #include "toolchain/assembler/assembler.hpp"
 #include "toolchain/disassembler/disassembly.hpp"
 #include "toolchain/linker/linker.hpp"

@@ -14,6 +14,7 @@
 #include "io/output_file.hpp"
 #include "io/print.hpp"
 #include "io/signals.hpp"
+#include "isa/types.hpp"
 #include "machine/network.hpp"
 #include "state/archive.hpp"
 

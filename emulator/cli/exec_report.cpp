@@ -9,6 +9,7 @@
 #include "c40/float40.hpp"
 #include "cli/program.hpp"
 #include "io/print.hpp"
+#include "isa/types.hpp"
 
 namespace cli {
 

@@ -10,6 +10,7 @@
 #include "c40/float40.hpp"
 #include "cli/program.hpp"
 #include "io/signals.hpp"
+#include "isa/types.hpp"
 #include "machine/asleep.hpp"
 #include "machine/chip_runner.hpp"
 #include "machine/program_end.hpp"

@@ -8,6 +8,7 @@
 
 #include "cli/options.hpp"
 #include "io/text_form.hpp"
+#include "isa/types.hpp"
 #include "toolchain/assembler/assembler.hpp"
 #include "toolchain/linker/linker.hpp"
 #include "toolchain/objects/coff.hpp"

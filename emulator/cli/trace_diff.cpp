@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "cli/options.hpp"
+#include "cmrc/configuration/config.hpp"
 #include "cmrc/run/simulation.hpp"
 #include "io/print.hpp"
 #include "machine/instruction_trace.hpp"

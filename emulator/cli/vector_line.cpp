@@ -7,6 +7,8 @@
 #include <charconv>
 #include <optional>
 
+#include "isa/types.hpp"
+
 namespace cli {
 namespace {
 

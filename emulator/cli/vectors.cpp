@@ -13,6 +13,7 @@
 #include "cli/vector_line.hpp"
 #include "io/print.hpp"
 #include "io/signals.hpp"
+#include "isa/types.hpp"
 
 namespace cli {
 namespace {

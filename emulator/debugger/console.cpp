@@ -9,6 +9,7 @@
 #include <set>
 
 #include "debugger/console_words.hpp"
+#include "isa/types.hpp"
 #include "machine/debug/expression.hpp"
 
 namespace debugger {

@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "debugger/dap_session.hpp"
+#include "isa/types.hpp"
 #include "machine/debug/expression.hpp"
 
 namespace debugger::dap {

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "debugger/dap_session.hpp"
+#include "isa/types.hpp"
 #include "machine/debug/expression.hpp"
 
 namespace debugger::dap {

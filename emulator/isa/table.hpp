@@ -6,30 +6,11 @@
 #include <span>
 #include <string_view>
 
+#include "isa/operations.hpp"
 #include "isa/picture.hpp"
 #include "isa/types.hpp"
 
 namespace isa {
-
-// clang-format off
-/// What one half of an instruction computes. Encodings with the same meaning share one operation: ADDI, ADDI3 and the
-/// first half of ADDI3 || STI are `addi`; SUBRI is `subi` with its sources exchanged; STIK is `sti` of an immediate.
-enum class Operation : std::uint8_t {
-  none,
-  absf, absi, addc, addf, addi, and_, andn, ash, cmpf, cmpi, fix, float_, lde, ldf, ldfi, ldi, ldii, ldm, lsh,
-  mpyf, mpyi, mpyshi, mpyuhi, negb, negf, negi, norm, not_, or_, rnd, rol, rolc, ror, rorc, sigi,
-  subb, subc, subf, subi, tstb, xor_, toieee, frieee, rsqrf, rcpf,
-  lda, ldpk, ldhi, ldep, ldpe, ldf_cond, ldi_cond,
-  lb, lbu, lh, lhu, lwl, lwr, mb, mh,
-  stf, stfi, sti, stii, pop, popf, push, pushf,
-  nop, idle, idle2, swi, iack, rpts, rptb,
-  branch, db, call, laj, rets, reti, trap, lat,
-  lopower, maxspeed,  // C3x only.
-};
-// clang-format on
-inline constexpr int operation_count = static_cast<int>(Operation::maxspeed) + 1;
-
-std::string_view name(Operation operation);
 
 /// How the fields of a word become operands in their roles (decode.hpp). "G" is the operand selected by bits 22..21.
 enum class Format : std::uint8_t {

@@ -1,18 +1,14 @@
 #pragma once
-// Words, addresses, registers and conditions of the TMS320C4x, with the names and numbers of its user's guide, and the
+// Registers and conditions of the TMS320C4x, with the names and numbers of its user's guide, and the
 // differences of the TMS320C3x (c40-isa.md 9).
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string_view>
 
+#include "isa/word.hpp"
+
 namespace isa {
-
-using Word = std::uint32_t;
-using Address = std::uint32_t;  ///< Counts 32-bit words.
-
-/// The processor for whose instructions a word is decoded. The emulator runs only the C40's.
-enum class Cpu : std::uint8_t { c40, c3x };
 
 std::string_view name(Cpu cpu);                       ///< As in options: "c40", "c3x".
 std::string_view title(Cpu cpu);                      ///< As in sentences: "C40", "C3x".

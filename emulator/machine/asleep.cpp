@@ -7,6 +7,7 @@
 
 #include "c40/float40.hpp"
 #include "c40/peripherals/timer.hpp"
+#include "isa/types.hpp"
 
 namespace machine {
 namespace {

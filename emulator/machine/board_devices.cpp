@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "c40/float40.hpp"
+#include "isa/types.hpp"
 #include "machine/board_vme.hpp"
 
 namespace machine {

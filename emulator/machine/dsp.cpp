@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "isa/types.hpp"
 #include "machine/guard.hpp"
 
 namespace machine {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "c40/peripherals/register_map.hpp"
+#include "isa/types.hpp"
 #include "machine/dsp.hpp"
 #include "machine/guard.hpp"
 #include "toolchain/objects/image.hpp"

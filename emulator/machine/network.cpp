@@ -6,6 +6,7 @@
 #include <span>
 
 #include "io/stop.hpp"
+#include "isa/types.hpp"
 #include "machine/asleep.hpp"
 #include "machine/network_parts.hpp"
 #include "machine/program_end.hpp"

@@ -1,6 +1,7 @@
 // How a chip of a network stands: what it waits for, since when it rests, whether it has ended.
 #include <algorithm>
 
+#include "isa/types.hpp"
 #include "machine/asleep.hpp"
 #include "machine/network_parts.hpp"
 

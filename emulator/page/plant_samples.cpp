@@ -39,10 +39,10 @@ const char* name(plant::ContainerState state) {
 nlohmann::json box(const plant::Box& b) { return {b.x_min, b.x_max, b.y_min, b.y_max, b.z_min, b.z_max}; }
 
 /// An offset in shared memory that a symbol of the program names. A user's own program may not have the symbol.
-std::optional<cmrc::Word> offset_of(const cmrc::Simulation& simulation, const char* symbol) {
+std::optional<isa::Word> offset_of(const cmrc::Simulation& simulation, const char* symbol) {
   const auto& symbols = simulation.image().symbols;
   const auto found = symbols.find(symbol);
-  return found == symbols.end() ? std::nullopt : std::optional(static_cast<cmrc::Word>(found->second));
+  return found == symbols.end() ? std::nullopt : std::optional(static_cast<isa::Word>(found->second));
 }
 
 }  // namespace
@@ -139,10 +139,10 @@ void PlantSamples::take(Time now) {
   std::size_t next = 0;
   const auto put = [&](double value) { column(next++).push_back(value); };
   // Before the first point is planned its words are 0, which a TI float reads as 1.
-  const auto put_planned = [&](const std::string& name, cmrc::Word offset, cmrc::Word count) {
+  const auto put_planned = [&](const std::string& name, isa::Word offset, isa::Word count) {
     bool there = false;
-    for (cmrc::Word axis = 0; axis < count; ++axis) {
-      const cmrc::Word word = simulation_.machine().peek(offset + axis);
+    for (isa::Word axis = 0; axis < count; ++axis) {
+      const isa::Word word = simulation_.machine().peek(offset + axis);
       there = there || word != 0;
       put(cmrc::from_ti_float(word));
     }
@@ -165,7 +165,7 @@ void PlantSamples::take(Time now) {
     const plant::AgvSignal at = dock.agv(agv);
     put(at.x), put(at.y), put(at.heading), put(at.front), put(at.rear), put(at.speed);
     if (!planned_agv_) continue;
-    put_planned(fmt::format("agv{}_planned_", agv), *planned_agv_ + static_cast<cmrc::Word>(agv) * agv_words_, 2);
+    put_planned(fmt::format("agv{}_planned_", agv), *planned_agv_ + static_cast<isa::Word>(agv) * agv_words_, 2);
   }
   for (const plant::Mover& mover : dock.config().layout.movers) {
     const plant::MoverPlace at = plant::place_of(mover, report::seconds(now));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cmrc/run/simulation.hpp"
+#include "isa/word.hpp"
 #include "machine/time.hpp"
 #include "nlohmann/json.hpp"
 #include "plant/dock/dock.hpp"
@@ -47,8 +48,8 @@ class PlantSamples {
   std::vector<Time> times_;
   std::vector<Column> columns_;
   bool ship_moves_;
-  std::optional<cmrc::Word> planned_crane_, planned_agv_;  // offsets of the planned points, if the program has them
-  cmrc::Word agv_words_ = 0;
+  std::optional<isa::Word> planned_crane_, planned_agv_;  // offsets of the planned points, if the program has them
+  isa::Word agv_words_ = 0;
   std::map<std::string, std::size_t> planned_rows_;  // by how their columns' names begin, rows before a first plan
   std::vector<plant::ContainerState> container_states_;
   nlohmann::json stories_ = nlohmann::json::array();

@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "bus_model/bus.hpp"
+#include "cmrc/configuration/config.hpp"
 #include "cmrc/tasks/job_kinds.hpp"
 #include "machine/machine.hpp"
 #include "machine/scripted_events.hpp"

@@ -2,6 +2,7 @@
 #include <array>
 
 #include "fuzz/ways.hpp"
+#include "isa/types.hpp"
 
 namespace {
 

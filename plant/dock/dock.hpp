@@ -24,12 +24,6 @@ class Visitor;
 
 namespace plant {
 
-using Time = std::chrono::duration<std::int64_t, std::pico>;
-inline constexpr Time latch_period{125'000'000};  // 8 kHz
-inline constexpr double latch_seconds = 125e-6;
-inline constexpr std::int64_t agv_latches = 8;    // AGVs move on a 1-ms grid
-inline constexpr std::int64_t tick_latches = 80;  // 100 Hz: AGV drives, sway sensor
-
 enum class EventKind : std::uint8_t {
   near_contact,   // the payload became a body: values = clearance m, energy jump J
   free_again,     // it hangs on the ideal rope again: values = clearance m, energy jump J

@@ -6,16 +6,9 @@
 #include <vector>
 
 #include "plant/numerics/integrator.hpp"
+#include "plant/parameters/basics.hpp"
 
 namespace plant {
-
-inline constexpr int joint_count =
-    5;  // actuated: s gantry [m], psi slew, phi luff [rad], l hoist [m], kappa rotator [rad]
-inline constexpr double gravity = 9.81;  // m/s2
-
-enum class Joint : std::uint8_t { gantry, slew, luff, hoist, rotator };
-
-using Joints = std::array<double, joint_count>;
 
 // The drive of one joint. "Motor" sums the motors that share the joint.
 struct DriveParameters {
@@ -44,11 +37,6 @@ struct DriveParameters {
   double rated_force() const { return gear * rated_torque; }     // N or N m at the joint
   double rated_joint_speed() const { return rated_speed / gear; }
 };
-
-// The kind of crane. The ship-to-shore gantry does not slew (its psi is held at pi/2, across the quay), and its
-// coordinate phi is the trolley's place on the boom, m from the crane's rail: its jib is a trolley of jib_mass at this
-// place, on a boom at pivot_height.
-enum class CraneKind : std::uint8_t { slewing, gantry };
 
 // The portal of a crane: four upright legs on two rails along the quay, which travel with the crane. leg 0: none.
 struct Portal {

@@ -9,6 +9,7 @@
 #include "c40/float40.hpp"
 #include "c40/peripherals/register_map.hpp"
 #include "c40/snapshot.hpp"
+#include "isa/types.hpp"
 #include "machine/board_reserved.hpp"
 #include "python/bindings/bindings.hpp"
 #include "state/archive.hpp"

@@ -3,6 +3,7 @@
 #include <optional>
 #include <sstream>
 
+#include "isa/types.hpp"
 #include "machine/instruction_trace.hpp"
 #include "python/bindings/bindings.hpp"
 #include "report/trace_text.hpp"

@@ -28,20 +28,38 @@ def settings() -> Mapping[str, Mapping[str, Any]]:
     return {short: key for short, key in named.items() if shorts[short] == 1 and short not in ARGUMENTS}
 
 
+class SettingParameter(inspect.Parameter):
+    """A parameter that stands for a setting."""
+
+
+class ShortText(inspect.Signature):
+    """A signature with all settings, for completion; as text, in ``help``, it has ``**keywords`` in their place."""
+
+    def _short(self) -> inspect.Signature:
+        own = [one for one in self.parameters.values() if not isinstance(one, SettingParameter)]
+        keywords = inspect.Parameter("keywords", inspect.Parameter.VAR_KEYWORD)
+        return inspect.Signature([*own, keywords], return_annotation=self.return_annotation)
+
+    def __str__(self) -> str:
+        return str(self._short())
+
+    def format(self, **how: Any) -> str:
+        """What ``help`` calls from Python 3.13 on."""
+        return str(self._short().format(**how))  # type: ignore[attr-defined]
+
+
 def listed(function: Listed) -> Listed:
     """The same function; its signature has each setting as a keyword, in place of ``**keywords``."""
-    own = [
-        parameter
-        for parameter in inspect.signature(function).parameters.values()
-        if parameter.kind is not inspect.Parameter.VAR_KEYWORD
-    ]
+    whole = inspect.signature(function)
+    own = [parameter for parameter in whole.parameters.values() if parameter.kind is not inspect.Parameter.VAR_KEYWORD]
     there = {parameter.name for parameter in own}
     more = [
-        inspect.Parameter(
+        SettingParameter(
             short, inspect.Parameter.KEYWORD_ONLY, default=key["default"], annotation=TYPES[key["type"]].__name__
         )
         for short, key in settings().items()
         if short not in there
     ]
-    function.__signature__ = inspect.Signature([*own, *more])  # type: ignore[attr-defined]
+    signature = ShortText([*own, *more], return_annotation=whole.return_annotation)
+    function.__signature__ = signature  # type: ignore[attr-defined]
     return function

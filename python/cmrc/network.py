@@ -453,7 +453,7 @@ def _devices(given: object, count: int) -> list[list[Attached]]:
     for number, mine in enumerate(own):
         for place in mine:
             if seen.setdefault(id(place.device), number) != number and not place.acts_on_others:
-                raise ValueError(f"devices: {place.where} stands at chips {seen[id(place.device)]} and {number}: that is possible for a device with acts_on_others = True (docs/boards.md)")
+                raise ValueError(f"devices: {place.where} is attached to chips {seen[id(place.device)]} and {number}; only a device with acts_on_others = True can be (docs/boards.md)")
     return own
 
 

@@ -270,7 +270,10 @@ def run(
     on_progress: Progress | None = None,
     **keywords: Unpack[MoreSettings],
 ) -> Result:
-    """Simulates the dock on ``dsps`` DSPs (default 4) for ``duration_s`` seconds (default 180). See ``Simulation``."""
+    """Simulates the dock on ``dsps`` DSPs (default 4) for ``duration_s`` seconds (default 180). See ``Simulation``.
+
+    ``**keywords``: each key of docs/configuration.md by the last part of its name, as ``idle_policy="spin"``; all of
+    them with their values: ``cmrc.config().to_dict()``."""
     given: dict[str, Any] = {"dsps": dsps, "duration_s": duration_s}
     all_keywords: Any = {**{name: value for name, value in given.items() if value is not None}, **keywords}
     return Simulation(config=config, preset=preset, settings=settings, events=events, profile=profile,

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cmrc.extras import needed
+
 if TYPE_CHECKING:
     import pandas
 
@@ -36,9 +38,8 @@ class Table(dict[str, NDArray[Any]]):
 
     def to_pandas(self) -> pandas.DataFrame:
         """The table as a DataFrame. Raises ImportError where pandas is not installed."""
-        import pandas
-
-        return pandas.DataFrame(dict(self))
+        made: pandas.DataFrame = needed("pandas", "pandas", "to_pandas").DataFrame(dict(self))
+        return made
 
     def __repr__(self) -> str:
         return f"Table({self.rows} rows: {', '.join(self)})"

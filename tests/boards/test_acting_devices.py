@@ -187,7 +187,7 @@ def test_a_device_that_does_not_say_so_may_not(tmp_path: Path) -> None:
         acts_on_others = False
 
     one = Shared()
-    with pytest.raises(ValueError, match="Shared at A0000000h stands at chips 0 and 1: .* acts_on_others = True"):
+    with pytest.raises(ValueError, match="Shared at A0000000h is attached to chips 0 and 1; .* acts_on_others = True"):
         Network([assembled(END)] * 2, boards=str(board(tmp_path)), devices={0: {PLACE: one}, 1: {PLACE: one}})
 
 

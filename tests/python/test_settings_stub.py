@@ -2,6 +2,7 @@
 
 import importlib.util
 import inspect
+import pydoc
 
 import cmrc
 import pytest
@@ -15,6 +16,8 @@ def test_the_stub_of_the_settings_is_the_schema() -> None:
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     assert module.PLACE.read_text(encoding="utf-8") == module.stub(), "python scripts/settings_stub.py writes it"
+    plant = module.PLANT.read_text(encoding="utf-8")
+    assert plant == module.plant_stub(plant), "python scripts/settings_stub.py writes it"
 
 
 def test_every_setting_is_a_keyword_that_a_notebook_completes() -> None:
@@ -30,6 +33,13 @@ def test_every_setting_is_a_keyword_that_a_notebook_completes() -> None:
         parameters = inspect.signature(function).parameters
         assert known | own <= set(parameters) and not any(one.kind is one.VAR_KEYWORD for one in parameters.values())
     assert inspect.signature(cmrc.run).parameters["idle_policy"].default == "doorbell"
+
+
+def test_help_is_one_screen() -> None:
+    for function in (cmrc.run, cmrc.Simulation, cmrc.limits, cmrc.compare):
+        text = pydoc.plain(pydoc.render_doc(function))
+        head = next(line for line in text.splitlines() if "(" in line and "keywords" in line)
+        assert len(head) < 800 and "**keywords" in head and "idle_policy" not in head, function
 
 
 def test_a_completer_sees_them() -> None:

@@ -7,6 +7,7 @@
 #include <string>
 #include <thread>
 
+#include "cmrc/configuration/config.hpp"
 #include "cmrc/run/simulation.hpp"
 
 namespace {

@@ -1,4 +1,5 @@
-; Ping-pong between two chips, by their DMA coprocessors: `emulator exec bandwidth_dma.asm bandwidth_dma.asm --link 0.0:1.3 --dump 0:cycles:9`.
+; Ping-pong between two chips, by their DMA coprocessors:
+; `emulator exec bandwidth_dma.asm bandwidth_dma.asm --link 0.0:1.3 --dump 0:cycles:9`.
 ;
 ; As in bandwidth.asm chip 0 sends messages of 1, 2, 4, ... 256 words, chip 1 returns them, and `cycles` has the cycles
 ; of each round trip. But no processor touches a word. The channel with the port's number runs in split mode: its

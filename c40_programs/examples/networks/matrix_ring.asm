@@ -1,4 +1,5 @@
-; C := A B for matrices of 64 x 64 floats on a ring of 1, 2, 4, 8, 16 or more chips: `emulator exec matrix_ring.asm --topology ring:8`.
+; C := A B for matrices of 64 x 64 floats on a ring of 1, 2, 4, 8, 16 or more chips:
+; `emulator exec matrix_ring.asm --topology ring:8`.
 ;
 ; Chip k has m = 64 / chips rows of A in `a_part` (row by row) and as many columns of B in `b_part` (column by column),
 ; from row and column k m on. It computes its rows of C in `c_part`. The columns go round the ring past every chip.

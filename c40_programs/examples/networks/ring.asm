@@ -1,9 +1,10 @@
 ; A token round a ring: `emulator exec ring.asm --topology ring:8 --dump 0:token:1`.
 ;
-; Each chip reads the token from its port 3, adds one, and passes it on through port 0; chip 0 begins and counts the laps. So after
-; `laps` laps chip 0 holds laps * chips.
+; Each chip reads the token from its port 3, adds one, and passes it on through port 0; chip 0 begins and counts the
+; laps. So after `laps` laps chip 0 holds laps * chips.
 ;
-; To see: blocking reads and writes. A read of an empty input FIFO holds the processor until the word is there; no polling.
+; To see: blocking reads and writes. A read of an empty input FIFO holds the processor until the word is there; no
+; polling.
 ;
 ; At the start: R0 the chip's number, R1 the number of chips (docs/networks.md).
 

@@ -1,4 +1,5 @@
-; A servo that a timer drives: `emulator exec servo.asm servo.asm --link 0.0:1.3 --events events.txt --dump 0:positions:8`.
+; A servo that a timer drives:
+; `emulator exec servo.asm servo.asm --link 0.0:1.3 --events events.txt --dump 0:positions:8`.
 ;
 ; Chip 0 is the controller. Its timer 0 interrupts every 1000 cycles (50 us at 40 MHz). The interrupt routine reads the
 ; position, computes a torque (proportional to the error, less damping times the difference of two positions), sends the

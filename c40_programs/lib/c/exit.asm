@@ -1,4 +1,5 @@
-; void exit(int status), void abort(void), and what GCC's main() calls first (docs/from-c.md). R0 keeps the status: at `c_exit` the program ends.
+; void exit(int status), void abort(void), and what GCC's main() calls first (docs/from-c.md). R0 keeps the status: at
+; `c_exit` the program ends.
 
                 .include "c_runtime.inc"
                 .global _exit, _abort, ___main, c_exit

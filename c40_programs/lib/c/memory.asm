@@ -1,4 +1,5 @@
-; void *memset(void *, int, size_t), void *memcpy(void *, const void *, size_t): compilers call them for variables of several words (docs/from-c.md).
+; void *memset(void *, int, size_t), void *memcpy(void *, const void *, size_t): compilers call them for variables of
+; several words (docs/from-c.md).
 ; Sizes count words.
 
                 .include "c_runtime.inc"

@@ -16,6 +16,7 @@
 
 #include "c40/bench/plain_interpreter.hpp"
 #include "c40/chip.hpp"
+#include "isa/types.hpp"
 
 namespace {
 

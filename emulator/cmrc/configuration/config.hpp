@@ -17,7 +17,7 @@
 #include "cmrc/configuration/timed_event.hpp"
 #include "cmrc/configuration/value.hpp"
 #include "cmrc/processes/process_table.hpp"
-#include "cmrc/tasks/user_tasks.hpp"
+#include "cmrc/tasks/user_task.hpp"
 #include "plant/numerics/integrator.hpp"
 
 namespace cmrc {

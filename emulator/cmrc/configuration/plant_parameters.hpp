@@ -8,7 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "plant/parameters/config.hpp"
+#include "plant/parameters/basics.hpp"
+
+namespace plant {
+struct DockConfig;
+}
 
 namespace cmrc {
 

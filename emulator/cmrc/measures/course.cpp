@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "plant/dock/dock.hpp"
+
 namespace cmrc {
 
 SharedRows::SharedRows(std::size_t rows, std::size_t width) : room_(rows), width_(width) {

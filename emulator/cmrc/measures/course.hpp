@@ -11,15 +11,18 @@
 #include <vector>
 
 #include "cmrc/measures/event_times.hpp"
+#include "cmrc/measures/milestone.hpp"
 #include "machine/time.hpp"
-#include "plant/dock/dock.hpp"
+#include "plant/parameters/basics.hpp"
+
+namespace plant {
+class Dock;
+}
+namespace state {
+class Visitor;
+}
 
 namespace cmrc {
-
-using machine::Time;
-
-/// The robot of an event or a job: 0 is the crane, n is AGV n - 1.
-using Robot = unsigned;
 
 /// Rows of doubles, in memory that a child process shares with its parent.
 class SharedRows {
@@ -47,16 +50,6 @@ class SharedRows {
 /// angles (2, rad), then each AGV's place (2, m).
 inline constexpr std::size_t load_column = plant::joint_count, sway_column = load_column + 3,
                              agv_column = sway_column + 2;
-
-/// A step of a robot's work; milestones are in the order of time. The key identifies the same step in another run of
-/// the same work.
-struct Milestone {
-  enum class Kind : std::uint8_t { leg_begun, point, leg_ended, ramp_begun, ramp_ended, locked, opened, process_ended };
-  Robot robot = 0;
-  std::uint64_t key = 0;
-  Time at{};
-  Kind kind() const { return static_cast<Kind>(key >> 32 & 0xF); }
-};
 
 /// Jobs of one kind for one robot.
 struct JobTimes {

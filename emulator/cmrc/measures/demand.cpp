@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "cmrc/configuration/config.hpp"
 #include "cmrc/measures/ledger.hpp"
 #include "cmrc/processes/releases.hpp"
 #include "cmrc/tasks/job_kinds.hpp"

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cmrc/configuration/config.hpp"
 #include "cmrc/measures/demand.hpp"
 #include "cmrc/measures/work_progress.hpp"
+#include "plant/parameters/config.hpp"
 
 namespace cmrc {
 namespace {

@@ -1,14 +1,22 @@
 #pragma once
 // Compares a run's course with its ideal run's: errors, lag, demand and rates (docs/report.md, Errors).
 #include <array>
+#include <optional>
+#include <string>
+#include <vector>
 
-#include "cmrc/configuration/config.hpp"
 #include "cmrc/measures/course.hpp"
-#include "plant/parameters/config.hpp"
 #include "report/measures.hpp"
 #include "report/run_report.hpp"
 
+namespace plant {
+struct CraneParameters;
+struct DockConfig;
+}  // namespace plant
+
 namespace cmrc {
+
+struct Config;
 
 /// How far one unit of each joint moves the spreader at the jib's full reach, m; for the rotator, half a container's
 /// length.

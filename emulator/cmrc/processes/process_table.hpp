@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "cmrc/configuration/value.hpp"
-#include "cmrc/tasks/user_tasks.hpp"
+#include "cmrc/tasks/user_task.hpp"
 
 namespace cmrc {
 

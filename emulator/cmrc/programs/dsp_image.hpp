@@ -1,9 +1,10 @@
 #pragma once
 // The DSPs' program.
-#include "cmrc/configuration/config.hpp"
 #include "toolchain/objects/image.hpp"
 
 namespace cmrc {
+
+struct Config;
 
 /// The DSPs' program: the built-in one, or assembled from `machine.programs`/dsp.asm.
 /// \throws toolchain::AssemblyError; ConfigError if the directory has no dsp.asm

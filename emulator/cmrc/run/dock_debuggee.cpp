@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "c40/chip.hpp"
+#include "cmrc/configuration/config.hpp"
 #include "cmrc/tasks/job_kinds.hpp"
 #include "machine/debug/error.hpp"
 #include "machine/machine.hpp"

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "cmrc/configuration/config.hpp"
 #include "cmrc/measures/measures.hpp"
 #include "cmrc/measures/run_watcher.hpp"
 #include "cmrc/programs/dsp_image.hpp"
@@ -33,6 +32,8 @@ class Visitor;
 }
 
 namespace cmrc {
+
+struct TimedEvent;
 
 /// The progress of a run.
 struct Progress {

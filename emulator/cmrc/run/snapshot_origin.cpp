@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "cmrc/programs/dsp_image.hpp"
+#include "cmrc/tasks/job_kinds.hpp"
 #include "io/input_file.hpp"
 #include "state/sha256.hpp"
 

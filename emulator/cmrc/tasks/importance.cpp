@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "cmrc/configuration/config.hpp"
 #include "cmrc/tasks/job_kinds.hpp"
 
 namespace cmrc {

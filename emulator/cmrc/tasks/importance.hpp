@@ -3,13 +3,14 @@
 // count t.
 #include <cstdint>
 
-#include "cmrc/configuration/config.hpp"
-
 namespace cmrc {
+
+struct Config;
+enum class Equation7;
 
 /// The parameters of equation (7) besides x, y and t: numbers of refreshes, and importances.
 struct ImportanceParameters {
-  Equation7 equation = Equation7::restored;
+  Equation7 equation{};       ///< restored
   std::int64_t n_servo = 8;   ///< N_p
   std::int64_t n_crane = 64;  ///< N_t
   std::int64_t n_agv = 160;   ///< N^_a of the block's AGV

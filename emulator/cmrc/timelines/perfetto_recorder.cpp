@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 
+#include "cmrc/configuration/config.hpp"
 #include "cmrc/measures/timeline.hpp"
 #include "cmrc/run/simulation.hpp"
 #include "cmrc/tasks/job_kinds.hpp"

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "c40/float40.hpp"
+#include "isa/types.hpp"
 #include "machine/asleep.hpp"
 #include "machine/chip_stop.hpp"
 #include "machine/program_end.hpp"

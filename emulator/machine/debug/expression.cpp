@@ -9,6 +9,7 @@
 
 #include "c40/float40.hpp"
 #include "c40/peripherals/register_map.hpp"
+#include "isa/types.hpp"
 
 namespace machine::debug {
 

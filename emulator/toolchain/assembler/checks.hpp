@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "isa/types.hpp"
+#include "isa/word.hpp"
 
 namespace toolchain {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "isa/types.hpp"
+#include "isa/word.hpp"
 
 namespace toolchain {
 

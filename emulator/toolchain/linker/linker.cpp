@@ -8,6 +8,7 @@
 #include <set>
 
 #include "io/print.hpp"
+#include "isa/types.hpp"
 #include "toolchain/linker/placement.hpp"
 #include "toolchain/objects/archive.hpp"
 #include "toolchain/objects/coff.hpp"

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "isa/types.hpp"
+#include "isa/word.hpp"
 
 namespace toolchain {
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "isa/types.hpp"
+
 namespace toolchain {
 namespace {
 

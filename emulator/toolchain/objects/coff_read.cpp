@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "io/input_file.hpp"
+#include "isa/types.hpp"
 #include "toolchain/objects/coff.hpp"
 #include "toolchain/objects/coff_format.hpp"
 #include "toolchain/objects/source_map.hpp"

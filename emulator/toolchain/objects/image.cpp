@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "io/print.hpp"
+#include "isa/types.hpp"
 #include "toolchain/objects/missing_symbol.hpp"
 
 namespace toolchain {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-#include "isa/types.hpp"
+#include "isa/word.hpp"
 
 namespace toolchain {
 

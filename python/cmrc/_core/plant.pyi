@@ -63,8 +63,6 @@ class Portal:
 
 class CraneParameters:
     def __init__(self) -> None: ...
-    machine: Machine
-    portal: Portal
     a0: float
     jib: float
     pivot_height: float
@@ -79,6 +77,8 @@ class CraneParameters:
     spreader_inertia: float
     rated_load: float
     sway_damping: float
+    machine: Machine
+    portal: Portal
     gear_losses: bool
     stiction: bool
     lower: list[float]
@@ -151,8 +151,6 @@ class LandingParameters:
     friction: float
     near: float
     away: float
-    guides: bool
-    guide_window: float
     guide_height: float
     guide_stiffness: float
     guide_damping: float
@@ -160,13 +158,14 @@ class LandingParameters:
     seat_gap: float
     touch_speed: float
     touch_sway: float
-    strict: bool
     yaw_error: float
     lock_time: float
+    guide_window: float
+    guides: bool
+    strict: bool
 
 class AgvParameters:
     def __init__(self) -> None: ...
-    drive: AgvDrive
     mass: float
     length: float
     width: float
@@ -188,10 +187,11 @@ class AgvParameters:
     blend_speed: float
     track: float
     wheel_slip: float
-    protective_field: bool
     protective_margin: float
     speed_gain: float
     speed_integral: float
+    drive: AgvDrive
+    protective_field: bool
 
 class SensorParameters:
     def __init__(self) -> None: ...

@@ -6,12 +6,12 @@ import argparse
 import math
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.figure import Figure
 
 from cmrc import _core
+from cmrc.extras import needed
 from cmrc.loops import measured
 from cmrc.loops.model import (
     FREQUENCIES,
@@ -24,6 +24,9 @@ from cmrc.loops.model import (
     moved_inertias,
     poses,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 BLOCKS = ("margins", "poses", "found")
 
@@ -79,9 +82,14 @@ def found_table(rows: list[tuple[str, str, float, float, float]]) -> str:
     return "\n".join(lines)
 
 
+def _figures() -> Any:
+    """matplotlib.figure. Raises ImportError."""
+    return needed("matplotlib.figure", "plot", "--page")
+
+
 def bode() -> Figure:
     """The open loops of both presets, and the sensitivity at each frequency."""
-    figure = Figure(figsize=(8, 7), layout="constrained")
+    figure: Figure = _figures().Figure(figsize=(8, 7), layout="constrained")
     size, phase, sensitivity = figure.subplots(3, 1, sharex=True)
     hertz = FREQUENCIES / (2 * math.pi)
     for (preset, bandwidth), colour in zip(PRESETS.items(), ("C0", "C3"), strict=True):
@@ -106,7 +114,7 @@ def bode() -> Figure:
 
 def by_delay(rows: list[tuple[str, str, float, float, float]]) -> Figure:
     """The delay margin over the bandwidth, and the results of runs."""
-    figure = Figure(figsize=(7, 4), layout="constrained")
+    figure: Figure = _figures().Figure(figsize=(7, 4), layout="constrained")
     axis = figure.subplots()
     bandwidths = np.linspace(15, 110, 60)
     for ratio, style in ((1.0, "-"), (0.9, ":"), (1.1, "--")):
@@ -161,6 +169,12 @@ def main() -> int:
             file=sys.stderr,
         )
         return 2
+    if page is not None:
+        try:
+            _figures()
+        except ImportError as error:
+            print(f"cmrc.loops: {error}", file=sys.stderr)
+            return 2
     rows = found()
     tables = dict(zip(BLOCKS, (margins_table(), poses_table(), found_table(rows)), strict=True))
     if page is None:
@@ -170,7 +184,7 @@ def main() -> int:
         text = replaced(text, block, table)
     folder = page.with_suffix("")
     folder.mkdir(exist_ok=True)
-    with mpl.rc_context({"svg.hashsalt": "cmrc", "svg.fonttype": "none"}):
+    with needed("matplotlib", "plot", "--page").rc_context({"svg.hashsalt": "cmrc", "svg.fonttype": "none"}):
         for name, figure in (("bode", bode()), ("delay", by_delay(rows))):
             figure.savefig(folder / f"{name}.svg", metadata={"Date": None, "Creator": None})
     page.write_text(text)

@@ -12,6 +12,7 @@ from types import ModuleType
 from typing import Any
 
 from cmrc import files
+from cmrc.extras import needed
 from cmrc.results import cost, dsps, failures, fleet, hotplug, importance, learning, page
 from cmrc.results.runs import Laboratory
 from cmrc.simulation import ConfigError
@@ -160,13 +161,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         plans = [(claim, parameters(claim, given)) for claim in chosen]
         laboratory = Laboratory(given.jobs, given.cache)
         plots = given.page.with_suffix("") if given.page else given.plots
+        if plots is not None:
+            needed("matplotlib", "plot", "--page" if given.page else "--plots")
         for claim, values in plans:
             section = examine(claim, values, laboratory, plots, given.page.stem if given.page else "")
             if given.page:
                 page.write(given.page, claim.NUMBER, section)
             else:
                 print(section)
-    except (ValueError, ConfigError) as error:
+    except (ValueError, ConfigError, ImportError) as error:
         print(f"cmrc.results: {error}", file=sys.stderr)
         return 2
     return 0

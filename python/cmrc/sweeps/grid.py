@@ -198,7 +198,7 @@ class _Reader:
 
     def _take(self, key: str, where: str) -> None:
         if key in self.taken:
-            raise GridError(f"{where}: {key} stands at {self.taken[key]}, too; one place is expected")
+            raise GridError(f"{where}: {key} is also given at {self.taken[key]}; one place is expected")
         self.taken[key] = where
 
     def _fixed(self) -> dict[str, Any]:

@@ -187,7 +187,7 @@ class _Asked:
         for key, value, where in grids.flat(space, "space", ranges=True):
             name = self._setting(key, where)
             if name in self.space:
-                raise self.error(where, f"{name} stands there twice")
+                raise self.error(where, f"{name} is given twice")
             self.space[name] = self._distribution(name, value, where)
 
     def _distribution(self, name: str, value: Any, where: str) -> Any:

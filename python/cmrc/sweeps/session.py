@@ -47,7 +47,7 @@ class Session:
         again_failed: bool = False,
         on_progress: Callable[[Status], object] | None = None,
     ) -> None:
-        for module in ("pyarrow", "distributed"):
+        for module in ("pyarrow", "dask", "distributed"):
             installed(module, "sweep", "cmrc.sweep")
         self.folder, self.place, self.execute = Folder(folder), place, execute
         self.again_failed, self.on_progress = again_failed, on_progress

@@ -1,0 +1,68 @@
+#pragma once
+// When and why a run ends. The account of jobs may end before the run: then the plant continues, braked, without the
+// machine.
+#include <chrono>
+#include <optional>
+
+#include "machine/time.hpp"
+#include "report/run_report.hpp"
+
+namespace machine {
+class Machine;
+}
+namespace plant {
+class Dock;
+}
+namespace state {
+class Visitor;
+}
+
+namespace cmrc {
+
+struct Config;
+class Host;
+
+class RunEnd {
+ public:
+  /// The end of a run is checked at whole multiples of this, however the caller divides the run.
+  static constexpr machine::Time look_period = std::chrono::milliseconds{10};
+
+  RunEnd(const Config& config, const machine::Machine& machine, plant::Dock& dock, const Host& host);
+
+  /// Checks whether the job is finished, no DSP or no drive works any more, or the plant has faulted.
+  void look();
+  /// A run that was stopped from outside.
+  void interrupt() { stop_ = report::StopReason::interrupted; }
+  /// An interrupted run continues. \returns whether it was interrupted
+  bool resume();
+
+  machine::Time now() const;
+  bool over() const { return now() >= end_ || (account_end_ && now() >= after_end_); }
+  bool interrupted() const { return stop_ == report::StopReason::interrupted; }
+  /// Nothing: the run is under way, or completed.
+  std::optional<report::StopReason> stop() const { return stop_; }
+  /// The configured end.
+  machine::Time end() const { return end_; }
+  /// From this time on the plant continues without the machine, until after_end().
+  std::optional<machine::Time> account_end() const { return account_end_; }
+  machine::Time after_end() const { return after_end_; }
+
+  void list_state(state::Visitor& list);
+
+ private:
+  void stop_account(report::StopReason reason, machine::Time after);
+
+  const Config& config_;
+  const machine::Machine& machine_;
+  plant::Dock& dock_;
+  const Host& host_;
+  machine::Time end_;
+  machine::Time last_alive_{}, last_driven_{};
+  bool enabled_ = false;  // the drives were on at some time
+  std::optional<machine::Time> account_end_;
+  machine::Time after_end_{};
+  std::optional<report::StopReason> stop_;
+  std::optional<report::StopReason> stopped_by_;  // the end of the account; an interruption is not kept here
+};
+
+}  // namespace cmrc

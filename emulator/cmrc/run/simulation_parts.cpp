@@ -1,0 +1,138 @@
+#include "cmrc/run/simulation_parts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "c40/chip.hpp"
+#include "cmrc/run/ideal_run.hpp"
+#include "cmrc/run/job_causes.hpp"
+#include "cmrc/run/setup.hpp"
+#include "cmrc/tasks/job_kinds.hpp"
+#include "io/stop.hpp"
+#include "state/archive.hpp"
+
+namespace cmrc {
+namespace {
+
+// A stop is checked at this interval: a moment even for 16 DSPs with instruction traces.
+constexpr Time ask_period = std::chrono::milliseconds{1};
+static_assert(RunEnd::look_period % ask_period == Time{});
+
+}  // namespace
+
+Time duration_of(double seconds) { return Time{std::llround(seconds * 1e12)}; }
+
+Simulation::Parts::Parts(const Config& given, std::shared_ptr<Course> recorded,
+                         std::shared_ptr<const Reference> reference)
+    : given_config(given),
+      config(as_run(given)),
+      ideal(given_config, config, std::move(reference)),
+      image(dsp_image(config)),
+      words([this](std::string_view name) { return image.symbol(name); }),
+      dock_config(dock_of(config)),
+      dock(dock_config),
+      machine_config(machine_of(config)),
+      ledger(ledger_of(config, machine_config)),
+      observer(words, ledger, log, static_cast<std::size_t>(config.report.samples_max)),
+      host(config, words, crane_of(config, dock_config), fleet_of(config, dock_config), ledger, observer,
+           [this](unsigned slot) { return machine.boot_stream(slot); }),
+      machine(machine_config, image, &dock, &host),
+      run_end(config, machine, dock, host),
+      course(recorded ? std::move(recorded)
+                      : std::make_shared<Course>(ideal.measured() ? rows_of(config) : 0,
+                                                 static_cast<int>(config.dock.agvs))) {
+  host.set_course(course.get());
+  observer.set_servoing([this] { return host.servoing(); });
+  for (const AreaWord& word : initial_words(config, dock_config, words, dock)) machine.poke(word.offset, word.value);
+  observer.set_causes([this](unsigned slot) { return job_causes(machine, slot); });
+  observer.set_peek([this](machine::Offset offset) { return machine.peek(offset); });
+  const Word pid_state = words.cr_base + image.symbol("CR_PID") - image.symbol("PD_STATE");
+  observer.watch_errors(pid_state + image.symbol("PD_E"), pid_state + image.symbol("PD_STAGE"),
+                        image.symbol("PD_SERVOING"));
+  observer.attach(dock, course->recorded() ? course.get() : nullptr, config.dock.wind_limit_m_s);
+  machine.set_observer(&observer);
+  for (unsigned slot = 0; slot < machine.slots(); ++slot)
+    ledger.timeline().slot(slot, machine.booted(slot) ? SlotState::awake : SlotState::off, Time{0});
+  for (const TimedEvent& event : config.events)
+    if (event.action == "set") host.change(duration_of(event.at_s), event);
+}
+
+void Simulation::Parts::expect(const TimedEvent& event) {
+  if (const auto scripted = scripted_event(event))
+    machine.script(*scripted);
+  else
+    host.change(duration_of(event.at_s), event);
+}
+
+void Simulation::Parts::list_state(state::Visitor& list) {
+  list("events", config.events);
+  list("given events", given_config.events);
+  list("dock", dock);  // before the machine, which needs the time of the dock's next event
+  list("machine", machine);
+  list("host", host);
+  list("ledger", ledger);
+  list("observer", observer);
+  list("log", log);
+  list("course", *course);
+  run_end.list_state(list);
+}
+
+void Simulation::Parts::measure_anew() {
+  told_all = false;
+  ideal.measure_anew();
+}
+
+void Simulation::Parts::run_until(Time time) {
+  while (now() < time && !over() && !io::stop_asked()) {
+    if (run_end.account_end()) {
+      dock.advance_to(std::min(time, run_end.after_end()));
+    } else {
+      machine.run_until(std::min(time, (now() / ask_period + 1) * ask_period));
+      if (now() % RunEnd::look_period == Time{}) run_end.look();
+    }
+  }
+  if (now() > settling) log.settle(now() - settling);
+}
+
+void Simulation::Parts::resume() {
+  if (run_end.resume()) ideal.forget();
+}
+
+Ledger::Report Simulation::Parts::told() const {
+  return ledger.tell(machine.time(), [this](unsigned slot) { return job_causes(machine, slot); });
+}
+
+std::optional<report::Errors> Simulation::Parts::measure_errors(const JobsByRobot& jobs) {
+  std::vector<std::string> kinds = job_kinds();
+  for (const UserTask& task : config.tasks) kinds.push_back("user." + task.name);
+  return ideal.errors({config, dock_config, *course, jobs, std::move(kinds), run_end.end()}, run_end);
+}
+
+void Simulation::Parts::connect_traces() {
+  for (const auto& [slot, sink] : traces) {
+    if (profile)
+      profile->trace(slot, sink);
+    else
+      machine.chip(slot).set_trace(sink);
+  }
+}
+
+void Simulation::Parts::require_more_to_come(const char* call) const {
+  if (told_all)
+    throw std::logic_error(
+        fmt::format("Simulation::{}: report_so_far has ended the run; Simulation::report leaves it as it is", call));
+}
+
+void Simulation::Parts::require_no_profile(const char* call) const {
+  if (profile)
+    throw std::logic_error(
+        fmt::format("Simulation::{}: a run with a profile has no snapshots, because its counts would be lost; run it "
+                    "without profile",
+                    call));
+}
+
+}  // namespace cmrc

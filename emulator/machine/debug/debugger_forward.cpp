@@ -1,0 +1,209 @@
+// Forward: to the next hit, and steps.
+#include "machine/debug/debugger.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "isa/types.hpp"
+#include "machine/debug/debugger_shared.hpp"
+#include "machine/debug/expression.hpp"
+#include "machine/debug/hit_recorder.hpp"
+
+namespace machine::debug {
+
+/// Whether a hit stops the machine.
+bool Debugger::counts(const Hit& hit) {
+  const auto found = triggers_.find(hit.trigger);
+  if (found == triggers_.end()) return true;
+  Trigger& trigger = found->second;
+  if (++trigger.hits <= trigger.ignore) return false;
+  if (trigger.log.empty()) return true;
+  if (output) output(filled_in(trigger.log, debuggee_, programs_, hit.chip.value_or(0)));
+  return false;
+}
+
+bool Debugger::holds(const Hit& hit) { return !hit.open || recorder_->holds(hit); }
+
+/// All hits at the earliest instant after now with a hit that counts; none if there is none before `until`, nothing
+/// more happens, or a stop was requested. The machine is then at that instant or later.
+std::vector<Hit> Debugger::search(Time until, const Manner& manner) {
+  hear_what_is_under_way(manner);
+  constexpr int small_steps = 256;
+  Time slice = manner.steps ? std::chrono::microseconds{10} : debuggee_.slice();
+  for (int turn = 0;; ++turn) {
+    if (asked_to_stop() || debuggee_.over() || now() >= until) {
+      recorder_->close();
+      return {};
+    }
+    Time target = now() + slice;
+    if (manner.steps && turn < small_steps) {
+      target = debuggee_.time_of(*manner.steps, debuggee_.chip(*manner.steps).cycle() + 1);
+      if (target <= now()) target = now() + std::chrono::microseconds{1};
+    } else if (manner.steps) {
+      slice = std::min(slice * 2, debuggee_.slice());
+    }
+    const bool values = recorder_->looks_at_values();
+    if (values) target = std::min(target, (now() / debuggee_.value_period() + 1) * debuggee_.value_period());
+    run_to(std::min(target, until));
+    if (values) recorder_->look_at_values(now());
+    while (!recorder_->hits.empty() || recorder_->stepped) {  // none of them is later than `until`
+      const auto first = [this] {
+        Time earliest = recorder_->stepped.value_or(never);
+        for (const Hit& hit : recorder_->hits) earliest = std::min(earliest, hit.time);
+        return earliest;
+      };
+      Time at = first();
+      if (at > until) break;
+      // Hits of other chips may still come before; and some events are reported late.
+      const Time known = at + (recorder_->hears_late() ? debuggee_.delay() : Time{0});
+      if (now() < known) run_to(known), at = first();
+      std::vector<Hit> here;
+      std::erase_if(recorder_->hits, [&](const Hit& hit) {
+        if (hit.time == at) here.push_back(hit);
+        return hit.time == at;
+      });
+      const bool step_ends = recorder_->stepped == at;
+      const bool open = std::ranges::any_of(here, &Hit::open);
+      if (open) {
+        move_and_listen(at, manner);
+        std::erase_if(here, [this](const Hit& hit) { return !holds(hit); });
+      }
+      std::erase_if(here, [this](const Hit& hit) { return !counts(hit); });
+      if (step_ends) here.push_back({.trigger = temporary, .time = at, .chip = manner.steps});
+      if (!here.empty()) {
+        recorder_->close();
+        return here;
+      }
+    }
+  }
+}
+
+const Stop& Debugger::report(std::vector<Hit> hits) {
+  Stop::Reason reason = Stop::Reason::step;
+  std::string text;
+  std::optional<std::size_t> chip;
+  std::erase_if(hits, [&](const Hit& hit) { return hit.text.empty() && hits.size() > 1; });
+  std::ranges::stable_sort(hits, {}, [](const Hit& hit) { return hit.chip.value_or(~std::size_t{0}); });
+  for (const Hit& hit : hits) {
+    const auto trigger = triggers_.find(hit.trigger);
+    if (&hit == &hits.front()) {
+      chip = hit.chip;
+      if (hit.trigger != temporary && trigger != triggers_.end()) {
+        const Trigger::Kind kind = trigger->second.kind;
+        reason = kind == Trigger::Kind::code        ? Stop::Reason::breakpoint
+                 : kind == Trigger::Kind::happening ? Stop::Reason::happening
+                                                    : Stop::Reason::watchpoint;
+        if (kind == Trigger::Kind::happening && trigger->second.name == "fault") reason = Stop::Reason::fault;
+      }
+    }
+    if (hit.text.empty()) continue;
+    if (hit.trigger == temporary) {
+      if (trigger != triggers_.end() && trigger->second.kind == Trigger::Kind::happening) text += hit.text;
+      continue;
+    }
+    text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", hit.trigger, hit.text);
+  }
+  for (const Hit& hit : hits)
+    if (const auto trigger = triggers_.find(hit.trigger); trigger != triggers_.end() && trigger->second.once)
+      triggers_.erase(trigger);
+  std::erase_if(hits, [](const Hit& hit) { return hit.trigger == temporary; });
+  return stopped(reason, chip, std::move(text), std::move(hits));
+}
+
+const Stop& Debugger::go_on(Time until, const Manner& manner) {
+  interrupted_ = false;
+  debuggee_.look_again();
+  if (const auto why = debuggee_.over()) return stopped(Stop::Reason::over, {}, *why);
+  std::vector<Hit> hits;
+  try {
+    hits = search(until, manner);
+  } catch (const DebugError&) {
+    recorder_->close();
+    triggers_.erase(temporary);
+    stopped(Stop::Reason::paused, {}, fmt::format("paused at {}", seconds(now())));
+    throw;
+  }
+  if (!hits.empty()) {
+    const Time at = hits.front().time;
+    move_and_listen(at, manner);
+    if (now() == at) return report(std::move(hits));
+  }
+  triggers_.erase(temporary);
+  if (asked_to_stop()) return stopped(Stop::Reason::paused, {}, fmt::format("paused at {}", seconds(now())));
+  if (const auto why = debuggee_.over()) return stopped(Stop::Reason::over, {}, *why);
+  return stopped(Stop::Reason::moved, {}, fmt::format("at {}", seconds(now())));
+}
+
+const Stop& Debugger::go(Time until) { return go_on(until, {}); }
+
+const Stop& Debugger::step(std::size_t chip, Step step) {
+  require_chip(chip);
+  switch (step) {
+    case Step::instruction: return go_on(never, {.steps = chip});
+    case Step::over: return step_over(chip);
+    case Step::line: return step_lines(chip, false);
+    case Step::next_line: return step_lines(chip, true);
+    case Step::out: {
+      const std::vector<Frame> frames = call_stack(debuggee_, chip, programs_[chip]);
+      if (frames.size() < 2)
+        throw DebugError(fmt::format("{}: no caller of {} is found on its stack", debuggee_.chip_name(chip),
+                                     programs_[chip].name(frames[0].pc)));
+      const Frame& caller = frames[1];
+      return run_to_code(chip, caller.returns_to, caller.at ? fmt::format("u(sp) == {}", *caller.at - 1) : "");
+    }
+    case Step::claim:
+    case Step::refresh:
+    case Step::happening: break;
+  }
+  triggers_.insert_or_assign(temporary, happening_of(chip, step));
+  return go_on(never, {});
+}
+
+/// The event that ends a step other than an instruction's.
+Trigger Debugger::happening_of(std::size_t chip, Step step) {
+  Trigger trigger{.kind = Trigger::Kind::happening,
+                  .name = step == Step::claim     ? "claim"
+                          : step == Step::refresh ? "refresh"
+                                                  : "any",
+                  .once = true};
+  if (step == Step::claim) trigger.chip = chip;
+  check(trigger);
+  return trigger;
+}
+
+const Stop& Debugger::run_to_code(std::size_t chip, Address address, std::string condition) {
+  triggers_.insert_or_assign(temporary, Trigger{.kind = Trigger::Kind::code,
+                                                .chip = chip,
+                                                .address = address,
+                                                .condition = std::move(condition),
+                                                .once = true});
+  return go_on(never, {});
+}
+
+const Stop& Debugger::step_over(std::size_t chip) {
+  const Address pc = debuggee_.chip(chip).pc();
+  const auto word = debuggee_.peek(chip, pc);
+  const auto back = word ? returns_from_call(pc, *word) : std::nullopt;
+  if (!back) return go_on(never, {.steps = chip});
+  return run_to_code(chip, *back, fmt::format("sp == {}", debuggee_.chip(chip).register_value(isa::Register::SP)));
+}
+
+/// Steps to an instruction of another source line. Code without lines is stepped by instructions.
+const Stop& Debugger::step_lines(std::size_t chip, bool over_calls) {
+  const auto line_at = [&] {
+    const auto place = programs_[chip].source(debuggee_.chip(chip).pc());
+    return place ? std::pair(place->file, place->line) : std::pair(std::string(), 0);
+  };
+  const auto first = line_at();
+  for (;;) {
+    const Stop& stop = over_calls ? step_over(chip) : go_on(never, {.steps = chip});
+    if (stop.reason != Stop::Reason::step || stop.chip != chip) return stop;
+    const auto line = line_at();
+    if (first.second == 0 || (line != first && line.second != 0)) return stop;
+  }
+}
+
+}  // namespace machine::debug

@@ -1,0 +1,22 @@
+#pragma once
+// What the sources of the debugger share: the manner of a search, and the trigger of a step.
+#include <chrono>
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "machine/debug/debugger.hpp"
+
+namespace machine::debug {
+
+inline constexpr unsigned temporary = 0;  ///< number of the trigger of a step
+
+/// The manner of a search.
+struct Debugger::Manner {
+  std::optional<std::size_t> steps;  ///< the search ends at this chip's next instruction
+};
+
+/// "0.125 s"
+std::string seconds(Time time);
+
+}  // namespace machine::debug
