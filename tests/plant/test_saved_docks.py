@@ -43,7 +43,7 @@ def read_everything(dock: Any, t: int) -> None:
 
 
 def land(dock: Any, rng: random.Random) -> None:
-    """The crane lands on the container at x = 12.7 m, locks and lifts it; whoever reads does so between latches."""
+    """The crane lands on the container at x = 12.7 m, locks and lifts it. Devices are read between latches."""
     crane = Crane(dock)
     crane.hold(0.2)
     read_everything(dock, crane.t + rng.randrange(LATCH))
