@@ -1,4 +1,4 @@
-"""Devices that act on other chips of their network: their accesses come in its order, whatever the order of turns."""
+"""Devices that act on other chips of their network: the network orders their accesses by time, in every turn order."""
 
 from __future__ import annotations
 

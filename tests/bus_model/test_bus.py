@@ -279,7 +279,7 @@ def test_a_delayed_read_is_answered_from_the_clock_on_in_which_its_word_is_there
 
 
 def test_a_target_that_takes_as_much_as_the_master_gives_still_disconnects() -> None:
-    """Who stops is the target: REQ# goes, as with a master without a limit of its own."""
+    """The target ends the transaction: the master releases REQ#, as does a master without a limit."""
     ends = []
     for most in (0, 4):
         bus = pci.Bus(config(pci.BusConfig, parking=pci.Parking.none, grant_clocks=4))

@@ -1,4 +1,4 @@
-"""A file without an end is refused by its size, by whatever reads it."""
+"""A file without an end is refused by its size, by every command that reads files."""
 
 from __future__ import annotations
 

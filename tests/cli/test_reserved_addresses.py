@@ -1,4 +1,5 @@
-"""Addresses at which a board has nothing: faults, or ignored and told (docs/boards.md); and what the loader says of them."""
+"""Addresses at which a board has nothing: a fault, or an access that is ignored and reported (docs/boards.md); the loader's
+messages about them."""
 
 import json
 import subprocess

@@ -325,7 +325,7 @@ def test_a_second_signal_ends_at_once_and_leaves_no_file(folder: Path, without_n
 
 
 def test_a_first_signal_outside_the_work_leaves_no_file(folder: Path, without_nameless_files: dict[str, str]) -> None:
-    """The output is open, and the program waits for somebody to open the pipe for the other."""
+    """One output is open. The other is a pipe: the program waits until a reader opens it."""
     os.mkfifo(folder / "t")
     running = Running(folder, Job([*LONG, "--report", "r.json", "--trace", "t"], lambda r: None), env=without_nameless_files)
     running.until(lambda: any(name.endswith(".part") for name in running.new_files()))

@@ -1,4 +1,4 @@
-"""emulator trace-diff names the first difference: when, who, which field."""
+"""emulator trace-diff names the first difference: time, component and field."""
 
 from pathlib import Path
 

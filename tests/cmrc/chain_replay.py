@@ -1,4 +1,5 @@
-"""Why jobs were late, once more, from the event trace alone (docs/report.md, Why late; docs/trace.md): who waited for what, picosecond by picosecond.
+"""Why jobs were late, computed a second time from the event trace alone (docs/report.md, Why late; docs/trace.md): each
+wait with its cause, to the picosecond.
 
 Brute force: the wait of a job is cut at every instant at which anything changed, and each piece is judged by itself. Shares no code with the emulator."""
 

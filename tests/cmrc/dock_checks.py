@@ -1,4 +1,4 @@
-"""What holds of every run of a dock, whatever happens in it (docs/report.md, docs/trust.md).
+"""What must hold in every run of a dock, with any failures (docs/report.md, docs/trust.md).
 
 It is judged from the report and the trace alone.
 """
@@ -246,7 +246,7 @@ def can_be_replayed(dock: Dock, config: Any) -> bool:
 
 
 def replayed(trace: Path, report: Report, dock: Dock, config: Any) -> list[str]:
-    """What the scheduling rule and the chains of causes, told again from the trace, say against the run."""
+    """Differences between the run and two replays of its trace: of the scheduling rule, and of the chains of causes."""
     values = config.to_dict()
     with trace.open() as lines:
         events = list(scheduling_replay.events(lines))

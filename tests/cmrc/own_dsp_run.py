@@ -1,4 +1,4 @@
-"""Runs with tasks that have a DSP of their own (docs/add-a-task.md), each told again from its trace by both replays."""
+"""Runs with tasks that are bound to one DSP (docs/add-a-task.md); both replays check the trace of each."""
 
 import json
 import shutil

@@ -122,7 +122,8 @@ LOW_RATES: dict[str, Any] = {
 
 
 def test_a_change_waits_for_rest_and_moves_nothing() -> None:
-    """During the first leg (0.05 to 18 s) slew and hoist are told to be slower, and to trust the feed-forward less. It comes when they rest."""
+    """During the first leg (0.05 to 18 s), lower bandwidths of slew and hoist are set. The change takes effect when the joints
+    rest."""
     events = [
         change(3.0, "control.slew_bandwidth_rad_s", 20.0),
         change(3.0, "control.hoist_bandwidth_rad_s", 30.0),

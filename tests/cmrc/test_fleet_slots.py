@@ -1,4 +1,4 @@
-"""Slots of the queue before the loading spot: each vehicle has one of its own (docs/processes.md, `queue`)."""
+"""Slots of the queue before the loading spot: no two vehicles have the same slot (docs/processes.md, `queue`)."""
 
 import json
 import math

@@ -227,7 +227,7 @@ def test_when_the_last_dsp_is_gone_the_plant_goes_on_braked() -> None:
 
 
 def test_the_sway_at_the_end_is_that_of_two_seconds_and_of_the_instant_at_which_they_begin() -> None:
-    """The account ends at 1.5 s, the run at 3.75 s, and the load swings ever less from 1.5 s on: the most is at 1.75 s."""
+    """The account ends at 1.5 s, the run at 3.75 s, and the load swings less and less from 1.5 s on: the window's largest sway is at its start, 1.75 s."""
     settings = {**EVERY_LATCH, "run.after_stop_s": 2.25, "report.reference": "none"}
     result = cmrc.run(dsps=1, duration_s=4.0, events=[{"at_s": 1.0, "action": "fail", "dsp": 0}], settings=settings)
     report = result.report

@@ -1,4 +1,5 @@
-"""Tasks with a DSP of their own (docs/add-a-task.md, dsp): who claims what, from the event trace and the report."""
+"""Tasks that are bound to one DSP (docs/add-a-task.md, dsp): which DSP claims which block, from the event trace and the
+report."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""Ruling 40: with run.phase_jitter every clock but the drives' latch has a phase and whole ppm of its own, by run.seed."""
+"""Ruling 40: with run.phase_jitter every clock except the drives' latch gets a phase and whole ppm, from run.seed."""
 
 import json
 import subprocess

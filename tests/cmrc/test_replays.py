@@ -1,4 +1,4 @@
-"""Whole runs beside what their event traces alone say: the scheduling rule, and why jobs were late."""
+"""Whole runs against replays of their event traces: the scheduling rule, and why jobs were late."""
 
 import json
 import subprocess

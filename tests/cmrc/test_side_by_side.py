@@ -1,4 +1,4 @@
-"""Crane and vehicles work side by side (ruling 38, equations (2) to (4)): what the report books, beside what the plant's signals show."""
+"""Crane and vehicles work side by side (ruling 38, equations (2) to (4)): the report's times against the plant's signals."""
 
 import json
 from typing import Any

@@ -188,7 +188,7 @@ def test_dma_moves_words_while_the_processors_wait_for_the_bus(dma_programs: Pat
     assert report["tasks"]["user.answer"]["execution_cycles"]["bus_transfer"] > 0
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(4, 40))])
 def test_cuts_turn_orders_and_snapshots_change_nothing(
     programs: Path, dma_programs: Path, tmp_path: Path, seed: int
 ) -> None:

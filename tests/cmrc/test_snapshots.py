@@ -153,7 +153,7 @@ print(json.dumps([result.hash, result.report["errors"]]))
 
 
 def test_another_process_goes_on(tmp_path: Path) -> None:
-    """By the command, by Python, and each from the other's file; the ideal run is made anew."""
+    """The command and Python go on, each from the other's file; the ideal run is made again."""
     options = ["--quiet", "--dsps", "2", "--duration", "0.06"]
     for name, value in AT_ONCE.items():
         options += ["--set", f"{name}={value}"]

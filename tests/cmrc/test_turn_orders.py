@@ -1,4 +1,5 @@
-"""Turn orders: whichever chip the emulator advances first, it is the same run. Random scripts of failures: test_random_docks.py."""
+"""Turn orders: the run is the same in every order in which the emulator advances the chips. test_random_docks.py has random
+failures."""
 
 import json
 from pathlib import Path

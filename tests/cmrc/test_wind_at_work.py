@@ -71,7 +71,8 @@ def test_the_share_of_time_is_true_where_the_controller_cannot_look(event: dict[
 
 
 def test_a_load_that_stands_jammed_is_eased_into_the_cones() -> None:
-    """A set-down that stood beside its place, held by friction, at all of four tries while no weight was taken off it again."""
+    """A load that touched down beside its place and was held there by friction. Four tries failed while the hoist took no weight
+    off the load."""
     run = landings.land(15.0, 10_000, 90.0, seed=7)
     assert len(run.tries) == 2 and max(run.tries) <= 2 and run.missed == 0
 

@@ -1,4 +1,4 @@
-"""Figures printed in README.md and docs/ are those that the command beside them prints.
+"""The figures in README.md and docs/ are those that the named command prints.
 
 A block of output stands under a comment that names its command:
 

@@ -1,4 +1,5 @@
-"""Docks full of traffic, and who could have prevented a collision: told from the vehicles' and the obstacles' true courses alone.
+"""Docks full of traffic, and which side could have prevented a collision: judged from the true courses of vehicles and
+obstacles alone.
 
 A collision could have been prevented when a vehicle that moved at the contact had, at the last instant from which its brakes would still have brought it to
 rest in time, what it then hit within its sensor's reach, or had had it there and it went on as it was going. What runs into a standing vehicle, or comes from

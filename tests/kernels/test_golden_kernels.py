@@ -1,4 +1,4 @@
-"""Golden instruction traces: every kernel once, on a chip of its own, with fixed inputs and windows that cost nothing."""
+"""Golden instruction traces: every kernel once, alone on a chip, with fixed inputs and windows that cost no time."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ def empty_bay() -> Dsp:
 
 
 def walled_in() -> Dsp:
-    """Every ray ends beside the lane in a bend: the most that avoidance can have to do."""
+    """Every ray ends near the lane in a bend: the most work that avoidance can have."""
     dsp = agv_facing_a_person()
     s = dsp.symbols
     for ray in range(s["RANGE_RAYS"]):

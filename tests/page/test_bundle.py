@@ -12,7 +12,7 @@ PAGE = ROOT / "page"
 
 
 def modules(folder: Path) -> None:
-    """The libraries of the lock file, in ``folder``. Skips the test where they are not to be had."""
+    """The libraries of the lock file, in ``folder``. Skips the test where they cannot be installed."""
     for tool in ("node", "npm"):
         if shutil.which(tool) is None:
             pytest.skip(f"{tool} is missing: the page is not made anew")

@@ -1,4 +1,4 @@
-"""What the page shows beside lanes and misses, each thing at its place: the dock's parts, plots, legend, colours, fingers."""
+"""What the page shows besides lanes and misses: the dock's parts, plots, legend, colours, touch."""
 
 import re
 from pathlib import Path
@@ -267,7 +267,7 @@ BLIND = {
 
 
 def lab(hexes: list[str], sees: list[list[float]] | None) -> np.ndarray[Any, Any]:
-    """CIE L*a*b* (D65) of colours, as somebody sees them."""
+    """CIE L*a*b* (D65) of colours."""
     rgb = np.array([[int(one[i : i + 2], 16) / 255 for i in (1, 3, 5)] for one in hexes])
     linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
     if sees is not None:

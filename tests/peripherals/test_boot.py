@@ -256,7 +256,7 @@ def test_boots_that_the_pins_forbid(emulator: Path, tmp_path: Path, board: str, 
 
 
 def test_pins_of_a_chip_in_a_network(emulator: Path, tmp_path: Path) -> None:
-    """Chip 0 boots from its memory at 80000000h, chip 1's pins choose the ports; nobody sends it anything."""
+    """Chip 0 boots from its memory at 80000000h. Chip 1 boots from its ports, and no chip sends it a stream."""
     (tmp_path / "b.toml").write_text(BOARD)
     (tmp_path / "c.toml").write_text(BOARD.replace("0111", "1111"))
     (tmp_path / "p.asm").write_text(PROGRAM)

@@ -50,7 +50,7 @@ seed:   sti r0,*+ar0(2)
 
 
 def state(network: Network) -> tuple[Any, ...]:
-    """Everything that can be told of it, but the order in which chips were advanced."""
+    """Everything that can be read of a network, except the order in which its chips were advanced."""
     registers = [{name: chip.registers[name] for name in c40.REGISTERS} for chip in network.chips]
     ports = [chip.port(n) for chip in network.chips for n in range(6)]
     chips = [(chip.status, chip.message, chip.pc, chip.cycles, chip.instructions, chip.causes) for chip in network.chips]

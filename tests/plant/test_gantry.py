@@ -99,7 +99,7 @@ def test_the_gantry_in_the_dock():
 
 
 def test_a_gantrys_psi_stays_when_the_load_is_pushed_sideways():
-    """Its psi is built in: no brake that could slip, whatever pulls at the end of the boom."""
+    """The gantry's psi is fixed: no brake can slip under any load at the end of the boom."""
     config = public.gantry_dock()
     config.wind.mean, config.wind.direction, config.wind.spreader_area = 80.0, 0.0, 5000.0  # 2e7 N on the load, along the quay
     scene = public.Scene(config)

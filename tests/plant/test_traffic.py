@@ -27,7 +27,7 @@ def drive(d, agv, speed, front=0, rear=0):
 
 
 def run(d, seconds, *commands):
-    """commands: (agv, mm/s, front, rear), each given anew every 50 ms."""
+    """commands: (agv, mm/s, front, rear), each given again every 50 ms."""
     for _ in range(round(seconds / 0.05)):
         for agv, *what in commands:
             drive(d, agv, *what)

@@ -100,7 +100,7 @@ def test_the_page_has_what_the_model_gives() -> None:
 
 
 def test_the_margins_found_lie_beside_the_predicted_ones() -> None:
-    """The page's own table; the campaign makes it anew."""
+    """The page's own table; the campaign makes it again."""
     page = (ROOT / "docs" / "control.md").read_text(encoding="utf-8")
     first, last = marks("found")
     rows = [

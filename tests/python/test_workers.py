@@ -1,4 +1,4 @@
-"""Workers of a pool end with it and say nothing, whatever they are at."""
+"""Workers of a pool end with it and print nothing, at any point of their work."""
 
 import subprocess
 import sys

@@ -26,7 +26,7 @@ def stale(names: list[str]) -> list[str]:
 
 
 def test_every_name_is_a_test() -> None:
-    assert stale(NAMES) == [], "tests/spent.py FILE --slow 0.5 prints the list again"
+    assert stale(NAMES) == [], "tests/spent.py FILE --slow 0.25 prints the list again"
     assert len(NAMES) == len(set(NAMES)) > 100
 
 

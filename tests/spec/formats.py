@@ -49,7 +49,7 @@ def from_single(word: int) -> int:
 
 
 def from_single_raw(word: int) -> int:
-    """The word's bits at their places in a register, whatever the exponent."""
+    """The word's bits at their places in a register, for every exponent."""
     return word << 8
 
 

@@ -59,7 +59,7 @@ def test_every_way_of_indirect_addressing_and_every_condition_occurs() -> None:
 
 
 def test_the_file_is_what_the_specification_gives() -> None:
-    """The first two of every encoding; `make vectors` writes the rest anew."""
+    """The first two of every encoding; `make vectors` writes the others again."""
     written = set(lines())
     for encoding in encodings():
         for line in vectors_of(encoding, 2, SEED):

@@ -1,4 +1,4 @@
-"""Sweeps on workers of this machine: what is run, what is kept, who may die."""
+"""Sweeps on workers of this machine: what is run, what is kept, and what a dead worker costs."""
 
 import contextlib
 import itertools

@@ -1,4 +1,4 @@
-"""TI's run-time library of 1999: our assembler's words beside TI's, and TI's objects through our linker on the emulated chip (docs/assembler.md, Old sources)."""
+"""TI's run-time library of 1999: our assembler's words against TI's, and TI's objects through our linker on the emulated chip (docs/assembler.md, Old sources)."""
 
 from __future__ import annotations
 

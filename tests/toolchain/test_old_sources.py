@@ -1,4 +1,4 @@
-"""What sources of the 1990s hold beside what TI's last manual describes (docs/assembler.md, Old sources)."""
+"""What sources of the 1990s contain that TI's last manual does not describe (docs/assembler.md, Old sources)."""
 
 import pytest
 from cmrc._core import toolchain

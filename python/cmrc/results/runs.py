@@ -98,7 +98,8 @@ def execute(run: Run, reference: Reference | None) -> tuple[list[Report], Refere
 
 def _first_claim(simulation: Simulation, watch: FirstClaim) -> float | None:
     def claims() -> int:
-        return int(simulation.result().report["dsps"][watch.dsp]["claims"])
+        # Without the text and the signals of a Result: this is asked some hundred times.
+        return int(json.loads(simulation._core.report_json())["dsps"][watch.dsp]["claims"])
 
     before = claims()
     for step in range(1, round(watch.limit_s / watch.step_s) + 1):
