@@ -424,6 +424,28 @@ void Dsp::settle(Time now) {
   }
 }
 
+Spent Dsp::spent(Time now) const {
+  Spent spent{chip_.cycle(), chip_.causes(), statistics_.window_b_arbitration, statistics_.window_b_transfer};
+  const auto since = [&](c40::Cycles cycle) { return std::max<c40::Cycles>(0, clock_.tick_at_or_after(now) - cycle); };
+  const auto add = [&spent](c40::Cause cause, c40::Cycles cycles) {
+    spent.causes[static_cast<std::size_t>(cause)] += cycles;
+    spent.cycles += cycles;
+  };
+  if (state_ == State::port) add(c40::Cause::comm_port, since(port_access_.cycle));
+  if (state_ != State::blocked && state_ != State::resuming) return spent;
+  const c40::Cycles waited = since(access_.cycle);
+  // Until the bridge has its answer, the access waits for the bus.
+  const c40::Cycles arbitration = state_ == State::blocked ? waited : std::min(waited, arbitration_);
+  const c40::Cycles transfer = state_ == State::blocked ? 0 : std::min(waited - arbitration, transfer_);
+  add(c40::Cause::bus_arbitration, arbitration);
+  add(c40::Cause::bus_transfer, transfer);
+  if (window_of(access_.address) == Window::b) {
+    spent.window_b_arbitration += arbitration;
+    spent.window_b_transfer += transfer;
+  }
+  return spent;
+}
+
 void Dsp::stand_still(Time now) {
   require_not_run_past(now);
   settle(now);

@@ -91,6 +91,9 @@ class Dsp final : public Scheduler::Processor,
   void list_state(state::Visitor& list);
   /// Adds idle and halted cycles up to `now`.
   void settle(Time now);
+  /// The chip's counts, and what a wait that is not over adds to them up to `now`: the chip counts a wait when it ends,
+  /// which may never be.
+  Spent spent(Time now) const;
 
   bool plugged() const { return state_ != State::out; }
   bool booted() const { return plugged() && answered_; }

@@ -351,6 +351,7 @@ bool Machine::booted(unsigned slot) const { return parts_->dsps.at(slot).booted(
 bool Machine::standing(unsigned slot) const { return parts_->dsps.at(slot).standing(); }
 c40::Chip& Machine::chip(unsigned slot) { return parts_->dsps.at(slot).chip(); }
 const c40::Chip& Machine::chip(unsigned slot) const { return parts_->dsps.at(slot).chip(); }
+Spent Machine::spent(unsigned slot) const { return parts_->dsps.at(slot).spent(parts_->time); }
 const Clock& Machine::chip_clock() const { return parts_->around->chip_clock; }
 unsigned Machine::buses() const { return static_cast<unsigned>(parts_->buses.size()); }
 const pci::Bus& Machine::bus(BusId id) const { return parts_->buses.at(static_cast<std::size_t>(id)); }

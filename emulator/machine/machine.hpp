@@ -24,6 +24,7 @@
 
 #include "bus_model/config.hpp"
 #include "c40/board.hpp"
+#include "c40/types.hpp"
 #include "machine/bus_topology.hpp"
 #include "machine/net.hpp"
 #include "machine/scripted_events.hpp"
@@ -200,6 +201,13 @@ struct SlotStatistics {
   std::int64_t window_b_transfer = 0;     ///< the same of bus_transfer
 };
 
+/// What a DSP has spent its cycles on: the sum of `causes` is `cycles`. A wait that is not over is in it.
+struct Spent {
+  c40::Cycles cycles = 0;
+  c40::Causes causes{};
+  c40::Cycles window_b_arbitration = 0, window_b_transfer = 0;  ///< of bus_arbitration and bus_transfer
+};
+
 /// See the head of this file.
 class Machine {
  public:
@@ -229,7 +237,8 @@ class Machine {
   bool standing(unsigned slot) const;  ///< halted by a fault, Action::fail or Action::hang
   c40::Chip& chip(unsigned slot);
   const c40::Chip& chip(unsigned slot) const;
-  const Clock& chip_clock() const;  ///< nominal
+  Spent spent(unsigned slot) const;  ///< up to time()
+  const Clock& chip_clock() const;   ///< nominal
   unsigned buses() const;
   const pci::Bus& bus(BusId id) const;
   /// Violations of the invariants of buses (pci::audit) and links in this run; empty unless the model has a fault.

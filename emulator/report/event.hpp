@@ -40,7 +40,7 @@ enum class EventKind : std::uint16_t {
   requeue = 7,  ///< host: block offset, kind, generation, old owner's slot, recomputations so far (watchdog)
   bus_transaction =
       8,               ///< bus: master, word address, words, 1 write | 2 interlocked | 4 prefetch, clocks to first data
-  semaphore = 9,       ///< bus: number, 1 acquired | 0 released | 2 freed by the host, owner (master)
+  semaphore = 9,       ///< bus: number, 1 acquired | 0 released | 2 taken by the host from this owner, owner (master)
   latch = 10,          ///< plant: torque codes of joints 0 to 4, two's complement
   interrupt = 11,      ///< dsp: IIOF pin
   doorbell = 12,       ///< host: slot whose doorbell was rung

@@ -18,6 +18,7 @@ NAMES = {
     6: "pid", 7: "identify", 8: "grab_path", 9: "home.crane", 10: "home.agv", 11: "obstacle_avoidance",
 }  # fmt: skip
 HOST, DROPPED = 0xFF, 5
+ACQUIRED, TAKEN_AWAY = 1, 2  # states of a semaphore; the second tells from whom the host has acquired it, and who holds it does not change
 MUST_CONTINUE = 1  # of TB_NOTIFY: a part is done, and the job is not
 STANDS_STILL = (0, 1, 2)  # machine::Action: fail, freeze, hang
 BEFORE = ("host_late", "not_due", "host_refresh", "host_lock")
@@ -64,13 +65,14 @@ class Job:
 class Trace:
     """Everything that the chains are checked against."""
 
-    def __init__(self, events: Iterable[Event], dsps: int, servo: int, refresh_hz: float, tasks: dict[int, tuple[str, int | None]] | None = None, empty: int = 0) -> None:
-        """`tasks`: by kind the user's tasks, their names in the report and the slot that alone may claim them; `empty`: slots without a DSP at the start."""
+    def __init__(self, events: Iterable[Event], dsps: int, servo: int, refresh_hz: float, tasks: dict[int, tuple[str, int | None]] | None = None, empty: int = 0, preloaded: bool = False) -> None:
+        """`tasks`: by kind the user's tasks, their names in the report and the slot that alone may claim them; `empty`: slots without a DSP at the start; `preloaded`: the DSPs do not have to boot."""
         self.servo, self.refresh_mhz = servo, round(refresh_hz * 1000)  # the timer's clock is in whole millihertz
         self.names = NAMES | {kind: name for kind, (name, _) in (tasks or {}).items()}
         self.own = {kind: dsp for kind, (_, dsp) in (tasks or {}).items() if dsp is not None}
         self.jobs: dict[tuple[int, int], Job] = {}
-        self.slots = [Steps([0], [("awake", None)]) for _ in range(dsps)] + [Steps([0], [("off", None)]) for _ in range(empty)]
+        at_start = "awake" if preloaded else "off"  # a DSP that has not booted is off, for ever if its link is broken
+        self.slots = [Steps([0], [(at_start, None)]) for _ in range(dsps)] + [Steps([0], [("off", None)]) for _ in range(empty)]
         self.list = Steps()
         self.dropped: dict[tuple[int, int], int] = {}  # kind, tick: when the host found it
         self.shortest: dict[int, int] = {}
@@ -100,8 +102,8 @@ class Trace:
                     waits = len(job.claims) < len(job.waits_from) and not job.parted
                     if waits and len(job.offered) < len(job.waits_from) and (job.kind not in SERVO or n["number"] >= job.due or len(job.waits_from) > 1):
                         eligible.append(job)
-            elif name == "semaphore" and n["number"] == 0:
-                self.list.set(time, n["owner"] if n["state"] == 1 else 0)
+            elif name == "semaphore" and n["number"] == 0 and n["state"] != TAKEN_AWAY:
+                self.list.set(time, n["owner"] if n["state"] == ACQUIRED else 0)
                 if n["owner"] == HOST and n["state"] == 0:
                     for job in eligible:
                         job.offered.append(time)

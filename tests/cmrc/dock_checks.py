@@ -86,14 +86,13 @@ def of_task(kind: str, task: Report, missed: int | None) -> Iterator[str]:
 
 
 def of_chips(report: Report, events: int, disturbed: bool) -> Iterator[str]:
-    # A processor's access and its bridge's posted write may be under way at the end, and when an event stops them.
-    broken_off = 2 * (1 + events)
+    resets = {f"DSP {dsp['slot']}": dsp["resets"] for dsp in report["dsps"]}
     for dsp in report["dsps"]:
         if sum(dsp["causes"].values()) != dsp["cycles"]:
             yield f"DSP {dsp['slot']}: causes of {sum(dsp['causes'].values())} cycles, {dsp['cycles']} are counted"
         through = report["simulated_ps"] * dsp["clock_hz"] / PS
-        # A chip stops between two instructions: one may reach beyond the end, one that waits for a crowded bus is not over.
-        if not disturbed and not -1000 < dsp["cycles"] - through < 100:
+        # A chip stops between two instructions: one may reach beyond the end, one is not over.
+        if not disturbed and not -100 < dsp["cycles"] - through < 100:
             yield f"DSP {dsp['slot']}: {dsp['cycles']} cycles in a time of {through}"
     for name, bus in report["buses"].items():
         if sum(bus["clocks_by_use"].values()) != bus["clocks"]:
@@ -103,6 +102,9 @@ def of_chips(report: Report, events: int, disturbed: bool) -> Iterator[str]:
             if asked != given:
                 yield f"bus {name}: {word}: {asked} by masters, {given} by targets"
         for master, counts in bus["masters"].items():
+            # A wait is counted where its transaction begins. A processor's read and its bridge's posted write may be
+            # under way at the end, and where an event or a reset breaks them off.
+            broken_off = 2 * (1 + events + resets.get(master, 0))
             if counts["wait_clocks"]["count"] > counts["transactions"] + counts["retries"] + broken_off:
                 yield f"bus {name}: {master} waited {counts['wait_clocks']['count']} times for {counts['transactions']} transactions"
 
@@ -266,6 +268,7 @@ def replayed(trace: Path, report: Report, dock: Dock, config: Any) -> list[str]:
                     values["rates.refresh_frequency_hz"],
                     {KIND_USER + n: (f"user.{row['name']}", row.get("dsp")) for n, row in enumerate(tasks)},
                     empty=max(0, values["machine.slots"] - values["machine.dsps"]),
+                    preloaded=values["machine.boot"] == "preloaded",
                 ),
                 report,
             )

@@ -47,6 +47,10 @@ def failures(*rows: tuple[float, str, dict[str, Any]]) -> str:
 
 
 CROWDED = "--dsps 1 --duration 0.15 --set dock.agvs=8 --set load.avoidance_cycles=30000 --set scheduling.agv_phase=together"
+# The host takes the list from a DSP that has become too slow to release it.
+SLOW = failures((0.02002, "slow", {"dsp": 1, "factor": 0.001}))
+# DSP 1 never boots.
+NEVER_BOOTED = failures((0.00005, "break_link", {"dsp": 1}), (0.01, "pause_host", {"lasts_ms": 1.7}))
 DYING = failures((0.04003, "fail", {"dsp": 0}), (0.06003, "hang", {"dsp": 1}), (0.09004, "unplug", {"dsp": 2}), (0.12, "plug", {"dsp": 2}))
 ROUGH = failures(
     (0.0203, "pause_host", {"lasts_ms": 1.7}), (0.03, "stall_bus", {"bus": "A", "lasts_ms": 0.9}), (0.0402, "hang", {"dsp": 0}), (0.05, "slow", {"dsp": 1, "factor": 0.05}),
@@ -107,6 +111,8 @@ def test_the_replay_notices_a_broken_rule(tmp_path: Path) -> None:
         ("--dsps 4 --duration 0.13", DYING, 4, 1),
         ("--dsps 2 --duration 0.13 --preset saturated", ROUGH, 2, 10),
         ("--dsps 2 --duration 0.13", ROUGH, 2, 3),
+        ("--dsps 2 --duration 0.06 --preset saturated --set machine.boot=preloaded", SLOW, 2, 6),
+        ("--dsps 2 --duration 0.06 --preset saturated", NEVER_BOOTED, 2, 3),
         ("--dsps 1 --duration 1.0", failures((0.05, "fail", {"dsp": 0})), 1, 1),
         ("--dsps 3 --duration 0.15 --set machine.cycle_time_factor=14", "", 3, 50),
         ("--dsps 1 --duration 0.15 --preset saturated --set scheduling.slice_cycles=10000", "", 1, 20),
@@ -118,7 +124,7 @@ def test_chains_add_up_and_are_those_of_the_trace(tmp_path: Path, options: str, 
     events, report = run(tmp_path, *options.split(), toml=toml)
     assert report["misses_left_out"] == 0
     assert len(report["misses"]) == sum(task["misses"] for task in report["tasks"].values())
-    trace = chain_replay.Trace(events, dsps, servo=8, refresh_hz=8000)
+    trace = chain_replay.Trace(events, dsps, servo=8, refresh_hz=8000, preloaded="machine.boot=preloaded" in options)
     assert chain_replay.check(trace, report) >= least
     for kind, task in report["tasks"].items():
         why = task["why_late"]

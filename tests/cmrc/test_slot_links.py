@@ -8,7 +8,7 @@ from typing import Any
 
 import cmrc
 import pytest
-from locations import ROOT
+from locations import AT_ONCE, ROOT
 from own_dsp_run import toml_of
 
 # What both programs end with: jobs so far in word 0 of the area, and their result in word 1.
@@ -233,6 +233,27 @@ def test_a_partner_that_dies_is_a_cut_link_until_it_runs_again(programs: Path, t
     assert report["tasks"]["user.ask"]["misses"] > 0
     for way in link["directions"]:
         assert way["sent"] - way["arrived"] - way["lost"] in range(9)  # under way
+
+
+def test_a_wait_for_a_word_that_never_comes_is_in_every_account(programs: Path, tmp_path: Path) -> None:
+    """The DSP still waits at the end: its cycles are those of the whole time, and the wait has its name in the report, in
+    the chain of the miss and in the profile."""
+    config = tmp_path / "answer.toml"
+    config.write_text(toml_of([row for row in rows(period_ms=1, deadline_ms=0.1) if row["name"] == "answer"]))
+    settings = {"machine.programs": str(programs), "machine.links": "0.0:1.4", "report.reference": "none", **AT_ONCE}
+    result = cmrc.run(config=config, dsps=2, duration_s=0.0035, settings=settings, profile=True)
+    report, dsp = result.report, result.report["dsps"][1]
+    assert dsp["cycles"] == sum(dsp["causes"].values()) == 87_500  # 3.5 ms at 25 MHz
+    (miss,) = [miss for miss in report["misses"] if miss["kind"] == "user.answer"]
+    ran_ps, waited_ps = miss["end_ps"] - miss["runs"][0]["claimed_ps"], dsp["causes"]["comm_port"] * 40_000
+    assert miss["outcome"] == "unfinished" and ran_ps > 2 * 10**9
+    assert ran_ps - 10**7 < waited_ps < ran_ps
+    assert miss["parts_ps"]["execution.comm_port"] == pytest.approx(waited_ps, rel=0.001)
+    assert result.profile is not None
+    profile = result.profile.data
+    assert profile["cycles"] == sum(one["cycles"] for one in report["dsps"])
+    (unfinished,) = [group for group in profile["groups"] if group["name"] == "not finished"]
+    assert unfinished["causes"]["comm_port"] == dsp["causes"]["comm_port"]
 
 
 @pytest.mark.parametrize(

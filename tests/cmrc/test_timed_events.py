@@ -72,6 +72,19 @@ def test_a_stalled_bus_moves_no_word_while_it_lasts() -> None:
     assert words[0] == words[1] < words[2]
 
 
+@pytest.mark.parametrize("bus", ["A", "B"])
+def test_a_wait_for_a_stalled_bus_has_its_name_before_it_is_over(bus: str) -> None:
+    """The run ends while a block waits: it has waited for most of the time, and executed a few instructions."""
+    stall = {"at_s": 0.05503, "action": "stall_bus", "bus": bus, "lasts_ms": 20}
+    report = run([stall], duration_s=0.0565, dsps=1, **{"machine.boot": "preloaded", "host.start_ms": 0, "report.reference": "none"})
+    (dsp,) = report["dsps"]
+    assert dsp["cycles"] == pytest.approx(0.0565 * 25e6, abs=10)
+    (miss,) = [miss for miss in report["misses"] if miss["outcome"] == "unfinished"]
+    parts = miss["parts_ps"]
+    assert 1.3 * 10**9 < parts[f"execution.bus_{bus.lower()}_arbitration"] < 1.5 * 10**9
+    assert sum(amount for name, amount in parts.items() if name.startswith("execution.") and "_arbitration" not in name) < 10**8
+
+
 def test_every_clock_of_a_stalled_bus_is_accounted_for() -> None:
     # The host asks at its next refresh, 125 us into the stall at the latest; a millisecond is 33 333 clocks.
     shares = {}

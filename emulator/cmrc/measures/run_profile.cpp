@@ -99,7 +99,7 @@ std::unique_ptr<RunProfile::Span> RunProfile::end_job(unsigned number) {
 
 c40::Causes RunProfile::outside_of_job(unsigned number) const {
   const Slot& slot = *slots_.at(number);
-  Causes outside = machine_.chip(number).causes();
+  Causes outside = machine_.spent(number).causes;
   accumulate(outside, slot.at_start, -1);
   accumulate(outside, slot.job->counts.total().causes, -1);
   return outside;
@@ -109,7 +109,7 @@ void RunProfile::taken(unsigned number) {
   if (auto left = end_job(number)) book(unfinished_, std::move(left));
   Slot& slot = *slots_.at(number);
   slot.job = fresh();
-  slot.at_start = machine_.chip(number).causes();
+  slot.at_start = machine_.spent(number).causes;
   slot.stream.count_into(slot.job->counts);
 }
 
@@ -146,7 +146,7 @@ report::Profile RunProfile::report(const std::vector<report::TaskReport>& tasks,
 
   report::Profile profile = machine::empty_profile();
   Causes rest{};  // cycles outside all instructions that no group has yet
-  for (unsigned slot = 0; slot < machine_.slots(); ++slot) accumulate(rest, machine_.chip(slot).causes());
+  for (unsigned slot = 0; slot < machine_.slots(); ++slot) accumulate(rest, machine_.spent(slot).causes);
   accumulate(rest, executive_.total().causes, -1);
   const auto add_group = [&](std::string name, std::uint64_t jobs, const ProfileCounts& counts, const Causes& outside) {
     report::ProfileGroup group = machine::profile_group(counts, outside, starts, name == "boot" ? rom : image, false);

@@ -35,12 +35,11 @@ std::vector<std::string> job_causes() {
 }
 
 CauseTimes job_causes(const machine::Machine& machine, unsigned slot) {
-  const c40::Causes& causes = machine.chip(slot).causes();
-  const machine::SlotStatistics& bus = machine.statistics(slot);
-  CauseTimes all(causes.begin(), causes.end());
-  all[arbitration] -= bus.window_b_arbitration;
-  all[transfer] -= bus.window_b_transfer;
-  all.insert(all.end(), {bus.window_b_arbitration, bus.window_b_transfer});
+  const machine::Spent spent = machine.spent(slot);
+  CauseTimes all(spent.causes.begin(), spent.causes.end());
+  all[arbitration] -= spent.window_b_arbitration;
+  all[transfer] -= spent.window_b_transfer;
+  all.insert(all.end(), {spent.window_b_arbitration, spent.window_b_transfer});
   return all;
 }
 

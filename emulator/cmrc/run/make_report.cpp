@@ -73,9 +73,10 @@ report::DspReport dsp_report(const ReportInputs& e, unsigned slot) {
     }
   }
   report.clock_hz = e.machine.chip_clock().hertz();
-  report.cycles = chip.cycle();
+  const machine::Spent spent = e.machine.spent(slot);
+  report.cycles = spent.cycles;
   report.instructions = chip.instructions();
-  for (std::size_t i = 0; i < e.causes.size(); ++i) report.causes.push_back({e.causes[i], chip.causes()[i]});
+  for (std::size_t i = 0; i < e.causes.size(); ++i) report.causes.push_back({e.causes[i], spent.causes[i]});
   report.claims = e.ledger.claims(slot);
   report.tasks = e.ledger.occupied(slot, e.machine.time());
   report.faults = e.observer.faults(slot);
