@@ -23,7 +23,7 @@ m_sqrt_zero:
         ldf     0.0, r0
         rets
 
-; R0 <- 1 / sqrt(R0), R0 > 0. x' = x (1.5 - v/2 x x): the error e becomes 1.5 e^2: 2^-8.4, 2^-16.2, 2^-31.9.
+; R0 <- 1 / sqrt(R0), R0 > 0. x' = x (1.5 - v/2 x x) makes of an error e the error 1.5 e^2: 2^-8.4, 2^-16.2, 2^-31.9.
 m_rsqrt:
         rsqrf   r0, r1
         mpyf    0.5, r0

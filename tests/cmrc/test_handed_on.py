@@ -90,7 +90,7 @@ def test_a_busy_host_is_handed_on_in_the_middle_of_its_refreshes(seed: int) -> N
     # The host is at work on a failure for a few microseconds before it tells of it.
     before = [failure["time_s"] - draw.uniform(0, 8e-6) for failure in expected["failures"] for _ in range(4)]
     assert {failure["kind"] for failure in expected["failures"]} >= {"dropped block", "watchdog"}
-    cuts = sorted([*instants(draw, 150, 0.12), *before])
+    cuts = sorted([*instants(draw, 80, 0.12), *before])
     assert dock_checks.differences(expected, told(handed_on(config, cuts))) == []
 
 

@@ -46,6 +46,14 @@ def test_a_missed_landing_is_tried_again(over_a_container: str) -> None:
     assert signals["payload_z_m"][lifted].max() > signals["payload_z_m"][low] + 0.4  # the clearance of half a metre
 
 
+def test_a_load_that_stands_jammed_is_eased_into_the_cones(over_a_container: str) -> None:
+    """It touches at 10 s beside the corners. The hoist takes weight off, and it slides into its place: no second try."""
+    report, simulation = run(18, **{**ROLLING, "seed": 19, "boot": "preloaded", "dock.layout": over_a_container})
+    assert of_landing(report) == []
+    when = {kind: time_s for time_s, kind, *_ in simulation.dock_events()}
+    assert when["touch"] + 1 < when["landed"] < when["locked"] < 18 and "missed" not in when
+
+
 def test_after_so_many_tries_the_crane_stops_and_says_so(over_a_container: str) -> None:
     # At 1 m/s every touch is too hard for the strict rule.
     report, simulation = run(42, strict_landing=True, ramp_speed_m_s=1.0, landing_retries_max=1, **{"dock.layout": over_a_container})

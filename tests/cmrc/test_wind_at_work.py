@@ -70,7 +70,8 @@ def test_the_share_of_time_is_true_where_the_controller_cannot_look(event: dict[
     assert 0.2 < share < 0.9 and report["wind"]["above_share"] == pytest.approx(share, abs=0.01)
 
 
-def test_a_load_that_stands_jammed_is_eased_into_the_cones() -> None:
+@pytest.mark.campaign
+def test_a_load_that_stands_jammed_on_a_vehicle_is_eased_into_the_cones() -> None:
     """A load that touched down beside its place and was held there by friction. Four tries failed while the hoist took no weight
     off the load."""
     run = landings.land(15.0, 10_000, 90.0, seed=7)

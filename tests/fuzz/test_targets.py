@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from locations import BUILD, ROOT
 
-MUTATIONS = 400
+MUTATIONS = 300
 TARGETS = sorted(path.stem for path in (ROOT / "fuzz" / "targets").glob("*.cpp"))
 
 
