@@ -37,7 +37,8 @@ void BlockStore::clear(Memory& memory) {
 
 void BlockStore::settle(Causes& causes, std::uint64_t& instructions) {
   for (CodeBlock::Exit* exit : counted_) {
-    for (std::size_t i = 0; i < pipeline_cause_count; ++i) causes[i] += static_cast<Cycles>(exit->count) * exit->causes[i];
+    for (std::size_t i = 0; i < pipeline_cause_count; ++i)
+      causes[i] += static_cast<Cycles>(exit->count) * exit->causes[i];
     instructions += exit->count * exit->size;
     exit->count = 0;
   }

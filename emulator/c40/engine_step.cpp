@@ -279,7 +279,8 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
   if (bound.writes_interrupts) peripherals_.pins_changed();
   if (dma_effect_ == DmaEffect::under_way) [[unlikely]]
     dma_side_.note_accesses(annul ? Demand{} : decoded.demand, *step.timing, before);
-  if (bound.flow != Flow::straight || bound.writes_status) cache_.note_control(state_.cycle - 1 - step.timing->of(Cause::branch));
+  if (bound.flow != Flow::straight || bound.writes_status)
+    cache_.note_control(state_.cycle - 1 - step.timing->of(Cause::branch));
   advance_pc(pc);
   return Stepped::done;
 }
