@@ -30,14 +30,15 @@ def changed(folder: Path, name: str, old: str, new: str) -> None:
 @pytest.mark.parametrize(
     ("header", "entry", "unit", "row", "says"),
     [
-        ("isa/table.hpp", ("  lopower, ", "  halve, lopower, "), "isa/operations.cpp",
-         ('    {O::lopower, "lopower"', '    {O::halve, "halve", B::integer},\n    {O::lopower, "lopower"'), "each operation has one row"),
+        ("isa/operations.hpp", ("  lopower, ", "  halve, lopower, "), "isa/operations.cpp",
+         ('    {Operation::lopower, "lopower"', '    {Operation::halve, "halve", OperationKind::integer},\n    {Operation::lopower, "lopower"'),
+         "each operation has one row"),
         ("c40/types.hpp", ("  idle,\n", "  idle,\n  thrown,\n"), "c40/profile.cpp",
          ('    {Cause::halted, "halted"', '    {Cause::thrown, "thrown", "", "the chip was thrown"},\n    {Cause::halted, "halted"'), "each cause has one row"),
         ("cmrc/tasks/job_kinds.hpp", ("  user  ///<", "  rewind,\n  user  ///<"), "cmrc/tasks/job_kinds.cpp",
          ('"", 2, none, {0xFFFD, 0xFFFC}, S::none, R::long_run, 0},\n',
           '"", 2, none, {0xFFFD, 0xFFFC}, S::none, R::long_run, 0},\n'
-          '      {K::rewind, "rewind", "KIND_REWIND", 24, none, {0xE000, 0xE000}, S::crane, R::long_run, 0},\n'), "each built-in kind has one row"),
+          + '      {K::rewind, "rewind", "KIND_REWIND", 24, none, {0xE000, 0xE000}, S::crane, R::long_run, 0},\n'), "each built-in kind has one row"),
         ("c40/self_check.hpp", ("  reserved,        ///<", "  late,\n  reserved,        ///<"), "c40/self_check.cpp", None, "one name each, in order"),
     ],
     ids=["operation", "cause", "kind", "rule"],
