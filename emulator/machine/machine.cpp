@@ -62,7 +62,11 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
   struct PlantTurn final : Scheduler::Actor {
     explicit PlantTurn(plant::Dock* the_dock) : dock{the_dock} {}
     Time next() const override { return dock == nullptr ? never : dock->next_event(); }
-    void act(Time now) override { dock->advance_to(now); }
+    // A board that is reset or pulled out breaks off its access at the next bus clock. If that is an access to the
+    // plant, the plant is there already, a few nanoseconds later than its turn.
+    void act(Time now) override {
+      if (dock->time() < now) dock->advance_to(now);
+    }
     plant::Dock* dock;
   };
 

@@ -57,10 +57,12 @@ template <auto fail>
 void of_dock(const Stage& on, const Event& event, Time now) {
   if (on.dock == nullptr) return;
   const bool failed = event.amount != 0;
+  const Time at =
+      std::max(now, on.dock->time());  // an access that was broken off may have taken it a bus clock further
   if constexpr (std::is_invocable_v<decltype(fail), Dock&, int, bool, Time>)
-    (on.dock->*fail)(static_cast<int>(event.number), failed, now);
+    (on.dock->*fail)(static_cast<int>(event.number), failed, at);
   else
-    (on.dock->*fail)(failed, now);
+    (on.dock->*fail)(failed, at);
 }
 
 using Target = ScriptTarget;
