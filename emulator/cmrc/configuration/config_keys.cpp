@@ -8,62 +8,45 @@ namespace {
 
 constexpr double no_limit = std::numeric_limits<double>::infinity();
 
-template <class Get>
-Key integer(std::string name, Get get, std::string unit, double minimum, double maximum, std::string meaning,
-            std::string source) {
+/// Gives the member of Config, so that one entry can both read and write it.
+template <class T>
+using Member = T& (*)(Config&);
+
+/// \param get a Member, or the like with a state of its own
+template <class T, class Get>
+Key entry(Key::Type type, std::string name, Get get, std::string unit, double minimum, double maximum,
+          std::string meaning, std::string source) {
   return {std::move(name),
-          Key::Type::integer,
+          type,
           std::move(unit),
           minimum,
           maximum,
           {},
           std::move(meaning),
           std::move(source),
-          [get](Config& config, const Value& value) { get(config) = std::get<std::int64_t>(value); },
+          [get](Config& config, const Value& value) { get(config) = std::get<T>(value); },
           [get](const Config& config) { return Value{get(const_cast<Config&>(config))}; }};
 }
 
-template <class Get>
-Key number(std::string name, Get get, std::string unit, double minimum, double maximum, std::string meaning,
+// No templates: a key has many neighbours, and each would be compiled anew.
+Key integer(std::string name, Member<std::int64_t> get, std::string unit, double minimum, double maximum,
+            std::string meaning, std::string source) {
+  return entry<std::int64_t>(Key::Type::integer, std::move(name), get, std::move(unit), minimum, maximum,
+                             std::move(meaning), std::move(source));
+}
+
+Key number(std::string name, Member<double> get, std::string unit, double minimum, double maximum, std::string meaning,
            std::string source) {
-  return {std::move(name),
-          Key::Type::number,
-          std::move(unit),
-          minimum,
-          maximum,
-          {},
-          std::move(meaning),
-          std::move(source),
-          [get](Config& config, const Value& value) { get(config) = std::get<double>(value); },
-          [get](const Config& config) { return Value{get(const_cast<Config&>(config))}; }};
+  return entry<double>(Key::Type::number, std::move(name), get, std::move(unit), minimum, maximum, std::move(meaning),
+                       std::move(source));
 }
 
-template <class Get>
-Key boolean(std::string name, Get get, std::string meaning, std::string source) {
-  return {std::move(name),
-          Key::Type::boolean,
-          "",
-          0,
-          1,
-          {},
-          std::move(meaning),
-          std::move(source),
-          [get](Config& config, const Value& value) { get(config) = std::get<bool>(value); },
-          [get](const Config& config) { return Value{get(const_cast<Config&>(config))}; }};
+Key boolean(std::string name, Member<bool> get, std::string meaning, std::string source) {
+  return entry<bool>(Key::Type::boolean, std::move(name), get, "", 0, 1, std::move(meaning), std::move(source));
 }
 
-template <class Get>
-Key text(std::string name, Get get, std::string meaning, std::string source) {
-  return {std::move(name),
-          Key::Type::text,
-          "",
-          0,
-          0,
-          {},
-          std::move(meaning),
-          std::move(source),
-          [get](Config& config, const Value& value) { get(config) = std::get<std::string>(value); },
-          [get](const Config& config) { return Value{get(const_cast<Config&>(config))}; }};
+Key text(std::string name, Member<std::string> get, std::string meaning, std::string source) {
+  return entry<std::string>(Key::Type::text, std::move(name), get, "", 0, 0, std::move(meaning), std::move(source));
 }
 
 /// `choices` in the order of the enumeration's values.
@@ -88,7 +71,6 @@ Key live(Key key) {
   return key;
 }
 
-// A function that returns the member of Config, so that one entry can both read and write it.
 #define FIELD(path) [](Config& c) -> auto& { return c.path; }
 
 std::vector<Key> make_keys() {
@@ -611,9 +593,9 @@ std::span<const Key> keys() {
     std::vector<Key> keys = make_keys();
     for (std::size_t i = 0; i < plant_parameters().size(); ++i) {
       const PlantParameter& row = plant_parameters()[i];
-      keys.push_back(number(
-          row.name, [i](Config& c) -> double& { return c.plant[i]; }, row.unit, row.minimum, row.maximum, row.meaning,
-          row.source));
+      keys.push_back(entry<double>(
+          Key::Type::number, row.name, [i](Config& c) -> double& { return c.plant[i]; }, row.unit, row.minimum,
+          row.maximum, row.meaning, row.source));
     }
     return keys;
   }();
