@@ -1,0 +1,189 @@
+// Accesses of a DSP board through its two windows: routes, immediate answers, the bridges' answers, posted writes.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "machine/dsp.hpp"
+#include "machine/guard.hpp"
+
+namespace machine {
+
+// The part of the board's window with this address; behind the last part nothing answers.
+const BusRoute& Dsp::route_of(std::uint32_t address) const {
+  const std::vector<BusRoute>& routes = on_a(address) ? context_.window_a : context_.window_b;
+  const Offset offset = offset_of(address);
+  for (const BusRoute& route : routes)
+    if (offset - route.first < route.end - route.first) return route;
+  return routes.back();
+}
+
+bool Dsp::writable(Window window, Offset offset) const {
+  if (window == Window::b) return context_.devices != nullptr && context_.devices->answers(offset, true);
+  return offset < SharedSram::size || context_.registers.answers(offset, true, false);
+}
+
+std::optional<c40::WindowAnswer> Dsp::answer_at_once(const c40::ExternalAccess& access) {
+  const auto answer = answer_at_once(access, route_of(access.address));
+  if (!answer) refused_ = access.cycle;
+  return answer;
+}
+
+// Answers at once a write for which the bridge has room, and a read that the bridge's line answers.
+std::optional<c40::WindowAnswer> Dsp::answer_at_once(const c40::ExternalAccess& access, const BusRoute& route) {
+  if (access.write) {
+    if (!writable(window_of(access.address), offset_of(access.address)) || clock_.at(access.cycle) >= run_end_ ||
+        !bridge(route).has_room())
+      return {};
+    post(route, access);
+    return c40::WindowAnswer{};
+  }
+  pci::Bridge::Hit hit{};
+  if (!bridge(route).look_up(offset_of(access.address) + route.shift, hit)) return {};
+  const c40::Cycles there = clock_.tick_at_or_after(clock_of(route).at(hit.ready));
+  statistics_.prefetch_hits += 1;
+  return c40::WindowAnswer{.value = hit.value,
+                           .transfer = std::max(there - access.cycle, context_.config.prefetch_hit_cycles)};
+}
+
+// An access that was not answered at once, or before which the chip has to stop: while its DMA is active.
+bool Dsp::window_access(const c40::ExternalAccess& access) {
+  const BusRoute& route = route_of(access.address);
+  if (access.write && !writable(window_of(access.address), offset_of(access.address))) {
+    fault(access.cycle, chip_.pc(), access.address,
+          fmt::format("a write that nothing on bus {} takes from a DSP (PCI master abort)", bus_name(route)));
+    return false;
+  }
+  if (std::exchange(refused_, -1) != access.cycle) {  // the chip has not asked: its DMA is active
+    if (const auto answer = answer_at_once(access, route)) {
+      if (access.write)
+        chip_.complete_write(answer->arbitration, answer->transfer);
+      else
+        chip_.complete_read(answer->value, answer->arbitration, answer->transfer);
+      return true;
+    }
+  }
+  access_ = access;
+  state_ = State::access;
+  own_next_ = clock_.at(access.cycle);
+  // A read without anything before it may go to the bus ahead of its turn, as a posted write does: nothing can act on
+  // the board before the read begins.
+  if (!access.write && !chip_.dma_active() && own_next_ < run_end_ && bridge(route).is_clear()) begin_read(route);
+  return false;
+}
+
+bool Dsp::needs_counters(const c40::ExternalAccess& access) const {
+  return access.write && context_.observer != nullptr &&
+         context_.observer->wants_issues_at(window_of(access.address), offset_of(access.address));
+}
+
+void Dsp::post(const BusRoute& route, const c40::ExternalAccess& access) {
+  const Time issued = clock_.at(access.cycle);
+  statistics_.posted_writes += 1;
+  if (needs_counters(access))
+    context_.observer->dsp_issue(slot_, window_of(access.address), offset_of(access.address), access.value, issued);
+  bridge(route).write({.address = offset_of(access.address) + route.shift,
+                       .value = access.value,
+                       .clock = clock_of(route).tick_at_or_after(issued),
+                       .stamp = issued.count()});
+}
+
+void Dsp::begin_access(Time horizon) {
+  const BusRoute& route = route_of(access_.address);
+  if (access_.write && bridge(route).has_room()) {
+    post(route, access_);
+    chip_.complete_write(0, 0);
+    return run(horizon);
+  }
+  if (!access_.write) return begin_read(route);
+  state_ = State::blocked;
+  own_next_ = never;
+  post(route, access_);
+}
+
+void Dsp::begin_read(const BusRoute& route) {
+  state_ = State::blocked;
+  own_next_ = never;
+  statistics_.bus_reads += 1;
+  bridge(route).read(offset_of(access_.address) + route.shift,
+                     clock_of(route).tick_at_or_after(clock_.at(access_.cycle)));
+}
+
+void Dsp::answered(const Side& side, Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result) {
+  if (state_ != State::blocked) return;
+  if (result != pci::Result::done) {
+    const c40::Cycles cycle = std::max(access_.cycle, clock_.tick_at_or_after(context_.bus_clocks[side.bus].at(ready)));
+    return fault(cycle, chip_.pc(), access_.address,
+                 fmt::format("a read that nothing on bus {} answers (PCI {} abort)", static_cast<char>('A' + side.bus),
+                             result == pci::Result::master_abort ? "master" : "target"));
+  }
+  answer_ = value;
+  resume_at(side, ready, arbitration);
+}
+
+// The chip waited from the access to bus clock `ready`; for `arbitration` clocks of this it waited for the bus.
+void Dsp::resume_at(const Side& side, pci::Clocks ready, pci::Clocks arbitration) {
+  if (state_ != State::blocked) return;
+  const Clock& bus = context_.bus_clocks[side.bus];
+  const c40::Cycles resumes = std::max(access_.cycle, clock_.tick_at_or_after(bus.at(ready)));
+  const c40::Cycles waited = resumes - access_.cycle;
+  arbitration_ = std::min(waited, clock_.ticks_in(bus.at(arbitration) - bus.at(0)));
+  transfer_ = waited - arbitration_;
+  state_ = State::resuming;
+  own_next_ = clock_.at(resumes);
+  plan();
+}
+
+void Dsp::complete(Time horizon) {
+  const Window window = window_of(access_.address);
+  if (window == Window::b) {
+    statistics_.window_b_arbitration += arbitration_;
+    statistics_.window_b_transfer += transfer_;
+  }
+  if (context_.observer != nullptr)
+    context_.observer->dsp_waited(slot_, window, clock_.at(access_.cycle),
+                                  clock_.at(access_.cycle + arbitration_ + transfer_));
+  if (access_.write)
+    chip_.complete_write(arbitration_, transfer_);
+  else
+    chip_.complete_read(answer_, arbitration_, transfer_);
+  run(horizon);
+}
+
+// The word has left the board's bridge: it has reached its target, or is in a bridge between buses.
+void Dsp::landed(const Side& side, const pci::Posted& posted, pci::Clocks clock) {
+  for (const Window window : {Window::a, Window::b}) {
+    for (const BusRoute& route : window == Window::a ? context_.window_a : context_.window_b) {
+      const Offset offset = posted.address - route.shift;
+      if (&sides_[route.port] != &side || offset - route.first >= route.end - route.first) continue;
+      if (route.direct) return arrived(window, offset, posted, context_.bus_clocks[side.bus].at(clock));
+      underway_.push_back({route.bus, window, offset, posted});
+      return;
+    }
+  }
+}
+
+void Dsp::delivered(unsigned bus, pci::Address address, pci::Clocks clock, pci::Result result) {
+  const auto first = std::ranges::find_if(
+      underway_, [&](const Underway& word) { return word.bus == bus && word.posted.address == address; });
+  if (first == underway_.end()) return;
+  const Underway word = *first;
+  underway_.erase(first);
+  if (result == pci::Result::done) arrived(word.window, word.offset, word.posted, context_.bus_clocks[bus].at(clock));
+}
+
+void Dsp::arrived(Window window, Offset offset, const pci::Posted& posted, Time now) {
+  const auto refused = window == Window::a && context_.guard != nullptr
+                           ? context_.guard->take_refusal(slot_, offset, posted.value)
+                           : std::nullopt;
+  const bool dropped = refused || context_.fence.closed(slot_);
+  statistics_.dropped_writes += dropped;
+  if (context_.observer == nullptr) return;
+  if (refused) context_.observer->dsp_write_refused(slot_, offset, posted.value, *refused, now);
+  if (dropped)
+    context_.observer->dsp_write_dropped(slot_, window, offset, posted.value, Time{posted.stamp}, now);
+  else
+    context_.observer->dsp_write(slot_, window, offset, posted.value, Time{posted.stamp}, now);
+}
+
+}  // namespace machine
