@@ -10,6 +10,7 @@
 /// Inaccuracies: the seed tables of RCPF and RSQRF are a model (the ROM's contents are not published).
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 
 #include "c40/choices.hpp"
@@ -70,6 +71,8 @@ constexpr std::uint32_t short_to_single(std::uint32_t half) {
   const std::int64_t m = static_cast<std::int64_t>(static_cast<std::int32_t>(x.m)) ^ one;
   return x.e == zero_exponent ? 0 : m;
 }
+/// Exact.
+inline double to_double(Float40 x) { return std::ldexp(static_cast<double>(mantissa(x)), x.e - 31); }
 [[gnu::always_inline]] constexpr Float40 pack(std::int32_t e, std::int64_t m) {
   return {e, static_cast<std::uint32_t>(m) ^ 0x80000000u};
 }

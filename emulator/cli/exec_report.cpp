@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "c40/float40.hpp"
@@ -30,10 +29,6 @@ std::string register_name(Register reg) {
 }
 
 /// Exact, because a register's mantissa fits into a double.
-double to_double(c40::Float40 value) {
-  return std::ldexp(static_cast<double>(c40::float40::mantissa(value)), value.e - 31);
-}
-
 constexpr std::array<Register, isa::register_count> all_registers() {
   using enum Register;
   return {R0,  R1,  R2,  R3,  R4, R5,  R6,  R7, R8, R9, R10, R11, AR0, AR1, AR2, AR3,
@@ -79,7 +74,7 @@ void print_text(const ExecReport& report) {
   for (const Register reg : all_registers()) {
     if (isa::is_extended(reg)) {
       io::print("{:<4}{:010X}  {:.9g}\n", register_name(reg), chip.register_value(reg),
-                to_double(chip.float_register(reg)));
+                c40::float40::to_double(chip.float_register(reg)));
       continue;
     }
     io::print("{:<4}{:08X}{}", register_name(reg), chip.register_value(reg), ++column % 5 == 0 ? "\n" : "   ");
@@ -105,7 +100,7 @@ void print_json(const ExecReport& report) {
     root["causes"][std::string(name(static_cast<c40::Cause>(cause)))] = chip.causes()[cause];
   for (const Register reg : all_registers()) {
     root["registers"][register_name(reg)] = chip.register_value(reg);
-    if (isa::is_extended(reg)) root["floats"][register_name(reg)] = to_double(chip.float_register(reg));
+    if (isa::is_extended(reg)) root["floats"][register_name(reg)] = c40::float40::to_double(chip.float_register(reg));
   }
   root["registers"]["IVTP"] = chip.expansion(isa::Expansion::IVTP);
   root["registers"]["TVTP"] = chip.expansion(isa::Expansion::TVTP);

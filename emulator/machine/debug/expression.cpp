@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <functional>
 
 #include "c40/float40.hpp"
@@ -36,9 +35,6 @@ thread_local bool only_own = false;
 
 using NodePtr = std::unique_ptr<Expression::Node>;
 
-double to_double(c40::Float40 value) {
-  return std::ldexp(static_cast<double>(c40::float40::mantissa(value)), value.e - 31);
-}
 Value of(std::int64_t integer) { return {.integer = integer}; }
 Value of_word(Word word) { return {.integer = static_cast<std::int32_t>(word)}; }
 Value of_float(double real) { return {.is_float = true, .real = real}; }
@@ -283,7 +279,7 @@ class Parser {
     node->is_private = inner->is_private;
     if (how == 'f' && inner->reg) {
       node->value = [chip = &debuggee_.chip(chip_), reg = *inner->reg] {
-        return of_float(to_double(chip->float_register(reg)));
+        return of_float(c40::float40::to_double(chip->float_register(reg)));
       };
       return node;
     }
@@ -291,7 +287,7 @@ class Parser {
       const Value v = inner->value();
       if (v.is_float) return v;
       const auto word = static_cast<Word>(v.integer);
-      return how == 'u' ? of(word) : of_float(to_double(c40::float40::from_single(word)));
+      return how == 'u' ? of(word) : of_float(c40::float40::to_double(c40::float40::from_single(word)));
     };
     return node;
   }
@@ -302,7 +298,7 @@ class Parser {
     auto node = std::make_unique<Expression::Node>();
     if (const auto reg = isa::register_named(name)) {
       if (isa::is_extended(*reg) && (name[0] == 'f' || name[0] == 'F')) {
-        node->value = [&chip, reg = *reg] { return of_float(to_double(chip.float_register(reg))); };
+        node->value = [&chip, reg = *reg] { return of_float(c40::float40::to_double(chip.float_register(reg))); };
         return node;
       }
       node->reg = isa::is_extended(*reg) && n == chip_ ? reg : std::nullopt;

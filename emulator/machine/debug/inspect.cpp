@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -244,10 +243,6 @@ constexpr std::array<StatusField, 16> status_fields{{{"C", c40::st::C},
                                                      {"PGIE", c40::st::PGIE},
                                                      {"SET COND", c40::st::SETCOND}}};
 
-double to_double(c40::Float40 value) {
-  return std::ldexp(static_cast<double>(c40::float40::mantissa(value)), value.e - 31);
-}
-
 std::string upper(std::string_view name) {
   std::string out(name);
   for (char& c : out) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
@@ -275,7 +270,7 @@ std::vector<ShownRegister> registers(const c40::Chip& chip) {
     if (isa::is_extended(reg)) {
       const std::string integer = shown.value;
       shown.hex = fmt::format("{:010X}h", value);
-      shown.value = fmt::format("{:.9g}", to_double(chip.float_register(reg)));
+      shown.value = fmt::format("{:.9g}", c40::float40::to_double(chip.float_register(reg)));
       shown.parts = {{"float", shown.value}, {"integer", integer}};
     }
     if (reg == Register::ST)
