@@ -1,6 +1,7 @@
 """A DSP that is reset in the middle of an access to the plant, at the very instant of a latch.
 
-The broken access ends at the next bus clock, a few nanoseconds after the latch's turn. Found as seed 7483 of the random docks.
+The broken access ends at the next bus clock, a few nanoseconds after the latch's turn. Seed 7483 of the random docks
+found it.
 """
 
 import json
