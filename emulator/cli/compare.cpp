@@ -1,7 +1,6 @@
 // emulator compare: a run and its ideal run.
 #include "cmrc/run/compare_with_ideal.hpp"
 
-#include <cmath>
 #include <optional>
 
 #include "cli/options.hpp"
@@ -10,6 +9,7 @@
 #include "io/output_file.hpp"
 #include "io/print.hpp"
 #include "io/signals.hpp"
+#include "report/event.hpp"
 
 namespace cli {
 
@@ -20,7 +20,7 @@ int compare(const CompareOptions& options) {
   if (options.json) file.emplace(*options.json);
   const io::StopBySignal signals;
   const report::Comparison comparison = [&] {
-    ProgressLine line(report::Time(std::llround(config.run.duration_s * 1e12)), true);
+    ProgressLine line(report::from_seconds(config.run.duration_s), true);
     return cmrc::compare_with_ideal(config, [&](const cmrc::Progress& progress) {
       line.show(progress.simulated, progress.misses);
       return true;

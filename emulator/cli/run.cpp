@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
-#include <cmath>
 #include <memory>
 #include <span>
 
@@ -23,6 +22,7 @@
 #include "machine/machine.hpp"
 #include "page/html.hpp"
 #include "page/recorder.hpp"
+#include "report/event.hpp"
 #include "report/trace_text.hpp"
 
 namespace cli {
@@ -167,7 +167,7 @@ int run(const RunOptions& options) {
   const io::StopBySignal signals;
   std::size_t written = 0;
   const report::RunReport report = [&] {
-    ProgressLine line(Time(std::llround(config.run.duration_s * 1e12)), !options.quiet);
+    ProgressLine line(report::from_seconds(config.run.duration_s), !options.quiet);
     const auto show = [&](const cmrc::Progress& progress) {
       line.show(progress.simulated, progress.misses);
       return goes_on && !attach.wanted();

@@ -1,10 +1,10 @@
 #include "cli/settings.hpp"
+#include "report/event.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <filesystem>
 
 namespace cli {
@@ -45,7 +45,7 @@ cmrc::Value parse_value(const std::string& text) {
 std::optional<report::Time> parse_seconds(std::string_view text) {
   const auto seconds = parse<double>(text);
   if (!seconds || !(*seconds >= 0) || *seconds > 1e6) return std::nullopt;
-  return report::Time(std::llround(*seconds * 1e12));
+  return report::from_seconds(*seconds);
 }
 
 cmrc::Config build_config(const RunOptions& options, std::string_view base, const std::string& base_name) {

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "cli/settings.hpp"
 #include "io/input_file.hpp"
 #include "io/output_file.hpp"
+#include "report/event.hpp"
 
 namespace cli {
 namespace {
@@ -18,7 +18,7 @@ SnapshotRequest parsed(const std::string& text, double duration_s) {
       colon == std::string::npos ? std::nullopt : parse_seconds(std::string_view(text).substr(0, colon));
   if (!at || colon + 1 == text.size())
     throw InputError(fmt::format("--snapshot-at: \"{}\" is not S:FILE, seconds and a file", text));
-  if (*at > report::Time(std::llround(duration_s * 1e12)))
+  if (*at > report::from_seconds(duration_s))
     throw InputError(fmt::format("--snapshot-at: {} s is after the end of the run; it ends at {} s",
                                  report::seconds(*at), duration_s));
   return {*at, text.substr(colon + 1)};

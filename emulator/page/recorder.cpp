@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <unordered_map>
 
 #include "bus_model/bus.hpp"
@@ -12,6 +11,7 @@
 #include "machine/machine.hpp"
 #include "machine/scripted_events.hpp"
 #include "page/columns.hpp"
+#include "report/event.hpp"
 
 namespace page {
 namespace {
@@ -39,15 +39,7 @@ std::vector<std::int64_t> values_of(const Rows& rows, Value value) {
   return all;
 }
 
-std::vector<std::string> kind_names(const cmrc::Config& config) {
-  std::vector<std::string> kinds = cmrc::job_kinds();
-  for (const cmrc::UserTask& task : config.tasks) kinds.push_back("user." + task.name);
-  return kinds;
-}
-
-Time end_of(const cmrc::Simulation& simulation) {
-  return Time{std::llround(simulation.config().run.duration_s * 1e12)};
-}
+Time end_of(const cmrc::Simulation& simulation) { return report::from_seconds(simulation.config().run.duration_s); }
 
 }  // namespace
 
@@ -251,7 +243,7 @@ std::string Recorder::recording(const report::RunReport& report, const std::stri
       {"tick_ps", lane_tick.count()},
       {"slots", simulation_.machine().slots()},
       {"cycle_s", report::seconds(clock.at(1'000'000'000) - clock.at(0)) / 1e9},
-      {"kinds", kind_names(simulation_.config())},
+      {"kinds", cmrc::job_kinds(simulation_.config().tasks)},
       {"bus_slice_s", report::seconds(bus_slice_)},
       {"stretches_left_out", left_out_},
       {"lanes_until_s", lanes_until_ == Time::max() ? nlohmann::json() : nlohmann::json(report::seconds(lanes_until_))},

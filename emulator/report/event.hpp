@@ -2,6 +2,7 @@
 // The events of a run as plain values: hashed and traced (docs/trace.md). This file knows no chip and no bus.
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <ratio>
 #include <string>
@@ -13,6 +14,8 @@ namespace report {
 using Time = std::chrono::duration<std::int64_t, std::pico>;
 
 constexpr double seconds(Time time) { return static_cast<double>(time.count()) / 1e12; }
+/// To the nearest picosecond.
+inline Time from_seconds(double seconds) { return Time{std::llround(seconds * 1e12)}; }
 
 /// The component of an event. Its number is also the order of events at the same picosecond (rulings 2, 3).
 using Component = std::uint16_t;
@@ -52,7 +55,7 @@ enum class EventKind : std::uint16_t {
   process = 18,        ///< host: process 1 to 8, 1 started | 0 ended, robot (0 crane, n AGV n - 1)
   miss = 19,           ///< host: kind, tick, class (report::Outcome), block offset
   landed = 20,         ///< plant: container, place
-  locked = 21,         ///< host: action (machine::Action), number of its object, amount low and high word
+  locked = 21,         ///< plant: container (twist locks closed)
   opened = 22,         ///< plant: container (twist locks open)
   delivered = 23,      ///< plant: container
   starved = 24,        ///< host: robot (0 crane, n AGV n - 1), point: the interpolation buffer ran dry

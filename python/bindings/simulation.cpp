@@ -28,6 +28,7 @@
 #include "python/bindings/on_progress.hpp"
 #include "python/bindings/one_user.hpp"
 #include "python/bindings/state.hpp"
+#include "report/event.hpp"
 #include "report/trace_text.hpp"
 #include "toolchain/objects/image.hpp"
 
@@ -36,7 +37,7 @@ report::Time to_time(const char* argument, double seconds) {
   if (!(seconds >= 0 && seconds <= most_seconds))
     throw py::value_error(
         fmt::format("{}: {} s is no instant of a run; 0 to {:g} s are", argument, seconds, most_seconds));
-  return report::Time{std::llround(seconds * 1e12)};
+  return report::from_seconds(seconds);
 }
 
 namespace {
@@ -44,8 +45,7 @@ namespace {
 /// Kind of task by the program's number (KIND_*), named as in the report.
 py::dict task_names(const cmrc::Simulation& simulation) {
   const cmrc::Words words([&](std::string_view name) { return simulation.image().symbol(name); });
-  std::vector<std::string> kinds = cmrc::job_kinds();
-  for (const cmrc::UserTask& task : simulation.config().tasks) kinds.push_back("user." + task.name);
+  const std::vector<std::string> kinds = cmrc::job_kinds(simulation.config().tasks);
   py::dict names;
   for (cmrc::Word kind = 0; kind < words.kind_count; ++kind) {
     const auto index = static_cast<std::size_t>(cmrc::job_kind(kind, words));

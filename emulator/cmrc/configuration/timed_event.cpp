@@ -10,6 +10,7 @@
 #include "cmrc/configuration/config.hpp"
 #include "cmrc/configuration/machine_topology.hpp"
 #include "io/nearest.hpp"
+#include "report/event.hpp"
 
 namespace cmrc {
 namespace {
@@ -218,7 +219,7 @@ std::optional<machine::ScriptedEvent> scripted_event(const TimedEvent& event) {
   else if (action.scripted->amount == ScriptAmount::failed)
     amount = action.name == action.scripted->name ? 1 : 0;
   const unsigned number = action.target == "joint" && event.number == trolley_joint ? luff_joint : event.number;
-  const machine::Time at{std::llround(event.at_s * 1e12)};
+  const machine::Time at = report::from_seconds(event.at_s);
   return machine::ScriptedEvent{at, action.scripted->action, number, amount};
 }
 

@@ -1,4 +1,5 @@
 #include "cmrc/measures/error_log.hpp"
+#include "report/event.hpp"
 
 #include <algorithm>
 #include <array>
@@ -123,7 +124,7 @@ void find_beginning(const ErrorEntry& entry, const Config& config, const plant::
   const auto names = causes(entry);
   for (const TimedEvent& event : config.events) {
     if (std::ranges::find(names, event.action) != names.end() && concerns(event.number))
-      meet(Time{std::llround(event.at_s * 1e12)}, describe(event));
+      meet(report::from_seconds(event.at_s), describe(event));
   }
   const bool tripped = entry.origin >= ErrorOrigin::overspeed;
   if (entry.origin != ErrorOrigin::late && !tripped) return;

@@ -1,11 +1,11 @@
 #include "cmrc/run/job_causes.hpp"
 
-#include <cmath>
 #include <optional>
 
 #include "c40/chip.hpp"
 #include "cmrc/configuration/config.hpp"
 #include "machine/machine.hpp"
+#include "report/event.hpp"
 
 namespace cmrc {
 namespace {
@@ -14,8 +14,7 @@ constexpr auto arbitration = static_cast<std::size_t>(c40::Cause::bus_arbitratio
 constexpr auto transfer = static_cast<std::size_t>(c40::Cause::bus_transfer);
 
 Time servo_period(const Config& config) {
-  const double seconds = static_cast<double>(intervals(config).servo) / config.rates.refresh_frequency_hz;
-  return Time{std::llround(seconds * 1e12)};
+  return report::from_seconds(static_cast<double>(intervals(config).servo) / config.rates.refresh_frequency_hz);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "cmrc/measures/measures.hpp"
 #include "cmrc/run/setup.hpp"
 #include "plant/numerics/math.hpp"
+#include "report/event.hpp"
 
 namespace cmrc {
 namespace {
@@ -250,7 +251,7 @@ report::RunReport make_report(ReportInputs e) {
   e.host.add_wind(report.wind);
   report.host.semaphore_hold = e.observer.semaphore_hold().summary();
   for (const TimedEvent& event : e.config.events) {
-    const Time at{std::llround(event.at_s * 1e12)};
+    const Time at = report::from_seconds(event.at_s);
     if (at < now)
       report.timed_events.push_back({at, describe(event)});
     else

@@ -1,12 +1,12 @@
 #include "cmrc/run/run_end.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "cmrc/configuration/config.hpp"
 #include "cmrc/host/host.hpp"
 #include "machine/machine.hpp"
 #include "plant/dock/dock.hpp"
+#include "report/event.hpp"
 #include "state/archive.hpp"
 
 namespace cmrc {
@@ -18,7 +18,7 @@ constexpr Time patience = std::chrono::milliseconds{500};
 }  // namespace
 
 RunEnd::RunEnd(const Config& config, const machine::Machine& machine, plant::Dock& dock, const Host& host)
-    : config_(config), machine_(machine), dock_(dock), host_(host), end_(std::llround(config.run.duration_s * 1e12)) {}
+    : config_(config), machine_(machine), dock_(dock), host_(host), end_(report::from_seconds(config.run.duration_s)) {}
 
 void RunEnd::look() {
   bool alive = false;
@@ -27,7 +27,7 @@ void RunEnd::look() {
   if (alive) last_alive_ = now();
   enabled_ = enabled_ || !dock_.braked();
   if (!enabled_ || !dock_.braked() || !host_.servoing()) last_driven_ = now();
-  const Time after{std::llround(config_.run.after_stop_s * 1e12)};
+  const Time after = report::from_seconds(config_.run.after_stop_s);
   if (config_.run.until == RunUntil::job_done && host_.job_done())
     return stop_account(report::StopReason::job_done, Time{});
   if (dock_.faulted()) return stop_account(report::StopReason::plant_fault, after);
@@ -39,7 +39,8 @@ void RunEnd::stop_account(report::StopReason reason, Time after) {
   stop_ = stopped_by_ = reason;
   account_end_ = now();
   after_end_ = std::min(end_, now() + after);
-  if (reason != report::StopReason::job_done) dock_.enable_drives(0, now());
+  // Not before the plant's last call: an access that was broken off takes the plant a bus clock further.
+  if (reason != report::StopReason::job_done) dock_.enable_drives(0, std::max(now(), dock_.time()));
 }
 
 bool RunEnd::resume() {

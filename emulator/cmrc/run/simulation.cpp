@@ -13,6 +13,7 @@
 #include "cmrc/run/simulation_parts.hpp"
 #include "io/stop.hpp"
 #include "machine/board_file.hpp"
+#include "report/event.hpp"
 #include "state/archive.hpp"
 
 namespace cmrc {
@@ -36,7 +37,7 @@ Simulation::~Simulation() = default;
 
 void Simulation::at(const TimedEvent& event) {
   Parts& p = *parts_;
-  if (duration_of(event.at_s) < p.now()) {
+  if (report::from_seconds(event.at_s) < p.now()) {
     refuse(event.origin, "events.at_s", fmt::format("{} s has passed", event.at_s),
            fmt::format("the run is at {:.9g} s", report::seconds(p.now())));
   }
@@ -180,7 +181,7 @@ std::unique_ptr<Simulation> Simulation::fork_into(const Config& whole, std::shar
   other.given_config.events = whole.events;
   other.config.events = as_run(whole).events;
   for (const TimedEvent& event : other.config.events)
-    if (duration_of(event.at_s) >= p.now()) other.expect(event);
+    if (report::from_seconds(event.at_s) >= p.now()) other.expect(event);
   if (reference) other.ideal.give(std::move(reference));
   return made;
 }

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -13,6 +12,7 @@
 #include "cmrc/run/setup.hpp"
 #include "cmrc/tasks/job_kinds.hpp"
 #include "io/stop.hpp"
+#include "report/event.hpp"
 #include "state/archive.hpp"
 
 namespace cmrc {
@@ -23,8 +23,6 @@ constexpr Time ask_period = std::chrono::milliseconds{1};
 static_assert(RunEnd::look_period % ask_period == Time{});
 
 }  // namespace
-
-Time duration_of(double seconds) { return Time{std::llround(seconds * 1e12)}; }
 
 Simulation::Parts::Parts(const Config& given, std::shared_ptr<Course> recorded,
                          std::shared_ptr<const Reference> reference)
@@ -58,14 +56,14 @@ Simulation::Parts::Parts(const Config& given, std::shared_ptr<Course> recorded,
   for (unsigned slot = 0; slot < machine.slots(); ++slot)
     ledger.timeline().slot(slot, machine.booted(slot) ? SlotState::awake : SlotState::off, Time{0});
   for (const TimedEvent& event : config.events)
-    if (event.action == "set") host.change(duration_of(event.at_s), event);
+    if (event.action == "set") host.change(report::from_seconds(event.at_s), event);
 }
 
 void Simulation::Parts::expect(const TimedEvent& event) {
   if (const auto scripted = scripted_event(event))
     machine.script(*scripted);
   else
-    host.change(duration_of(event.at_s), event);
+    host.change(report::from_seconds(event.at_s), event);
 }
 
 void Simulation::Parts::list_state(state::Visitor& list) {
@@ -107,9 +105,7 @@ Ledger::Report Simulation::Parts::told() const {
 }
 
 std::optional<report::Errors> Simulation::Parts::measure_errors(const JobsByRobot& jobs) {
-  std::vector<std::string> kinds = job_kinds();
-  for (const UserTask& task : config.tasks) kinds.push_back("user." + task.name);
-  return ideal.errors({config, dock_config, *course, jobs, std::move(kinds), run_end.end()}, run_end);
+  return ideal.errors({config, dock_config, *course, jobs, job_kinds(config.tasks), run_end.end()}, run_end);
 }
 
 void Simulation::Parts::connect_traces() {

@@ -27,8 +27,6 @@ namespace cmrc {
 /// Words on a bus are reported when their burst has ended; no report comes later than this after its time.
 inline constexpr Time settling = std::chrono::milliseconds{1};
 
-Time duration_of(double seconds);
-
 class Simulation::Parts {
  public:
   /// \param recorded takes the run's course; may be null \param reference the ideal run, if it is known

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <sstream>
 
 #include "cmrc/programs/dsp_image.hpp"
 #include "cmrc/tasks/job_kinds.hpp"
 #include "io/input_file.hpp"
+#include "report/event.hpp"
 #include "state/sha256.hpp"
 
 namespace cmrc {
@@ -47,8 +47,7 @@ std::string result_key_of(Config config) {
 }
 
 Config beginning_of(Config config, report::Time time) {
-  std::erase_if(config.events,
-                [time](const TimedEvent& event) { return std::llround(event.at_s * 1e12) >= time.count(); });
+  std::erase_if(config.events, [time](const TimedEvent& event) { return report::from_seconds(event.at_s) >= time; });
   return config;
 }
 

@@ -20,12 +20,6 @@ using Trace = report::PerfettoTrace;
 constexpr std::array<std::string_view, held_up_count> held_up_names = {"bus_a_ps", "bus_b_ps", "list_ps"};
 constexpr std::array<std::string_view, held_up_count> wait_names = {"bus A", "bus B", "list"};
 
-std::vector<std::string> kinds_of(const Config& config) {
-  std::vector<std::string> kinds = job_kinds();
-  for (const UserTask& task : config.tasks) kinds.push_back("user." + task.name);
-  return kinds;
-}
-
 void add_held_up(std::vector<Trace::Note>& notes, const std::array<std::int64_t, held_up_count>& held_up) {
   for (std::size_t i = 0; i < held_up_count; ++i) {
     if (held_up[i] != 0) notes.push_back({held_up_names[i], held_up[i]});
@@ -48,7 +42,7 @@ PerfettoRecorder::PerfettoRecorder(Simulation& simulation, std::ostream& out, Pe
     : simulation_(simulation),
       detail_(detail),
       window_(window),
-      kinds_(kinds_of(simulation.config())),
+      kinds_(job_kinds(simulation.config().tasks)),
       causes_(Simulation::causes()),
       trace_(out),
       buses_(add_tracks()),
