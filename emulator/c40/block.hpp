@@ -3,6 +3,7 @@
 /// row, and the cycles and causes from the pipeline model.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -66,6 +67,7 @@ struct CodeBlock {
   // Before instruction i; the last entry is after all instructions, without a branch.
   std::vector<Cycles> start;
   std::vector<Costs> causes;
+  std::uint32_t charged = 0;  ///< Bit n: some instruction costs cycles of cause n.
   std::vector<PipelineId> pipelines;
   std::vector<std::uint8_t> delay_slots;
   std::vector<WindowAccess> windows;
@@ -86,12 +88,24 @@ struct CodeBlock {
     const auto found = std::ranges::find(windows, instruction, &WindowAccess::at);
     return found != windows.end() ? &*found : nullptr;
   }
+  /// Adds the costs of instructions [from, to) to `sum`.
+  void add_causes(Causes& sum, std::size_t from, std::size_t to) const {
+    add_difference(sum, causes[from], causes[to]);
+  }
+  /// Subtracts them.
+  void subtract_causes(Causes& sum, std::size_t from, std::size_t to) const {
+    add_difference(sum, causes[to], causes[from]);
+  }
+
+ private:
+  void add_difference(Causes& sum, const Costs& from, const Costs& to) const {
+    for (std::uint32_t left = charged; left != 0; left &= left - 1) {
+      const auto cause = static_cast<std::size_t>(std::countr_zero(left));
+      sum[cause] += to[cause] - from[cause];
+    }
+  }
 };
 
 inline void add(Causes& causes, Cause cause, Cycles cycles) { causes[static_cast<std::size_t>(cause)] += cycles; }
-
-inline void add_difference(Causes& causes, const Costs& to, const Costs& from) {
-  for (std::size_t i = 0; i < pipeline_cause_count; ++i) causes[i] += to[i] - from[i];
-}
 
 }  // namespace c40

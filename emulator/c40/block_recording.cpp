@@ -14,6 +14,14 @@ void add_timing(Costs& costs, const StepTiming& t) {
   for (std::size_t i = 0; i < pipeline_cause_count; ++i) costs[i] = static_cast<std::uint16_t>(costs[i] + t.causes[i]);
 }
 
+// Bit n: costs[n] is not 0.
+std::uint32_t charged(const Costs& costs) {
+  std::uint32_t causes = 0;
+  for (std::size_t cause = 0; cause < pipeline_cause_count; ++cause)
+    causes |= std::uint32_t{costs[cause] != 0} << cause;
+  return causes;
+}
+
 }  // namespace
 
 BlockRecording::BlockRecording(const CodeBlockKey& key, PipelineTable& pipelines)
@@ -106,12 +114,12 @@ std::unique_ptr<CodeBlock> BlockRecording::finish(const BoundInstruction& last) 
   const CodeBlockKey& key = block.key;
   block.start.push_back(at_);
   block.causes.push_back(costs_);
+  for (const Costs& costs : block.causes) block.charged |= charged(costs);
   block.pipelines.push_back(block.exits[0].pipeline);
   block.last_start = block.start[block.size - 1];
   for (CodeBlock::Exit& exit : block.exits) {
     exit.size = block.size;
-    for (std::size_t cause = 0; cause < pipeline_cause_count; ++cause)
-      exit.charged |= std::uint32_t{exit.causes[cause] != 0} << cause;
+    exit.charged = charged(exit.causes);
   }
   block.uses_cache = cached();
   if (!block.repeats && !block.uses_cache) block.plain_start = block.last_start;

@@ -51,7 +51,7 @@ class WindowListener {
   /// Answers an access of the processor that can be completed now, whatever other devices do. Returns nothing if this
   /// is not possible; the chip then stops before the access. The chip may not be changed here.
   virtual std::optional<WindowAnswer> answer_at_once(const ExternalAccess& access) = 0;
-  /// Whether the answer needs the chip's counters. Only if so are they up to date during the call.
+  /// Whether the answer to this write needs the chip's counters. Only if so are they up to date during the call.
   virtual bool needs_counters(const ExternalAccess& access) const = 0;
 };
 

@@ -15,6 +15,7 @@
 #include "c40/decoded_slots.hpp"
 #include "c40/dma_side.hpp"
 #include "c40/instruction_cache.hpp"
+#include "c40/interrupts.hpp"
 #include "c40/pending_access.hpp"
 #include "c40/peripherals.hpp"
 #include "c40/pipeline_table.hpp"
@@ -70,8 +71,11 @@ class Engine {
   void write_status(Word value);
   void set_status(Word value);
   void complete_port(Cycles at);
-  /// Bit n: linked port n could raise an interrupt.
-  Word watched_ports() const;
+  /// Bit n: linked port n could raise an interrupt, or move the DMA.
+  Word watched_ports() const {
+    if ((state_.core.r[reg::IIE] & interrupts::port_sources) == 0 && !peripherals_.dma_active()) return 0;
+    return watched_ports_now();
+  }
   Ports& ports() { return ports_; }
   Pins& pins() { return pins_; }
   Peripherals& peripherals() { return peripherals_; }
@@ -99,6 +103,7 @@ class Engine {
   void settle_cache_control();
 
   // engine_run.cpp: the chip's next action, and why it stops
+  Word watched_ports_now() const;
   Stepped advance(Cycles limit, bool single);
   Stepped act(Cycles limit, bool single);
   StopInfo stop(Stepped why);
@@ -165,6 +170,9 @@ class Engine {
     std::size_t from = 0, seen = 0;
   };
   Stepped run_blocks(CodeBlock* block, std::size_t at, Cycles limit);
+  CodeBlock::Exit* pass_windows(CodeBlock& block, InBlock in, Outcome outcome, Cycles limit);
+  const WindowAccess* open_window(const CodeBlock& block, std::size_t at) const;
+  bool opens_answer(const CodeBlock& block, std::size_t at);
   bool reach_window(CodeBlock& block, InBlock& in, const Outcome& outcome);
   Outcome pass_window(CodeBlock& block, const InBlock& in, Cycles limit);
   void leave(CodeBlock& block, InBlock in, std::size_t at);

@@ -11,7 +11,7 @@ namespace c40 {
 void Engine::leave(CodeBlock& block, InBlock in, std::size_t at) {
   Core& core = state_.core;
   state_.cycle += block.start[at] - block.start[in.from];
-  add_difference(state_.causes, block.causes[at], block.causes[in.seen]);
+  block.add_causes(state_.causes, in.seen, at);
   state_.instructions += at - in.seen;
   core.pc = block.key.pc + static_cast<Address>(at);
   core.delay_slots = at < block.size ? block.delay_slots[at] : 0;
@@ -92,7 +92,7 @@ CodeBlock::Exit& Engine::end_part(CodeBlock& block, InBlock in, const Outcome& o
   state_.cycle -= block.start[in.from];
   if (in.seen == 0) return exit;
   state_.instructions -= in.seen;
-  add_difference(state_.causes, Costs{}, block.causes[in.seen]);
+  block.subtract_causes(state_.causes, 0, in.seen);
   return exit;
 }
 
@@ -109,7 +109,15 @@ Engine::Stepped Engine::run_blocks(CodeBlock* block, std::size_t at, Cycles limi
     block = exit->next;
     return block != nullptr && block->key.pc == core.pc && !core.attention;
   };
-  for (;;) {
+  bool on = true;
+  if (access_.is_answered() && opens_answer(*block, at)) {
+    exit = pass_windows(*block, in, pass_window(*block, in, limit), limit);
+    if (exit == nullptr) return access_.any() ? Stepped::external : Stepped::done;
+    cycle = state_.cycle;
+    in = {};
+    on = leads_on();
+  }
+  while (on) {
     Outcome outcome;
     if (in.from == 0 && block->plain_start < limit - cycle) [[likely]] {
       const Outcome ended = block->ops[0].handler(core, block->ops.data());
@@ -138,14 +146,9 @@ Engine::Stepped Engine::run_blocks(CodeBlock* block, std::size_t at, Cycles limi
       exit = run_special(*block, in, limit, outcome);
       cycle = state_.cycle;
     }
-    while (exit == nullptr) [[unlikely]] {
-      if (outcome.exit != Exit::miss || !reach_window(*block, in, outcome)) {
-        left_block(*block, in, outcome);
-        return Stepped::done;
-      }
-      if (access_.any()) return Stepped::external;
-      outcome = pass_window(*block, in, limit);
-      if (outcome.exit <= Exit::taken) exit = &end_part(*block, in, outcome);
+    if (exit == nullptr) [[unlikely]] {
+      exit = pass_windows(*block, in, outcome, limit);
+      if (exit == nullptr) return access_.any() ? Stepped::external : Stepped::done;
       cycle = state_.cycle;
     }
     in = {};
@@ -167,39 +170,64 @@ CodeBlock::Exit* Engine::run_special(CodeBlock& block, InBlock in, Cycles limit,
   return outcome.exit <= Exit::taken ? &end_part(block, in, outcome) : nullptr;
 }
 
+// The rest of a block from an instruction on that could not do an access. Null: the block was left, or the chip stops
+// before an access (access_).
+CodeBlock::Exit* Engine::pass_windows(CodeBlock& block, InBlock in, Outcome outcome, Cycles limit) {
+  while (outcome.exit > Exit::taken) {
+    if (outcome.exit != Exit::miss || !reach_window(block, in, outcome)) {
+      left_block(block, in, outcome);
+      return nullptr;
+    }
+    if (access_.any()) return nullptr;
+    outcome = pass_window(block, in, limit);
+  }
+  return &end_part(block, in, outcome);
+}
+
+// The window of an instruction, while accesses through windows may be done in blocks.
+const WindowAccess* Engine::open_window(const CodeBlock& block, std::size_t at) const {
+  return peripherals_.dma_active() || probe_.on_data() ? nullptr : block.window(at);
+}
+
+// Instruction `at` continues with the answer to the access before which the chip stopped. That the access is the same
+// one the instruction checks, as any other (its guard).
+bool Engine::opens_answer(const CodeBlock& block, std::size_t at) {
+  const WindowAccess* const window = open_window(block, at);
+  if (window == nullptr) return false;
+  const Answer& answer = state_.answers[window->access];
+  if (!answer.given || !window->area->contains(answer.address)) return false;
+  opened_ = {window, access_.take_answer(window->access)};
+  return true;
+}
+
 // An access that an instruction could not do goes through a window, as during the recording. Either the access is
 // answered (opened_), or the chip stops before it (access_). False: neither.
 bool Engine::reach_window(CodeBlock& block, InBlock& in, const Outcome& outcome) {
   const Core& core = state_.core;
   const auto at = static_cast<std::size_t>(outcome.at - block.ops.data());
-  const WindowAccess* const window = block.window(at);
+  const WindowAccess* const window = open_window(block, at);
   if (window == nullptr || window->access != core.miss_access || !window->area->contains(core.miss_address) ||
-      peripherals_.dma_active() || probe_.on_data())
+      access_.is_answered())
     return false;
-  const bool write = core.miss_write, answered = access_.is_answered();
-  if (answered && !access_.is_answer_to(window->access, core.miss_address, write)) return false;
-  opened_ = {window, {}};
-  if (answered) {
-    opened_.answer = access_.take_answer(window->access);
-  } else {
-    ExternalAccess access{core.miss_address,
-                          write,
-                          window->interlocked,
-                          write ? core.miss_value : 0,
-                          state_.cycle + block.start[at] - block.start[in.from] + window->start,
-                          -1};
-    const bool counters = window_listener != nullptr && window_listener->needs_counters(access);
-    const auto bring_up_to_date = [&] {
-      leave(block, in, at);
-      in = {at, at};
-    };
-    if (counters) bring_up_to_date();
-    if (!answers_at_once(access)) {
-      if (!counters) bring_up_to_date();
-      access_.begin(window->access, access);
-      onward_.inside(block, at);
-      return true;
-    }
+  const bool write = core.miss_write;
+  opened_.window = window;
+  ExternalAccess access{core.miss_address,
+                        write,
+                        window->interlocked,
+                        write ? core.miss_value : 0,
+                        state_.cycle + block.start[at] - block.start[in.from] + window->start,
+                        -1};
+  const bool counters = write && window_listener != nullptr && window_listener->needs_counters(access);
+  const auto bring_up_to_date = [&] {
+    leave(block, in, at);
+    in = {at, at};
+  };
+  if (counters) bring_up_to_date();
+  if (!answers_at_once(access)) {
+    if (!counters) bring_up_to_date();
+    access_.begin(window->access, access);
+    onward_.inside(block, at);
+    return true;
   }
   state_.cycle += block.start[at] - block.start[in.from];
   in.from = at;

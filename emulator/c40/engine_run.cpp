@@ -191,8 +191,7 @@ void Engine::make_dma_current(bool waited) {
   if (waited && dma_.busy()) state_.dma.now = std::max(state_.dma.now, state_.cycle);
 }
 
-Word Engine::watched_ports() const {
-  if (ports_.attached() == 0) return 0;
+Word Engine::watched_ports_now() const {
   const Word enabled = state_.core.r[reg::IIE] & interrupts::port_sources;
   Word watched = 0;
   for (unsigned n = 0; enabled >> 4 * n != 0; ++n)
