@@ -49,11 +49,12 @@ void Bus::submit(unsigned master, Command command, Address address, unsigned wor
   port.attempted = false;
   ask(master, request);
   if (finishing_) return;  // the end of the present step chooses the next master
+  const Clocks before = next_;
   if (running_)
     cut_by_timer();
   else
     plan_idle();
-  tell_plan();
+  if (next_ != before) tell_plan();
 }
 
 inline void Bus::ask(unsigned master, Clocks request) {
@@ -243,9 +244,10 @@ void Bus::cut_by_timer() {
   if (attempt_.kind != Attempt::Kind::data) return;
   attempt_.last = attempt_.first + (natural_words_ - 1) * attempt_.step;
   attempt_.words = natural_words_;
-  const Clocks other = earliest_request(attempt_.master);
+  const Clocks timer_ends = attempt_.frame + ports_[attempt_.master].config.latency_timer;
+  const Clocks other = attempt_.last > timer_ends ? earliest_request(attempt_.master) : never;
   if (other != never) {
-    Clocks stop = std::max(attempt_.frame + ports_[attempt_.master].config.latency_timer, other + 1);
+    Clocks stop = std::max(timer_ends, other + 1);
     if (config_.multi_transaction_timer > 0) stop = std::max(stop, arbiter_.kept_until());
     if (attempt_.last > stop) {
       const Clocks before = stop <= attempt_.first ? 0 : (stop - attempt_.first + attempt_.step - 1) / attempt_.step;
