@@ -37,14 +37,16 @@ void Bridge::write(const Posted& posted) {
   waiting_ = posted;
   blocked_ = Blocked::room;
   blocked_since_ = posted.clock;
+  seen_ = 0;
   blocked_without_bus_ = 0;
 }
 
-void Bridge::read(Address address, Clocks clock) {
+void Bridge::read(Address address, Clocks clock, Clocks seen) {
   if (address >= config_.prefetch_limit) line_words_ = 0;
   blocked_ = Blocked::read;
   read_address_ = address;
   blocked_since_ = clock;
+  seen_ = seen;
   blocked_without_bus_ = 0;
   if (!busy_ && count_ == 0) submit_read(bus_.now());
 }
@@ -64,7 +66,7 @@ void Bridge::submit_read(Clocks earliest) {
 }
 
 unsigned Bridge::framed(const Attempt& attempt, bool first, Clocks now, std::span<Word> room) {
-  if (blocked())
+  if (blocked() && now >= seen_)
     blocked_without_bus_ += attempt.frame - std::min(attempt.frame, std::max(attempt.requested, blocked_since_));
   if (!attempt.write || !first) return attempt.wanted;
   // Words issued in this clock wait for a later step: the processor may issue more of them in the same clock.
@@ -141,6 +143,7 @@ void Bridge::list_state(state::Visitor& list) {
   list("blocked", blocked_);
   list("read address", read_address_);
   list("blocked since", blocked_since_);
+  list("seen", seen_);
   list("blocked without bus", blocked_without_bus_);
   list("waiting", waiting_);
   list("line address", line_address_);

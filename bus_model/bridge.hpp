@@ -58,8 +58,9 @@ class Bridge final : public Initiator {
     hit = {line_[word], line_first_ + static_cast<Clocks>(word) * line_step_};
     return true;
   }
-  /// A read that the line cannot answer; answered() follows.
-  void read(Address address, Clocks clock);
+  /// A read that the line cannot answer; answered() follows. The processor may issue it ahead of the bus: `seen` is the
+  /// first clock whose events come after the issue.
+  void read(Address address, Clocks clock, Clocks seen = 0);
   /// The processor waits for answered() or taken().
   bool blocked() const { return blocked_ != Blocked::no; }
   /// The processor waits with a write, for room in the FIFO.
@@ -67,8 +68,6 @@ class Bridge final : public Initiator {
   /// No posted word and no read remains.
   bool idle() const { return count_ == 0 && !blocked(); }
   unsigned posted() const { return count_; }
-  /// A read would go to the bus at once: nothing of this processor is before it.
-  bool is_clear() const { return !busy_ && count_ == 0; }
   /// Leaves the bus at clock `now` and drops all its words: the processor is reset or pulled out.
   void clear(Clocks now);
   void list_state(state::Visitor& list);
@@ -100,6 +99,7 @@ class Bridge final : public Initiator {
   Blocked blocked_ = Blocked::no;
   Address read_address_ = 0;
   Clocks blocked_since_ = 0;
+  Clocks seen_ = 0;  // events of the bus before this clock do not know of the wait
   Clocks blocked_without_bus_ = 0;
   Posted waiting_{};
   Address line_address_ = 0;

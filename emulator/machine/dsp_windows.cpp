@@ -66,9 +66,9 @@ bool Dsp::window_access(const c40::ExternalAccess& access) {
   access_ = access;
   state_ = State::access;
   own_next_ = clock_.at(access.cycle);
-  // A read without anything before it may go to the bus ahead of its turn, as a posted write does: nothing can act on
-  // the board before the read begins.
-  if (!access.write && !chip_.dma_active() && own_next_ < run_end_ && bridge(route).is_clear()) begin_read(route);
+  // A read may go to its bridge ahead of its turn, as a posted write does: nothing can act on the board before the read
+  // begins.
+  if (!access.write && !chip_.dma_active() && own_next_ < run_end_) begin_read(route);
   return false;
 }
 
@@ -105,8 +105,10 @@ void Dsp::begin_read(const BusRoute& route) {
   state_ = State::blocked;
   own_next_ = never;
   statistics_.bus_reads += 1;
-  bridge(route).read(offset_of(access_.address) + route.shift,
-                     clock_of(route).tick_at_or_after(clock_.at(access_.cycle)));
+  const Clock& bus = clock_of(route);
+  const Time issued = clock_.at(access_.cycle);
+  bridge(route).read(offset_of(access_.address) + route.shift, bus.tick_at_or_after(issued),
+                     bus.tick_at_or_before(issued) + 1);
 }
 
 void Dsp::answered(const Side& side, Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result) {
@@ -131,7 +133,12 @@ void Dsp::resume_at(const Side& side, pci::Clocks ready, pci::Clocks arbitration
   transfer_ = waited - arbitration_;
   state_ = State::resuming;
   own_next_ = clock_.at(resumes);
-  plan();
+  if (chip_.dma_active()) return plan();
+  // The chip goes on at once if nothing can act on the board before: its turn would find the same.
+  const Time until = horizon();
+  if (own_next_ >= std::min({until, edge_, reset_})) return plan();
+  complete(until);
+  set_next();
 }
 
 void Dsp::complete(Time horizon) {

@@ -36,24 +36,37 @@ void Scheduler::run_some_ahead(Time limit) {
   }
 }
 
-bool Scheduler::step(Time limit) {
-  limit_ = limit;
+inline bool Scheduler::turn(Time limit, Length length) {
   const EventCalendar::Turn turn = calendar_.earliest();
   if (turn.time >= limit) return false;
   Actor& actor = *actors_[turn.who];
   assert(actor.next() >= turn.time && "an actor has an earlier event and has not reported it");
-  now_ = turn.time;
+  Time next = turn.time;
   {
     const Acting acting{*this, actor};
-    actor.act(now_);
+    do {
+      now_ = next;
+      actor.act(now_);
+      next = actor.next();
+    } while (length == Length::until_another && next < limit && next < calendar_.earliest_of_others(turn.who));
   }
-  calendar_.set_after_turn(turn.who, actor.next());
+  calendar_.set_after_turn(turn.who, next);
   return true;
 }
 
+bool Scheduler::step(Time limit) {
+  limit_ = limit;
+  return turn(limit, Length::one_event);
+}
+
 void Scheduler::run_until(Time limit) {
-  do run_some_ahead(limit);
-  while (step(limit));
+  limit_ = limit;
+  if (shuffle_.active()) {
+    do run_some_ahead(limit);
+    while (turn(limit, Length::one_event));
+  } else {
+    while (turn(limit, Length::until_another)) continue;
+  }
 }
 
 }  // namespace machine

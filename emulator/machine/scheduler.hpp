@@ -76,7 +76,8 @@ class Scheduler {
   Time limit() const { return limit_; }
   /// The instant of the last event.
   Time now() const { return now_; }
-  Time earliest() const { return calendar_.earliest().time; }
+  /// While an actor acts: its event.
+  Time earliest() const { return acting_ != nullptr ? now_ : calendar_.earliest().time; }
   Time earliest_of_others(const Actor& than) const { return calendar_.earliest_of_others(than.place_); }
   bool shuffles() const { return shuffle_.active(); }
 
@@ -103,6 +104,10 @@ class Scheduler {
     Acting& operator=(const Acting&) = delete;
     Scheduler& scheduler;
   };
+
+  /// How many events of an actor are executed in a row: the calendar changes only afterwards.
+  enum class Length : std::uint8_t { one_event, until_another };
+  bool turn(Time limit, Length length);
 
   EventCalendar calendar_;
   std::vector<Actor*> actors_;
