@@ -1,43 +1,38 @@
 #include "bus_model/arbiter.hpp"
 
+#include <bit>
+
 namespace pci {
 
-void Arbiter::add_master(bool first_level) { first_level_.push_back(first_level); }
+namespace {
 
-unsigned Arbiter::pick(std::span<const Clocks> requests, Clocks latest) const {
-  const auto asks = [&](unsigned master) { return requests[master] <= latest; };
-  const auto count = static_cast<unsigned>(requests.size());
-  if (config_.multi_transaction_timer > 0 && latest < kept_until() && last_owner_ < count && asks(last_owner_))
-    return last_owner_;
-  if (config_.arbitration == Arbitration::two_level || config_.arbitration == Arbitration::host_fair)
-    return pick_of_two_levels(requests, latest);
-  const unsigned from = config_.arbitration == Arbitration::round_robin ? last_owner_ + 1 : 0;
-  for (unsigned i = 0; i < count; ++i) {
-    unsigned candidate = from + i;
-    if (candidate >= count) candidate -= count;
-    if (asks(candidate)) return candidate;
-  }
-  return nobody;
+// The first bit of `mask` after bit `last`, in a ring. The mask is not 0.
+unsigned first_after(std::uint64_t mask, unsigned last) {
+  const std::uint64_t after = mask & (~std::uint64_t{1} << last);
+  return static_cast<unsigned>(std::countr_zero(after != 0 ? after : mask));
 }
 
-unsigned Arbiter::pick_of_two_levels(std::span<const Clocks> requests, Clocks latest) const {
-  const auto count = static_cast<unsigned>(requests.size());
-  const auto next_of_second = [&] {
-    for (unsigned i = 1; i <= count; ++i) {
-      const unsigned candidate = (last_of_second_ + i) % count;
-      if (!on_first_level(candidate) && requests[candidate] <= latest) return candidate;
-    }
-    return nobody;
-  };
-  for (unsigned i = 1; i <= count + 1; ++i) {
-    const unsigned place = (last_place_ + i) % (count + 1);
-    if (place < count) {
-      if (on_first_level(place) && requests[place] <= latest) return place;
-    } else if (const unsigned candidate = next_of_second(); candidate != nobody) {
-      return candidate;
-    }
+}  // namespace
+
+void Arbiter::add_master(bool first_level) {
+  const bool first = config_.arbitration == Arbitration::host_fair ? masters_ == 0 : first_level;
+  first_level_ |= std::uint32_t{first} << masters_;
+  masters_ += 1;
+}
+
+unsigned Arbiter::pick(std::uint32_t asking, Clocks clock) const {
+  if (config_.multi_transaction_timer > 0 && clock < kept_until() && (asking >> last_owner_ & 1u) != 0)
+    return last_owner_;
+  switch (config_.arbitration) {
+    case Arbitration::round_robin: return first_after(asking, last_owner_);
+    case Arbitration::fixed: return static_cast<unsigned>(std::countr_zero(asking));
+    case Arbitration::two_level:
+    case Arbitration::host_fair: break;
   }
-  return nobody;
+  const std::uint32_t second_level = asking & ~first_level_;
+  const std::uint64_t places = (asking & first_level_) | std::uint64_t{second_level != 0} << masters_;
+  const unsigned place = first_after(places, last_place_);
+  return place < masters_ ? place : first_after(second_level, last_of_second_);
 }
 
 }  // namespace pci

@@ -2,8 +2,6 @@
 // Which master gets the bus next (plant-and-bus.md 3.1, 3.6). The numbers of the masters are those of their bus. If the
 // bus has a host bridge, the bridge is master 0.
 #include <cstdint>
-#include <span>
-#include <vector>
 
 #include "bus_model/config.hpp"
 #include "state/visitor.hpp"
@@ -18,17 +16,16 @@ class Arbiter {
 
   /// The new master gets the next number. `first_level` counts with Arbitration::two_level only.
   void add_master(bool first_level);
-  /// Chooses among the masters whose REQ# is asserted at clock `latest`; `nobody` if there is none. `requests` holds
-  /// for each master the clock at which REQ# is asserted, or never.
-  unsigned pick(std::span<const Clocks> requests, Clocks latest) const;
+  /// Chooses among the masters whose REQ# is asserted at a clock, at least one: bit n of `asking` is master n.
+  unsigned pick(std::uint32_t asking, Clocks clock) const;
   /// The master owns the bus from FRAME# at clock `frame` on.
   void granted(unsigned master, Clocks frame) {
     if (master != last_owner_ || frame >= kept_until()) tenure_ = frame;
     last_owner_ = master;
-    if (on_first_level(master)) {
+    if ((first_level_ >> master & 1u) != 0) {
       last_place_ = master;
     } else {
-      last_place_ = static_cast<unsigned>(first_level_.size());
+      last_place_ = masters_;
       last_of_second_ = master;
     }
   }
@@ -36,7 +33,7 @@ class Arbiter {
   unsigned last_owner() const { return last_owner_; }
   /// The master that has GNT# while no master requests the bus; `nobody` if there is none.
   unsigned parked() const {
-    if (first_level_.empty() || config_.parking == Parking::none) return nobody;
+    if (masters_ == 0 || config_.parking == Parking::none) return nobody;
     return config_.parking == Parking::first ? 0 : last_owner_;
   }
   /// Before this clock the last owner keeps GNT#, even if another master requests the bus (the multi-transaction
@@ -51,13 +48,9 @@ class Arbiter {
   }
 
  private:
-  bool on_first_level(unsigned master) const {
-    return config_.arbitration == Arbitration::host_fair ? master == 0 : first_level_[master];
-  }
-  unsigned pick_of_two_levels(std::span<const Clocks> requests, Clocks latest) const;
-
   BusConfig config_;
-  std::vector<bool> first_level_;
+  unsigned masters_ = 0;
+  std::uint32_t first_level_ = 0;  // bit n: master n is on the first level
   unsigned last_owner_ = 0;
   unsigned last_place_ = 0;  // of the first level's ring; the second level as a whole has the last place in this ring
   unsigned last_of_second_ = 0;

@@ -75,12 +75,14 @@ inline Clocks Bus::earliest_request(unsigned except) const {
   return earliest;
 }
 
-// The arbiter's choice among the masters that request the bus by clock `latest`. A single one needs no choice.
+// The arbiter's choice among the masters that request the bus by clock `latest`.
 inline unsigned Bus::winner(Clocks latest) const {
-  if (asking_ == 0) return nobody;
-  if ((asking_ & (asking_ - 1)) != 0) return arbiter_.pick(requests_, latest);
-  const auto only = static_cast<unsigned>(std::countr_zero(asking_));
-  return requests_[only] <= latest ? only : nobody;
+  std::uint32_t asking = 0;
+  for (std::uint32_t rest = asking_; rest != 0; rest &= rest - 1) {
+    const int master = std::countr_zero(rest);
+    asking |= std::uint32_t{requests_[static_cast<std::size_t>(master)] <= latest} << master;
+  }
+  return asking != 0 ? arbiter_.pick(asking, latest) : nobody;
 }
 
 // An idle bus goes to the first master that requests it. If several request it in the same clock, the master that
@@ -106,9 +108,14 @@ void Bus::plan_idle() {
   }
 }
 
-inline int Bus::window_of(Address address) const {
+// A master's accesses mostly go where its last one went.
+inline int Bus::window_of(Address address, int last) const {
+  const auto holds = [&](const Window& window) {
+    return address >= window.base && address - window.base < window.words;
+  };
+  if (last >= 0 && holds(windows_[static_cast<std::size_t>(last)])) return last;
   for (std::size_t i = 0; i < windows_.size(); ++i)
-    if (address >= windows_[i].base && address - windows_[i].base < windows_[i].words) return static_cast<int>(i);
+    if (holds(windows_[i])) return static_cast<int>(i);
   return -1;
 }
 
@@ -152,7 +159,7 @@ void Bus::start(unsigned master, Clocks granted, Clocks frame) {
   arbiter_.granted(master, frame);
   running_ = true;
   ahead_ = false;
-  attempt_.target = static_cast<std::int16_t>(window_of(attempt_.address));
+  attempt_.target = static_cast<std::int16_t>(window_of(attempt_.address, port.last_target));
   if (attempt_.target < 0) {
     attempt_.kind = Attempt::Kind::master_abort;
     attempt_.last = frame + subtractive_clocks;
@@ -160,7 +167,7 @@ void Bus::start(unsigned master, Clocks granted, Clocks frame) {
     return;
   }
   Window& window = windows_[static_cast<unsigned>(attempt_.target)];
-  port.transaction.target = attempt_.target;
+  port.transaction.target = port.last_target = attempt_.target;
   choose_answer(window, port);
   if (attempt_.kind != Attempt::Kind::data) {
     attempt_.last = frame + window.config.devsel;
@@ -180,9 +187,9 @@ void Bus::start(unsigned master, Clocks granted, Clocks frame) {
   cut_by_timer();
   if (attempt_.write || natural_words_ == 1) return;
   ahead_ = true;
-  for (unsigned i = 0; i < natural_words_; ++i)
-    port.data[port.done + i] =
-        window.target->read(attempt_.address - window.base + i, access_at(attempt_.first + i * attempt_.step));
+  Access access = access_at(attempt_.first);
+  for (unsigned i = 0; i < natural_words_; ++i, access.clock += attempt_.step)
+    port.data[port.done + i] = window.target->read(attempt_.address - window.base + i, access);
   port.initiator->arriving(attempt_, std::span<const Word>{port.data}.subspan(port.done, attempt_.words));
 }
 

@@ -203,7 +203,7 @@ class Bus {
   void ask_no_more(unsigned master);
   Clocks earliest_request(unsigned except) const;
   unsigned winner(Clocks latest) const;
-  int window_of(Address address) const;
+  int window_of(Address address, int last) const;
   void account(Clocks words, Clocks length);
 
   BusConfig config_;

@@ -17,6 +17,7 @@ struct Bus::Port {
   bool active = false;
   bool speculative = false;
   bool attempted = false;
+  std::int16_t last_target = -1;  // of the attempt before: where to look first
   MasterStatistics statistics;
 
   void list_state(state::Visitor& list) {

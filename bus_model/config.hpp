@@ -29,9 +29,9 @@ enum class Parking : std::uint8_t {
 
 /// PCI's memory commands; I/O and configuration cycles are not modelled.
 enum class Command : std::uint8_t {
-  read,           ///< Memory Read: one or two words, nothing fetched ahead
-  read_line,      ///< Memory Read: one or two words, no words fetched ahead
-  read_multiple,  ///< more than one line
+  read,           ///< Memory Read: one or two words, no words fetched ahead
+  read_line,      ///< Memory Read Line: more words, of one cache line
+  read_multiple,  ///< Memory Read Multiple: of more than one line
   write,
   write_invalidate,  ///< whole lines: the latency timer lets the write go on to the end of a line
 };

@@ -51,6 +51,8 @@ struct BusRoute {
   unsigned port = 0;       ///< index of the board's bridge, in the order of the board's buses
   pci::Address shift = 0;  ///< address on the bus = offset + shift
   bool direct = true;      ///< the target is on that bus itself
+
+  bool holds(Offset offset) const { return offset - first < end - first; }
 };
 
 /// The shortest route for a board on the buses `standing`; of equal routes, the one by the bus named first.

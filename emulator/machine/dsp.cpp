@@ -55,11 +55,6 @@ void Dsp::plan() {
   changed();
 }
 
-// While the processor is before or in an access, a DMA that moves words over a link to another slot continues.
-bool Dsp::dma_goes_on() const {
-  return in_access() && wires_.size() > 1 && !dma_waits_ && chip_.dma_busy() && chip_.watches_ports();
-}
-
 void Dsp::attach(int port, c40::Link& link, int side, Scheduler::Actor& wire) {
   wires_.push_back({port, link, side, wire});
   chip_.attach(port, &link.listener(side));

@@ -4,6 +4,7 @@
 // The board is always in one state, and says when it has to be called next. Its actions between two accesses (and
 // posted writes for which there is room, and reads that the bridge's line answers) it may do ahead of all others, up to
 // the given horizon.
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -186,7 +187,10 @@ class Dsp final : public Scheduler::Processor,
   bool in_access() const {
     return state_ == State::access || state_ == State::port || state_ == State::blocked || state_ == State::resuming;
   }
-  bool dma_goes_on() const;
+  /// While the processor is before or in an access, a DMA that moves words over a link to another slot continues.
+  bool dma_goes_on() const {
+    return wires_.size() > 1 && in_access() && !dma_waits_ && chip_.dma_busy() && chip_.watches_ports();
+  }
   void require_not_run_past(Time now) const;
   void run_dma(Time horizon);
   c40::Cycles limit(Time horizon) const;
@@ -215,7 +219,12 @@ class Dsp final : public Scheduler::Processor,
     return address - (on_a(address) ? context_.symbols.window_a : context_.symbols.window_b);
   }
   Window window_of(std::uint32_t address) const { return on_a(address) ? Window::a : Window::b; }
-  const BusRoute& route_of(std::uint32_t address) const;
+  /// The part of the board's window with this address; behind the last part nothing answers.
+  const BusRoute& route_of(std::uint32_t address) {
+    const BusRoute& last = *last_route_[on_a(address)];
+    return last.holds(offset_of(address)) ? last : found_route(address);
+  }
+  const BusRoute& found_route(std::uint32_t address);
   pci::Bridge& bridge(const BusRoute& route) { return sides_[route.port].bridge; }
   const Clock& clock_of(const BusRoute& route) const { return context_.bus_clocks[sides_[route.port].bus]; }
   char bus_name(const BusRoute& route) const { return static_cast<char>('A' + sides_[route.port].bus); }
@@ -225,6 +234,8 @@ class Dsp final : public Scheduler::Processor,
   PacedClock clock_;
   c40::Chip chip_;
   std::deque<Side> sides_;          // by the buses of the board
+  std::array<const BusRoute*, 2> last_route_{&context_.window_b.front(),
+                                             &context_.window_a.front()};  // by on_a: where to look first
   std::vector<Underway> underway_;  // in bridges between buses
   AdapterWire adapter_wire_{*this};
   std::vector<Wire> wires_;               // the link adapter's is the first

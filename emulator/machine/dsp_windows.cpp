@@ -9,13 +9,13 @@
 
 namespace machine {
 
-// The part of the board's window with this address; behind the last part nothing answers.
-const BusRoute& Dsp::route_of(std::uint32_t address) const {
+const BusRoute& Dsp::found_route(std::uint32_t address) {
   const std::vector<BusRoute>& routes = on_a(address) ? context_.window_a : context_.window_b;
-  const Offset offset = offset_of(address);
-  for (const BusRoute& route : routes)
-    if (offset - route.first < route.end - route.first) return route;
-  return routes.back();
+  const auto found =
+      std::ranges::find_if(routes, [offset = offset_of(address)](const BusRoute& route) { return route.holds(offset); });
+  const BusRoute& route = found != routes.end() ? *found : routes.back();
+  last_route_[on_a(address)] = &route;
+  return route;
 }
 
 bool Dsp::writable(Window window, Offset offset) const {
@@ -40,10 +40,12 @@ std::optional<c40::WindowAnswer> Dsp::answer_at_once(const c40::ExternalAccess& 
   }
   pci::Bridge::Hit hit{};
   if (!bridge(route).look_up(offset_of(access.address) + route.shift, hit)) return {};
-  const c40::Cycles there = clock_.tick_at_or_after(clock_of(route).at(hit.ready));
   statistics_.prefetch_hits += 1;
+  const Time ready = clock_of(route).at(hit.ready);
+  const c40::Cycles least = context_.config.prefetch_hit_cycles;
+  const bool is_there = ready <= clock_.at(access.cycle + least);
   return c40::WindowAnswer{.value = hit.value,
-                           .transfer = std::max(there - access.cycle, context_.config.prefetch_hit_cycles)};
+                           .transfer = is_there ? least : clock_.tick_at_or_after(ready) - access.cycle};
 }
 
 // An access that was not answered at once, or before which the chip has to stop: while its DMA is active.
@@ -107,8 +109,9 @@ void Dsp::begin_read(const BusRoute& route) {
   statistics_.bus_reads += 1;
   const Clock& bus = clock_of(route);
   const Time issued = clock_.at(access_.cycle);
-  bridge(route).read(offset_of(access_.address) + route.shift, bus.tick_at_or_after(issued),
-                     bus.tick_at_or_before(issued) + 1);
+  const pci::Clocks clock = bus.tick_at_or_after(issued);
+  const bool together = bus.at(clock) == issued;  // the bus's events of that instant come first
+  bridge(route).read(offset_of(access_.address) + route.shift, clock, clock + together);
 }
 
 void Dsp::answered(const Side& side, Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result) {
@@ -162,7 +165,7 @@ void Dsp::landed(const Side& side, const pci::Posted& posted, pci::Clocks clock)
   for (const Window window : {Window::a, Window::b}) {
     for (const BusRoute& route : window == Window::a ? context_.window_a : context_.window_b) {
       const Offset offset = posted.address - route.shift;
-      if (&sides_[route.port] != &side || offset - route.first >= route.end - route.first) continue;
+      if (&sides_[route.port] != &side || !route.holds(offset)) continue;
       if (route.direct) return arrived(window, offset, posted, context_.bus_clocks[side.bus].at(clock));
       underway_.push_back({route.bus, window, offset, posted});
       return;

@@ -93,7 +93,7 @@ Time HostBoard::next_bus_event() const {
 
 const BusRoute* HostBoard::route_of(Offset offset) const {
   for (const BusRoute& route : routes_)
-    if (offset - route.first < route.end - route.first) return &route;
+    if (route.holds(offset)) return &route;
   return nullptr;
 }
 
