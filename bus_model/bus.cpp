@@ -23,12 +23,17 @@ Command Bus::command_of(bool write, Address address, unsigned words) const {
 }
 
 void Bus::submit(unsigned master, bool write, Address address, unsigned words, Clocks request, bool speculative) {
-  submit(master, command_of(write, address, words), address, words, request, ports_.at(master).config.agent);
-  ports_[master].speculative = speculative && !write;
+  Port& port = ports_.at(master);
+  submit(port, master, command_of(write, address, words), address, words, request, port.config.agent,
+         speculative && !write);
 }
 
 void Bus::submit(unsigned master, Command command, Address address, unsigned words, Clocks request, unsigned agent) {
-  Port& port = ports_.at(master);
+  submit(ports_.at(master), master, command, address, words, request, agent, false);
+}
+
+inline void Bus::submit(Port& port, unsigned master, Command command, Address address, unsigned words, Clocks request,
+                        unsigned agent, bool speculative) {
   if (port.active)
     throw std::logic_error{"pci::Bus::submit: master " + port.config.name + " already has a transaction"};
   if (words == 0 || words > most_words)
@@ -45,7 +50,7 @@ void Bus::submit(unsigned master, Command command, Address address, unsigned wor
   port.wanted = words;
   port.done = 0;
   port.active = true;
-  port.speculative = false;
+  port.speculative = speculative;
   port.attempted = false;
   ask(master, request);
   if (finishing_) return;  // the end of the present step chooses the next master

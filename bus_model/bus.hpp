@@ -190,6 +190,8 @@ class Bus {
   struct Port;
   struct Window;
 
+  void submit(Port& port, unsigned master, Command command, Address address, unsigned words, Clocks request,
+              unsigned agent, bool speculative);
   void start(unsigned master, Clocks granted, Clocks frame);
   void choose_answer(Window& window, const Port& port);
   void cut_by_timer();

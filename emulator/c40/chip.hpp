@@ -48,9 +48,9 @@ struct WindowAnswer {
 class WindowListener {
  public:
   virtual ~WindowListener() = default;
-  /// Answers an access of the processor that can be completed now, whatever other devices do. Returns nothing if this
-  /// is not possible; the chip then stops before the access. The chip may not be changed here.
-  virtual std::optional<WindowAnswer> answer_at_once(const ExternalAccess& access) = 0;
+  /// Answers an access of the processor that can be completed now, whatever other devices do. False if this is not
+  /// possible: the chip then stops before the access. The chip may not be changed here.
+  virtual bool answer_at_once(const ExternalAccess& access, WindowAnswer& answer) = 0;
   /// Whether the answer to this write needs the chip's counters. Only if so are they up to date during the call.
   virtual bool needs_counters(const ExternalAccess& access) const = 0;
 };

@@ -134,9 +134,9 @@ Engine::Stepped Engine::resolve(Step& step) {
 // The answer without a stop of the chip, if there is one.
 bool Engine::answers_at_once(const ExternalAccess& access) {
   if (window_listener == nullptr || peripherals_.dma_active() || state_.dma.answered_until > access.cycle) return false;
-  const std::optional<WindowAnswer> answer = window_listener->answer_at_once(access);
-  if (!answer) return false;
-  opened_.answer = {true, access.write, access.address, answer->value, answer->arbitration, answer->transfer, 0};
+  WindowAnswer answer;
+  if (!window_listener->answer_at_once(access, answer)) return false;
+  opened_.answer = {true, access.write, access.address, answer.value, answer.arbitration, answer.transfer, 0};
   return true;
 }
 

@@ -236,7 +236,8 @@ bool Engine::reach_window(CodeBlock& block, InBlock& in, const Outcome& outcome)
 
 // Executes the instruction whose access is answered, whatever the budget, and those after it.
 Outcome Engine::pass_window(CodeBlock& block, const InBlock& in, Cycles limit) {
-  const auto [window, answer] = opened_;
+  const WindowAccess* const window = opened_.window;
+  const Answer& answer = opened_.answer;
   const std::size_t k = window->access;
   Op& op = block.ops[in.from];
   auto& cell = scratch_[k].cell;

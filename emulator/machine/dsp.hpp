@@ -168,8 +168,7 @@ class Dsp final : public Scheduler::Processor,
   };
 
   void run(Time until);
-  std::optional<c40::WindowAnswer> answer_at_once(const c40::ExternalAccess& access) override;
-  std::optional<c40::WindowAnswer> answer_at_once(const c40::ExternalAccess& access, const BusRoute& route);
+  bool answer_at_once(const c40::ExternalAccess& access, c40::WindowAnswer& answer) override;
   bool needs_counters(const c40::ExternalAccess& access) const override;
   std::optional<Span> span() override;
   bool at_limit() override;
@@ -233,10 +232,10 @@ class Dsp final : public Scheduler::Processor,
   DspContext& context_;
   PacedClock clock_;
   c40::Chip chip_;
-  std::deque<Side> sides_;          // by the buses of the board
+  std::deque<Side> sides_;  // by the buses of the board
   std::array<const BusRoute*, 2> last_route_{&context_.window_b.front(),
                                              &context_.window_a.front()};  // by on_a: where to look first
-  std::vector<Underway> underway_;  // in bridges between buses
+  std::vector<Underway> underway_;                                         // in bridges between buses
   AdapterWire adapter_wire_{*this};
   std::vector<Wire> wires_;               // the link adapter's is the first
   std::vector<Net*> nets_in_, nets_out_;  // nets that lead to its pins, and nets that it can drive

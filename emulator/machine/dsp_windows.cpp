@@ -11,8 +11,8 @@ namespace machine {
 
 const BusRoute& Dsp::found_route(std::uint32_t address) {
   const std::vector<BusRoute>& routes = on_a(address) ? context_.window_a : context_.window_b;
-  const auto found =
-      std::ranges::find_if(routes, [offset = offset_of(address)](const BusRoute& route) { return route.holds(offset); });
+  const auto found = std::ranges::find_if(
+      routes, [offset = offset_of(address)](const BusRoute& route) { return route.holds(offset); });
   const BusRoute& route = found != routes.end() ? *found : routes.back();
   last_route_[on_a(address)] = &route;
   return route;
@@ -23,29 +23,31 @@ bool Dsp::writable(Window window, Offset offset) const {
   return offset < SharedSram::size || context_.registers.answers(offset, true, false);
 }
 
-std::optional<c40::WindowAnswer> Dsp::answer_at_once(const c40::ExternalAccess& access) {
-  const auto answer = answer_at_once(access, route_of(access.address));
-  if (!answer) refused_ = access.cycle;
-  return answer;
-}
-
 // Answers at once a write for which the bridge has room, and a read that the bridge's line answers.
-std::optional<c40::WindowAnswer> Dsp::answer_at_once(const c40::ExternalAccess& access, const BusRoute& route) {
+bool Dsp::answer_at_once(const c40::ExternalAccess& access, c40::WindowAnswer& answer) {
+  const BusRoute& route = route_of(access.address);
+  const Offset offset = offset_of(access.address);
   if (access.write) {
-    if (!writable(window_of(access.address), offset_of(access.address)) || clock_.at(access.cycle) >= run_end_ ||
-        !bridge(route).has_room())
-      return {};
+    if (!writable(window_of(access.address), offset) || clock_.at(access.cycle) >= run_end_ ||
+        !bridge(route).has_room()) {
+      refused_ = access.cycle;
+      return false;
+    }
     post(route, access);
-    return c40::WindowAnswer{};
+    return true;
   }
-  pci::Bridge::Hit hit{};
-  if (!bridge(route).look_up(offset_of(access.address) + route.shift, hit)) return {};
+  pci::Bridge::Hit hit;
+  if (!bridge(route).look_up(offset + route.shift, hit)) {
+    refused_ = access.cycle;
+    return false;
+  }
   statistics_.prefetch_hits += 1;
   const Time ready = clock_of(route).at(hit.ready);
   const c40::Cycles least = context_.config.prefetch_hit_cycles;
   const bool is_there = ready <= clock_.at(access.cycle + least);
-  return c40::WindowAnswer{.value = hit.value,
-                           .transfer = is_there ? least : clock_.tick_at_or_after(ready) - access.cycle};
+  answer.value = hit.value;
+  answer.transfer = is_there ? least : clock_.tick_at_or_after(ready) - access.cycle;
+  return true;
 }
 
 // An access that was not answered at once, or before which the chip has to stop: while its DMA is active.
@@ -57,13 +59,14 @@ bool Dsp::window_access(const c40::ExternalAccess& access) {
     return false;
   }
   if (std::exchange(refused_, -1) != access.cycle) {  // the chip has not asked: its DMA is active
-    if (const auto answer = answer_at_once(access, route)) {
+    if (c40::WindowAnswer answer; answer_at_once(access, answer)) {
       if (access.write)
-        chip_.complete_write(answer->arbitration, answer->transfer);
+        chip_.complete_write(answer.arbitration, answer.transfer);
       else
-        chip_.complete_read(answer->value, answer->arbitration, answer->transfer);
+        chip_.complete_read(answer.value, answer.arbitration, answer.transfer);
       return true;
     }
+    refused_ = -1;
   }
   access_ = access;
   state_ = State::access;

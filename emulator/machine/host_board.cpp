@@ -18,8 +18,9 @@ HostBoard::HostBoard(HostProgram& program, const Config& config, std::deque<pci:
       clock_{clocks_[config.topology.host.front()]},
       registers_{registers},
       adapter_{adapter},
-      action_clocks_{config.host_bridge.request_sync + config.shared_memory.devsel +
-                     config.shared_memory.write_initial + 1 + config.interrupt_clocks} {
+      action_time_{clock_.at(config.host_bridge.request_sync + config.shared_memory.devsel +
+                             config.shared_memory.write_initial + 1 + config.interrupt_clocks) -
+                   clock_.at(0)} {
   pci::MasterConfig master = config.host_master;
   master.first_level = true;
   for (const unsigned bus : config.topology.host) bridges_.emplace_back(buses[bus], master, config.host_bridge, *this);
@@ -71,7 +72,7 @@ Time HostBoard::earliest_action(Time woken) const {
   // and the bus.
   const Time wakes = std::min(next_, woken);
   const Time acts = words_wanted_ != 0 && read_done_ == never ? std::min(wakes, next_bus_event()) : wakes;
-  Time earliest = acts == never ? never : acts + (clock_.at(action_clocks_) - clock_.at(0)) - Time{1};
+  Time earliest = acts == never ? never : acts + action_time_ - Time{1};
   if (acting_ != registers_.acted()) earliest = std::min(earliest, next_bus_event());
   return earliest;
 }

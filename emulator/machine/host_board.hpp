@@ -82,7 +82,7 @@ class HostBoard final : public Scheduler::Actor, public HostPort, public pci::Br
   Offset read_offset_ = 0;
   unsigned words_wanted_ = 0;
   std::vector<Word> words_read_;
-  pci::Clocks action_clocks_;
+  Time action_time_;  // from the host's own event to the effect of its write on a DSP
 };
 
 }  // namespace machine

@@ -56,9 +56,10 @@ bool answer_window(c40::Chip& chip, const c40::StopInfo& stop) {
 
 /// Gives half of the answers before the chip stops.
 struct AtOnce final : c40::WindowListener {
-  std::optional<c40::WindowAnswer> answer_at_once(const c40::ExternalAccess& access) override {
-    if ((access.address & 2) != 0) return {};
-    return answer_of(access);
+  bool answer_at_once(const c40::ExternalAccess& access, c40::WindowAnswer& answer) override {
+    if ((access.address & 2) != 0) return false;
+    answer = answer_of(access);
+    return true;
   }
   bool needs_counters(const c40::ExternalAccess& access) const override { return (access.address & 4) != 0; }
 };
