@@ -1,7 +1,7 @@
 ; Sine and cosine, arc tangent, hyperbolic tangent, wrapping of angles.
 
-; R0 <- sin R0, R1 <- cos R0. x = k pi/2 + y, |y| <= pi/4; Taylor's series of degree 9 and 10:
-; truncation (pi/4)^11/11! = 1.8e-9 and (pi/4)^12/12! = 1.1e-10, coefficients rounded to 24 bits 5e-9.
+; R0 <- sin R0, R1 <- cos R0. x = k pi/2 + y with |y| <= pi/4. Taylor series of degree 9 (sine) and 10 (cosine).
+; Errors: truncation (pi/4)^11/11! = 1.8e-9 and (pi/4)^12/12! = 1.1e-10; coefficients rounded to 24 bits, 5e-9.
 m_sincos:
         ldf     @K_TWO_OVER_PI, r1
         mpyf    r0, r1
@@ -52,7 +52,7 @@ m_sincos_even:
 m_atan:
         ldf     1.0, r1
 
-; R0 <- atan2(y = R0, x = R1): the smaller over the larger of |x|, |y|, then octant by octant.
+; R0 <- atan2(y = R0, x = R1): arc tangent of the smaller of |x| and |y| divided by the larger, then the octant.
 m_atan2:
         ldf     r0, r4
         ldf     r1, r5
@@ -89,8 +89,8 @@ m_atan2_origin:
         ldf     0.0, r0
         rets
 
-; R0 <- atan R0 for 0 <= R0 <= 1, by atan t = pi/4 + atan((t - 1)/(t + 1)) above tan(pi/8), and t + t z P(z), z = t^2,
-; P fitted on 0 .. tan^2(pi/8): 1e-9 with the rounded coefficients. Clobbers R1, R2, R3.
+; R0 <- atan R0 for 0 <= R0 <= 1. Above tan(pi/8): atan t = pi/4 + atan((t - 1)/(t + 1)). Below: atan t = t + t z P(z)
+; with z = t^2. P is fitted on 0 to tan^2(pi/8); the error with rounded coefficients is 1e-9. Changes R1, R2, R3.
 m_atan_unit:
         ldf     0.0, r3
         cmpf    @K_TAN_PI_8, r0
@@ -136,8 +136,8 @@ m_wrap:
         subf    r2, r0
         rets
 
-; R0 <- tanh R0 = +-(1 - e)/(1 + e), e = exp(-2 |x|) = 2^-n 2^-f with n + f = 2 |x| log2 e, 2^-f a polynomial of degree
-; 6 (6e-9).
+; R0 <- tanh R0 = +-(1 - e)/(1 + e) with e = exp(-2 |x|) = 2^-n 2^-f and n + f = 2 |x| log2(e). 2^-f is a polynomial of
+; degree 6 (error 6e-9).
 m_tanh:
         ldf     r0, r4                  ; its sign
         absf    r0, r0

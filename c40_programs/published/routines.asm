@@ -90,13 +90,14 @@ square_root:    rsqrf   r0,r2
                 mpyf    r0,r2
                 rets
 
-; R0 := R0 / R1 towards zero, both of less than 2^31 in size, R1 not 0: one SUBC for each bit of the quotient.
+; R0 := R0 / R1, rounded towards zero. Both are smaller than 2^31 in size, R1 is not 0. One SUBC gives one bit of the
+; quotient.
 divide:         xor3    r1,r0,r3                        ; sign
                 absi    r0
                 absi    r1
                 cmpi    r1,r0
                 blt     divide_none
-                float   r0,r2                           ; exponents are places of leading ones
+                float   r0,r2                           ; the exponent of a float is the position of the leading 1
                 pushf   r2
                 pop     r2
                 lsh     -24,r2
@@ -104,7 +105,7 @@ divide:         xor3    r1,r0,r3                        ; sign
                 pushf   r4
                 pop     r4
                 lsh     -24,r4
-                subi    r4,r2                           ; bits of the quotient but one
+                subi    r4,r2                           ; number of bits of the quotient, less one
                 lsh     r2,r1
                 rpts    r2
                 subc    r1,r0
@@ -123,7 +124,7 @@ divide_none:    ldi     0,r0
 ; place.
 ; AR5 points, AR6 table of sines (N points of one and a quarter period), AR3 result, R8 = N; AR5 and AR3 on multiples of
 ; 2N.
-fft_radix2:     ldi     r8,r9                           ; words between the two of a butterfly
+fft_radix2:     ldi     r8,r9                           ; words between the two points of a butterfly
                 ldi     1,r10                           ; butterflies of one twiddle factor
                 ldi     r8,ir1
                 lsh     -2,ir1
@@ -145,7 +146,7 @@ fft_trivial:    stf     r0,*ar0++(ir0)
                 lsh     -1,r0
                 subi    2,r0
                 blt     fft_sort
-                ldi     r0,ar7                          ; groups but the first and one
+                ldi     r0,ar7                          ; number of groups, less two
                 ldi     ar5,ar1
                 ldi     ar6,ar4
 fft_group:      addi    2,ar1
@@ -174,7 +175,7 @@ fft_butterfly:  stf     r4,*+ar2(1)
                 lsh     1,r10
                 b       fft_stage
 fft_sort:       ldi     ar5,ar0
-                ldi     r8,ir0                          ; with reversed carry
+                ldi     r8,ir0                          ; stride of the bit-reversed address
                 ldi     2,ir1
                 subi3   1,r8,rc
                 rptb    fft_sorted
@@ -184,15 +185,15 @@ fft_sorted:     stf     r0,*+ar3(1)
         ||      stf     r1,*ar3++(ir1)
                 rets
 
-; The same with radix 4, N a power of 4. The middle two results of a butterfly change places, so that reversing bits
-; sorts them.
+; The same with radix 4; N is a power of 4. The two middle results of a butterfly change places. Then bit reversal sorts
+; the results.
                 .bss    fft_points,1
                 .bss    fft_table,1
                 .bss    fft_result,1
                 .bss    fft_size,1
-                .bss    fft_repeat,1                    ; butterflies of one twiddle factor, less one
-                .bss    fft_step,1                      ; from the sine of one twiddle factor to the next
-                .bss    fft_eighth,1                    ; place of the sine of pi/4
+                .bss    fft_repeat,1                    ; number of butterflies with one twiddle factor, less one
+                .bss    fft_step,1                      ; words from the sine of one twiddle factor to the next
+                .bss    fft_eighth,1                    ; index of the sine of pi/4
                 .bss    fft_last,1                      ; first point of the last twiddle factor's butterflies
 
 fft_radix4:     ldpk    @fft_points
@@ -208,9 +209,9 @@ fft_radix4:     ldpk    @fft_points
                 lsh     -3,r0
                 sti     r0,@fft_eighth
                 ldi     r8,ir0
-                lsh     1,ir0                           ; words between butterflies of one twiddle factor
+                lsh     1,ir0                           ; words between butterflies with one twiddle factor
                 ldi     r8,ir1
-                lsh     -2,ir1                          ; from a sine to its cosine
+                lsh     -2,ir1                          ; words from a sine to its cosine
 fft4_stage:     ldi     ir0,bk
                 lsh     -2,bk                           ; words between the points of a butterfly
                 ldi     @fft_points,ar7
@@ -221,7 +222,7 @@ fft4_stage:     ldi     ir0,bk
                 addi3   bk,ar0,ar1
                 addi3   bk,ar1,ar2
                 addi3   bk,ar2,ar3
-                ldi     0,r7                            ; place of the sine
+                ldi     0,r7                            ; index of the sine
                 ldi     @fft_repeat,rc
                 rptb    fft4_trivial                    ; W = 1
                 addf3   *+ar2(1),*+ar0(1),r0

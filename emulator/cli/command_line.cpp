@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <functional>
 #include <sstream>
 #include <vector>
 
 #include "cli/settings.hpp"
+#include "cmrc/configuration/config.hpp"
 #include "report/version.hpp"
 
 namespace cli {
@@ -32,11 +34,33 @@ void declare_number(CLI::App& app, const std::string& name, std::optional<cmrc::
       ->type_name(type);
 }
 
+/// "doorbell (default), pause or spin"
+std::string alternatives(const std::vector<std::string>& names, std::string_view of_default) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i > 0) text += i + 1 == names.size() ? " or " : ", ";
+    text += names[i];
+    if (names[i] == of_default) text += " (default)";
+  }
+  return text;
+}
+
+std::string choices_of(std::string_view key) {
+  const auto found = std::ranges::find(cmrc::keys(), key, &cmrc::Key::name);
+  return alternatives(found->choices, std::get<std::string>(found->read(cmrc::Config{})));
+}
+
+std::string preset_names() {
+  std::vector<std::string> names;
+  for (const cmrc::Preset& preset : cmrc::presets()) names.emplace_back(preset.name);
+  return alternatives(names, names.front());
+}
+
 /// The options that make a configuration, for commands that run one or several.
 void declare_settings(CLI::App& app, RunOptions& options) {
   declare_number(app, "--dsps", options.dsps, "Number of DSPs, 1 to 16 (default 4)", "INT");
   app.add_option("--config", options.config, "Configuration (TOML; docs/configuration.md)")->type_name("FILE");
-  app.add_option("--preset", options.preset, "base (default), heavy, saturated or tight");
+  app.add_option("--preset", options.preset, preset_names());
   declare_number(app, "--duration", options.duration_s, "Simulated time in s (default 180)", "FLOAT");
   declare_number(app, "--seed", options.seed, "Seed of everything random (default 1)", "INT");
   app.add_option("--set", options.settings, "Any other setting, e.g. --set scheduling.gamma_refreshes=1")
@@ -47,10 +71,9 @@ void declare_settings(CLI::App& app, RunOptions& options) {
   app.add_option("--board", options.board, "Memories and clock of the DSPs' boards (docs/boards.md)")
       ->type_name("default|FILE.toml");
   app.add_option("--idle-policy", options.idle_policy,
-                 "How a DSP without work waits: doorbell (default), pause or spin");
-  app.add_option("--topology", options.topology,
-                 "Which device is on which bus: dual (default), host_on_both, sensors_with_host or single");
-  app.add_option("--eq7", options.equation7, "Reading of equation (7): restored (default) or as_printed");
+                 "How a DSP without work waits: " + choices_of("machine.idle_policy"));
+  app.add_option("--topology", options.topology, "Which device is on which bus: " + choices_of("bus.topology"));
+  app.add_option("--eq7", options.equation7, "Reading of equation (7): " + choices_of("scheduling.equation"));
 }
 
 void declare_run(CLI::App& app, RunOptions& options) {
@@ -112,7 +135,7 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
 
 void declare_config(CLI::App& app, ConfigOptions& options) {
   app.add_option("--config", options.run.config, "Configuration (TOML; docs/configuration.md)")->type_name("FILE");
-  app.add_option("--preset", options.run.preset, "base (default), heavy, saturated or tight");
+  app.add_option("--preset", options.run.preset, preset_names());
   app.add_option("--set", options.run.settings, "Any setting, e.g. --set machine.dsps=8")->type_name("KEY=VALUE");
   app.add_flag("--processes", options.processes,
                "Print only the built-in processes and sub-processes, with comments (docs/processes.md)");
@@ -358,7 +381,7 @@ void declare_debug(CLI::App& app, DebugOptions& options) {
       ->allow_extra_args(false);
   declare_number(app, "--dsps", options.run.dsps, "Number of the dock's DSPs, 1 to 16 (default 4)", "INT");
   app.add_option("--config", options.run.config, "Configuration of the dock (TOML)")->type_name("FILE");
-  app.add_option("--preset", options.run.preset, "Preset of the dock: base (default), heavy, saturated or tight");
+  app.add_option("--preset", options.run.preset, "Preset of the dock: " + preset_names());
   declare_number(app, "--duration", options.run.duration_s, "Simulated time of the dock in s (default 180)", "FLOAT");
   declare_number(app, "--seed", options.run.seed, "Seed of everything random in the dock (default 1)", "INT");
   app.add_option("--set", options.run.settings, "Any other setting of the dock")->type_name("KEY=VALUE");

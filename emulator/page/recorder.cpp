@@ -249,10 +249,11 @@ std::string Recorder::recording(const report::RunReport& report, const std::stri
       {"lanes_until_s", lanes_until_ == Time::max() ? nlohmann::json() : nlohmann::json(report::seconds(lanes_until_))},
   };
   nlohmann::json dock_events = nlohmann::json::array();
+  const plant::CraneKind crane = simulation_.dock().config().crane.machine;
   for (const plant::Event& event : simulation_.dock().events())
     if (event.time >= from_ && dock_events.size() < dock_events_max)
-      dock_events.push_back(
-          {report::seconds(event.time), plant::name(event.kind), event.index, event.values[0], event.values[1]});
+      dock_events.push_back({report::seconds(event.time), plant::name(event.kind), plant::object_of(event, crane),
+                             plant::values_of(event)});
   header["dock_events"] = dock_events;
   samples_.put(columns, header, simulation_.config().run.ideal ? nullptr : simulation_.reference().get());
   put_lanes(columns);

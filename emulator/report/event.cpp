@@ -6,6 +6,8 @@
 #include <iterator>
 #include <span>
 
+#include "state/enumerators.hpp"
+
 namespace report {
 namespace {
 
@@ -57,10 +59,12 @@ constexpr KindRow kind_rows[] = {
     {EventKind::push, "push", {{{"agv"}, {"speed", 's'}, {"front", 's'}, {"rear", 's'}}}},
 };
 
-const KindRow* find(EventKind kind) {
+constexpr const KindRow* find(EventKind kind) {
   const auto* row = std::ranges::find(kind_rows, kind, &KindRow::kind);
   return row == std::end(kind_rows) ? nullptr : row;
 }
+static_assert(state::all_enumerators<EventKind>([](EventKind kind, auto) { return find(kind) != nullptr; }),
+              "each kind of event has one row");
 
 constexpr Argument unnamed[] = {{"a0", 'h'}, {"a1", 'h'}, {"a2", 'h'}, {"a3", 'h'}, {"a4", 'h'}};
 

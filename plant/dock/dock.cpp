@@ -26,36 +26,6 @@ std::int32_t rounded(double value) { return static_cast<std::int32_t>(std::floor
 
 }  // namespace
 
-const char* name(EventKind kind) {
-  switch (kind) {
-    case EventKind::near_contact: return "near_contact";
-    case EventKind::free_again: return "free_again";
-    case EventKind::touch: return "touch";
-    case EventKind::hard_landing: return "hard_landing";
-    case EventKind::landed: return "landed";
-    case EventKind::lifted: return "lifted";
-    case EventKind::locked: return "locked";
-    case EventKind::opened: return "opened";
-    case EventKind::refused: return "refused";
-    case EventKind::set_on_agv: return "set_on_agv";
-    case EventKind::agv_dry: return "agv_dry";
-    case EventKind::agv_overflow: return "agv_overflow";
-    case EventKind::agv_arrived: return "agv_arrived";
-    case EventKind::delivered: return "delivered";
-    case EventKind::joint_limit: return "joint_limit";
-    case EventKind::drive_stopped: return "drive_stopped";
-    case EventKind::drive_resumed: return "drive_resumed";
-    case EventKind::drive_tripped: return "drive_tripped";
-    case EventKind::drive_warm: return "drive_warm";
-    case EventKind::joint_stuck: return "joint_stuck";
-    case EventKind::joint_slipped: return "joint_slipped";
-    case EventKind::collision: return "collision";
-    case EventKind::missed: return "missed";
-    case EventKind::fault: return "fault";
-  }
-  return "unknown";
-}
-
 const char* name(HandoverPhase phase) {
   switch (phase) {
     case HandoverPhase::free: return "free";

@@ -15,6 +15,7 @@
 #include <span>
 #include <vector>
 
+#include "plant/dock/dock_event.hpp"
 #include "plant/parameters/config.hpp"
 #include "plant/parameters/device_codes.hpp"
 
@@ -23,42 +24,6 @@ class Visitor;
 }
 
 namespace plant {
-
-enum class EventKind : std::uint8_t {
-  near_contact,   // the payload became a body: values = clearance m, energy jump J
-  free_again,     // it hangs on the ideal rope again: values = clearance m, energy jump J
-  touch,          // first contact: values = vertical speed, horizontal speed m/s (down positive)
-  hard_landing,   // that touch was outside the tolerances: same values
-  landed,         // all four corner switches closed
-  lifted,         // all four open again
-  locked,         // twist locks locked; index = container, -1: none under the spreader
-  opened,         // twist locks open; index = container that was let go, -1: none
-  refused,        // the twist locks turned back: the landing was lost, or the command changed, before they were locked
-  set_on_agv,     // container index stands on AGV values[0]
-  agv_dry,        // AGV index: it had no set-points left while driving
-  agv_overflow,   // AGV index: a set-point was pushed into a full FIFO and dropped
-  agv_arrived,    // AGV index stands loaded in the warehouse spot
-  delivered,      // container index, taken from AGV values[0] by the warehouse
-  joint_limit,    // joint index ran into its end stop
-  drive_stopped,  // drive index: no torque code came for drive_timeout; its brake closes until a code comes
-  drive_resumed,  // drive index takes codes again
-  drive_tripped,  // drive index: values = why (0 too fast, 1 too long at its largest code, 2 too hot), heat of its
-                  // thermal model
-  drive_warm,     // drive index: values = heat, above the heat at rated torque (1)
-  fault,          // the sway passed 40 degrees: values = alpha, beta rad; the drives are off from here on
-  joint_stuck,    // joint index came to rest and sticks (stiction)
-  joint_slipped,  // joint index broke away
-  collision,      // AGV index ran into something: values = closing speed m/s, the other AGV or -1
-  missed,  // a touch failed and has to be repeated: index = attempts so far, values = lateral error m, yaw error rad
-};
-const char* name(EventKind);
-
-struct Event {
-  Time time;
-  EventKind kind;
-  int index;
-  std::array<double, 2> values;
-};
 
 enum class ContainerState : std::uint8_t { on_ship, carried, on_agv, on_ground, delivered };
 

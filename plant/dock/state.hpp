@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "plant/crane/crane_events.hpp"
+#include "plant/dock/dock_event.hpp"
 #include "plant/landing/contact.hpp"
 #include "plant/landing/handover.hpp"
 #include "plant/scene/scene.hpp"
@@ -46,10 +47,6 @@ struct InstrumentState {
   std::array<std::int32_t, joint_count> held_speed{};
   std::int32_t held_wind = 0;
 };
-
-// Why a drive has tripped.
-enum class Trip : std::uint8_t { overspeed, saturation, heat };
-inline constexpr std::size_t trip_count = 3;
 
 // The drives' own protection (plant/dock/dock_trips.cpp).
 struct ProtectionState {

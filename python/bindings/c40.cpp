@@ -11,26 +11,23 @@
 #include "c40/chip.hpp"
 #include "c40/peripherals/events.hpp"
 #include "c40/peripherals/link.hpp"
-#include "c40/peripherals/register_map.hpp"
 #include "c40/self_check.hpp"
 #include "machine/board_file.hpp"
 #include "machine/boot.hpp"
 #include "machine/debug/chip_debuggee.hpp"
 #include "machine/network.hpp"
-#include "python/bindings/bindings.hpp"
+#include "python/bindings/c40.hpp"
 #include "python/bindings/chip_inspection.hpp"
 #include "python/bindings/ctrl_c.hpp"
 #include "python/bindings/debug.hpp"
 #include "python/bindings/devices.hpp"
 #include "python/bindings/errors.hpp"
-#include "state/archive.hpp"
 #include "state/file.hpp"
 #include "toolchain/assembler/assembler.hpp"
 
 namespace {
 
 using c40::Cycles;
-using c40::Float40;
 using c40::Word;
 
 /// Pin `n` of those that begin with `first`.
@@ -42,10 +39,6 @@ c40::Pin pin_of(c40::Pin first, int n, int count) {
   }
   return static_cast<c40::Pin>(static_cast<int>(first) + n);
 }
-
-std::uint64_t bits(Float40 x) { return c40::float40::bits(x); }
-Float40 from_bits(std::uint64_t bits) { return c40::float40::from_bits(bits); }
-std::pair<std::uint64_t, Word> pair(const c40::FloatResult& r) { return {bits(r.value), r.flags}; }
 
 py::dict describe(const c40::Chip& chip, const c40::StopInfo& stop) {
   py::dict out;
@@ -436,82 +429,13 @@ void bind_processor(py::module_& m) {
   bind_devices(processor, [](Processor& p) { return &p.devices; });
 }
 
-void bind_float40(py::module_& m) {
-  namespace f = c40::float40;
-  auto sub =
-      m.def_submodule("float40", "The 40-bit arithmetic: operands and results are 40-bit integers, flags as in ST.");
-  const auto unary = [&](const char* name, c40::FloatResult (*operation)(Float40)) {
-    sub.def(name, [operation](std::uint64_t a) { return pair(operation(from_bits(a))); });
-  };
-  const auto binary = [&](const char* name, c40::FloatResult (*operation)(Float40, Float40)) {
-    sub.def(name,
-            [operation](std::uint64_t a, std::uint64_t b) { return pair(operation(from_bits(a), from_bits(b))); });
-  };
-  binary("add", &f::add);
-  binary("sub", &f::sub);
-  binary("mul", &f::mul);
-  unary("neg", &f::neg);
-  unary("abs", &f::abs);
-  unary("rnd", &f::rnd);
-  unary("norm", &f::norm);
-  unary("rcp", &f::rcp);
-  unary("rsqr", &f::rsqr);
-  unary("to_ieee", &f::to_ieee);
-  unary("load", &f::load);
-  sub.def("from_ieee", [](Word word) { return pair(f::from_ieee(word)); });
-  sub.def("from_integer", [](Word word) { return pair(f::from_integer(word)); });
-  sub.def("fix", [](std::uint64_t a) {
-    const c40::FixResult r = f::fix(from_bits(a));
-    return std::pair{r.value, r.flags};
-  });
-  sub.def("from_single", [](Word word) { return bits(f::from_single(word)); });
-  sub.def("to_single", [](std::uint64_t a) { return f::to_single(from_bits(a)); });
-  sub.def("from_short", [](Word half) { return bits(f::from_single(f::short_to_single(half & 0xFFFFu))); });
-  sub.def("value", [](std::uint64_t a) { return value_of(from_bits(a)); }, "The exact value as a Fraction.");
-}
-
 }  // namespace
 
 void bind_c40(py::module_& core) {
   auto m = core.def_submodule("c40", "One TMS320C40.");
   bind_processor(m);
   bind_link(m);
-  m.def(
-      "boot_stream",
-      [](const toolchain::Image& image, Word ivtp, Word tvtp, c40::Address acknowledge, bool memory) {
-        const machine::BootHeader header{0x3E39FFF0u, 0x3E39FFF0u, ivtp, tvtp, acknowledge};
-        return memory ? machine::boot_memory(image, header) : machine::boot_stream(image, header);
-      },
-      py::arg("image"), py::arg("ivtp") = 0, py::arg("tvtp") = 0, py::arg("acknowledge") = 0x2FF800,
-      py::arg("memory") = false, "The words that the boot loader takes, from a port or from memory of 32 bits.");
-  m.def("register_page", &c40::register_page, "The register tables of docs/peripherals.md.");
-  m.def(
-      "peripheral_registers",
-      [] {
-        py::list all;
-        for (const c40::RegisterInfo& info : c40::register_map()) {
-          py::dict fields;
-          for (const c40::Field& field : info.fields)
-            fields[py::str(std::string(field.name))] = py::make_tuple(field.low, field.width);
-          all.append(py::dict(py::arg("name") = info.name, py::arg("address") = info.address,
-                              py::arg("reset") = info.reset, py::arg("fields") = fields,
-                              py::arg("meaning") = std::string(info.meaning)));
-        }
-        return all;
-      },
-      "Every memory-mapped register: name, address, value after reset, fields (lowest bit, width).");
+  bind_registers(m);
   bind_float40(m);
-  python::register_error<state::StateError>(core, "SnapshotError", PyExc_ValueError);
-  core.def(
-      "to_columns",
-      [](std::string rows, std::size_t columns) {
-        const std::string how = state::to_columns(rows, {{0, rows.size() / sizeof(std::uint64_t) / columns, columns}});
-        return std::pair{py::bytes(rows), py::bytes(how)};
-      },
-      "A table as a snapshot's file has it, and how each column is written.");
-  core.def("from_columns", [](std::string rows, std::size_t columns, const std::string& how) {
-    state::from_columns(rows, {{0, rows.size() / sizeof(std::uint64_t) / columns, columns}}, how);
-    return py::bytes(rows);
-  });
-  core.def("kind_of_snapshot", [](const std::string& sealed) { return state::kind_of(sealed); });
+  bind_snapshots(core);
 }

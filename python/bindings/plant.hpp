@@ -3,9 +3,12 @@
 #include "python/bindings/bindings.hpp"
 
 void bind_plant_parameters(py::module_& plant);
+void bind_plant_surroundings(py::module_& plant);
+void bind_plant_places(py::module_& plant);
 void bind_plant_layout(py::module_& plant);
 void bind_plant_motion(py::module_& plant);
 void bind_plant_alone(py::module_& plant);
+void bind_plant_records(py::module_& plant);
 void bind_plant_dock(py::module_& plant);
 void bind_plant_state(py::module_& plant);
 void bind_plant_linkage(py::module_& plant);

@@ -1,9 +1,10 @@
-// The dock with its devices, and what it records.
+// The dock with its devices.
 #include <pybind11/stl.h>
 
 #include "plant/dock/dock.hpp"
 #include "plant/dock/state.hpp"
 #include "python/bindings/ctrl_c.hpp"
+#include "python/bindings/dock_event.hpp"
 #include "python/bindings/plant.hpp"
 #include "python/bindings/state.hpp"
 
@@ -12,74 +13,6 @@ using namespace plant;
 namespace {
 
 Time ps(std::int64_t t) { return Time{t}; }
-
-void bind_records(py::module_& m) {
-  py::class_<Event>(m, "Event")
-      .def_property_readonly("time", [](const Event& e) { return e.time.count(); })
-      .def_property_readonly("kind", [](const Event& e) { return std::string(name(e.kind)); })
-      .def_readonly("index", &Event::index)
-      .def_readonly("values", &Event::values)
-      .def("__repr__", [](const Event& e) {
-        return std::string(py::str("Event({:.6f} s, {}, {}, {})")
-                               .format(static_cast<double>(e.time.count()) * 1e-12, name(e.kind), e.index, e.values));
-      });
-  py::class_<ContainerStatus>(m, "ContainerStatus")
-      .def_property_readonly("state",
-                             [](const ContainerStatus& c) {
-                               static constexpr std::array names{"on_ship", "carried", "on_agv", "on_ground",
-                                                                 "delivered"};
-                               return std::string(names.at(static_cast<std::size_t>(c.state)));
-                             })
-      .def_readonly("agv", &ContainerStatus::agv)
-      .def_readonly("x", &ContainerStatus::x)
-      .def_readonly("y", &ContainerStatus::y)
-      .def_readonly("z", &ContainerStatus::z)
-      .def_readonly("yaw", &ContainerStatus::yaw)
-      .def_readonly("up", &ContainerStatus::up)
-      .def_readonly("mass", &ContainerStatus::mass);
-  py::class_<Handover>(m, "Handover", "Where a container's change of hands stands (plant-and-bus.md 1.5).")
-      .def_property_readonly("phase", [](const Handover& h) { return std::string(name(h.phase)); })
-      .def_readonly("releasing", &Handover::releasing)
-      .def_readonly("attempts", &Handover::attempts);
-  py::class_<Momentum>(
-      m, "Momentum",
-      "Of the payload (3), kg m/s, its spin, kg m2/s; of everything along the quay and about the slewing axis.")
-      .def_readonly("payload", &Momentum::payload)
-      .def_readonly("spin", &Momentum::spin)
-      .def_readonly("travel", &Momentum::travel)
-      .def_readonly("slewing", &Momentum::slewing);
-  py::class_<PayloadChange>(m, "Switch",
-                            "Energy and momentum before and after a change of the payload's model or mass.")
-      .def_property_readonly("time", [](const PayloadChange& s) { return s.time.count(); })
-      .def_property_readonly("kind", [](const PayloadChange& s) { return std::string(name(s.kind)); })
-      .def_readonly("container", &PayloadChange::container)
-      .def_readonly("energy_before", &PayloadChange::energy_before)
-      .def_readonly("energy_after", &PayloadChange::energy_after)
-      .def_readonly("before", &PayloadChange::before)
-      .def_readonly("after", &PayloadChange::after);
-  py::class_<AgvSignal>(m, "AgvSignal")
-      .def_readonly("x", &AgvSignal::x)
-      .def_readonly("y", &AgvSignal::y)
-      .def_readonly("heading", &AgvSignal::heading)
-      .def_readonly("speed", &AgvSignal::speed)
-      .def_readonly("yaw_rate", &AgvSignal::yaw_rate)
-      .def_readonly("front", &AgvSignal::front)
-      .def_readonly("rear", &AgvSignal::rear)
-      .def_readonly("speed_command", &AgvSignal::speed_command);
-  py::class_<Signal>(m, "Signal")
-      .def_property_readonly("time", [](const Signal& s) { return s.time.count(); })
-      .def_readonly("q", &Signal::q)
-      .def_readonly("qd", &Signal::qd)
-      .def_readonly("torque", &Signal::torque)
-      .def_readonly("code", &Signal::code)
-      .def_readonly("alpha", &Signal::alpha)
-      .def_readonly("beta", &Signal::beta)
-      .def_readonly("tip", &Signal::tip)
-      .def_readonly("payload", &Signal::payload)
-      .def_readonly("yaw", &Signal::yaw)
-      .def_readonly("tension", &Signal::tension)
-      .def_readonly("contact", &Signal::contact);
-}
 
 // Every call of a device has the instant of the access as its last argument, here "t", integer picoseconds.
 const py::arg at("t");
@@ -232,7 +165,7 @@ void bind_agv_units(py::class_<Dock>& dock) {
 
 void bind_observers(py::class_<Dock>& dock) {
   constexpr auto copy = py::return_value_policy::copy;
-  dock.def_property_readonly("events", &Dock::events, copy)
+  dock.def_property_readonly("events", &events_of)
       .def_property_readonly("containers", &Dock::containers)
       .def("agv", &Dock::agv, py::arg("agv"), "true pose and speed at the last latch")
       .def_property_readonly("signal", &Dock::signal)
@@ -276,7 +209,6 @@ void bind_dock(py::module_& m) {
 }  // namespace
 
 void bind_plant_dock(py::module_& m) {
-  bind_records(m);
   bind_plant_state(m);
   bind_dock(m);
 }

@@ -15,9 +15,10 @@ from dataclasses import dataclass
 from typing import Any, overload
 
 from cmrc import _core, arguments, snapshots
-from cmrc.c40 import AccessesToNothing, ChipState, Path, Program, assemble_file, read_coff
+from cmrc.chip_state import AccessesToNothing, ChipState
 from cmrc.debug import Debugger
 from cmrc.devices import PINS, Attached, Device, Front, OneRun, attached, copied, refuse_call_that_acts
+from cmrc.programs import Path, Program, assemble_file, read_coff
 from cmrc.snapshots import ChipSnapshot, SnapshotError
 
 NetworkError = _core.network.NetworkError

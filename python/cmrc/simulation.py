@@ -9,9 +9,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from cmrc import _core, arguments, files
-from cmrc.c40 import ChipState, Program
+from cmrc.chip_state import ChipState
 from cmrc.debug import Debugger
 from cmrc.keywords import listed
+from cmrc.programs import Program
 from cmrc.result import Profile, Result
 from cmrc.snapshots import SnapshotError
 from cmrc.table import Table
@@ -91,7 +92,7 @@ class Simulation:
 
     Every setting of docs/configuration.md may be given: in ``settings`` with its dotted name, or as a keyword with its
     last part if only one table has it (``dsps``, ``duration_s``, ``seed``, ``idle_policy``, ...). ``config`` is a TOML
-    file, ``preset`` one of base, heavy, saturated, tight. Later ones win: defaults, preset, file, settings. ``events``
+    file, ``preset`` one of those of docs/configuration.md. Later ones win: defaults, preset, file, settings. ``events``
     are dictionaries with the fields of ``[[events]]``. With ``profile`` the result has the DSPs' cycles by place; the
     run is slower and otherwise the same. With ``keep_events`` the result has the event trace, about 25 MB per simulated
     second. ``reference`` is the ideal run for the errors, from an earlier run (``Simulation.reference``) that differs

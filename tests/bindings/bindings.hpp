@@ -10,3 +10,8 @@ void bind_machine(py::module_& test);
 void bind_report(py::module_& test);
 void bind_rows(py::module_& test);
 void bind_scheduling(py::module_& test);
+
+// Parts of a submodule, in files of their own.
+void bind_bus_settings(py::module_& bus_model);
+void bind_bus_statistics(py::module_& bus_model);
+void bind_machine_settings(py::module_& machine);

@@ -156,94 +156,12 @@ class PyBuses final : public BusBridge::Client {
   std::vector<std::tuple<unsigned, Address, Word, Clocks>> deliveries;
 };
 
-template <class Class>
-void bind_histogram(Class& owner) {
-  owner.def("count", &Histogram::count)
-      .def("sum", &Histogram::sum)
-      .def("max", &Histogram::max)
-      .def("percentile", &Histogram::percentile, py::arg("fraction"))
-      .def("octaves", &Histogram::octaves)
-      .def("add", &Histogram::add);
-}
+}  // namespace
 
-void bind_configs(py::module_& m) {
-  py::enum_<Arbitration>(m, "Arbitration")
-      .value("round_robin", Arbitration::round_robin)
-      .value("fixed", Arbitration::fixed)
-      .value("two_level", Arbitration::two_level)
-      .value("host_fair", Arbitration::host_fair);
-  py::enum_<Command>(m, "Command")
-      .value("read", Command::read)
-      .value("read_line", Command::read_line)
-      .value("read_multiple", Command::read_multiple)
-      .value("write", Command::write)
-      .value("write_invalidate", Command::write_invalidate);
-  py::enum_<Parking>(m, "Parking")
-      .value("none", Parking::none)
-      .value("last_owner", Parking::last_owner)
-      .value("first", Parking::first);
-  py::enum_<Result>(m, "Result")
-      .value("done", Result::done)
-      .value("master_abort", Result::master_abort)
-      .value("target_abort", Result::target_abort)
-      .value("withdrawn", Result::withdrawn);
-  py::enum_<Answer>(m, "Answer")
-      .value("accept", Answer::accept)
-      .value("retry", Answer::retry)
-      .value("abort", Answer::abort);
-  py::enum_<Attempt::Kind>(m, "AttemptKind")
-      .value("data", Attempt::Kind::data)
-      .value("retry", Attempt::Kind::retry)
-      .value("master_abort", Attempt::Kind::master_abort)
-      .value("target_abort", Attempt::Kind::target_abort);
-  py::class_<BusConfig>(m, "BusConfig")
-      .def(py::init<>())
-      .def_readwrite("name", &BusConfig::name)
-      .def_readwrite("arbitration", &BusConfig::arbitration)
-      .def_readwrite("parking", &BusConfig::parking)
-      .def_readwrite("grant_clocks", &BusConfig::grant_clocks)
-      .def_readwrite("fast_back_to_back", &BusConfig::fast_back_to_back)
-      .def_readwrite("multi_transaction_timer", &BusConfig::multi_transaction_timer)
-      .def_readwrite("line_words", &BusConfig::line_words);
-  py::class_<MasterConfig>(m, "MasterConfig")
-      .def(py::init<>())
-      .def_readwrite("name", &MasterConfig::name)
-      .def_readwrite("latency_timer", &MasterConfig::latency_timer)
-      .def_readwrite("request_off_after_stop", &MasterConfig::request_off_after_stop)
-      .def_readwrite("think_on_retry", &MasterConfig::think_on_retry)
-      .def_readwrite("max_burst", &MasterConfig::max_burst)
-      .def_readwrite("first_level", &MasterConfig::first_level)
-      .def_readwrite("agent", &MasterConfig::agent);
-  py::class_<Prefetch>(m, "Prefetch")
-      .def(py::init<unsigned, unsigned, unsigned>(), py::arg("read") = 0, py::arg("line") = 0, py::arg("multiple") = 0);
-  py::class_<TargetConfig>(m, "TargetConfig")
-      .def(py::init<>())
-      .def_static("sram", &TargetConfig::sram)
-      .def_static("s5933", &TargetConfig::s5933)
-      .def_static("drive_card", &TargetConfig::drive_card)
-      .def_static("host_dram", &TargetConfig::host_dram)
-      .def_readwrite("name", &TargetConfig::name)
-      .def_readwrite("devsel", &TargetConfig::devsel)
-      .def_readwrite("read_initial", &TargetConfig::read_initial)
-      .def_readwrite("read_step", &TargetConfig::read_step)
-      .def_readwrite("write_initial", &TargetConfig::write_initial)
-      .def_readwrite("write_step", &TargetConfig::write_step)
-      .def_readwrite("max_burst", &TargetConfig::max_burst)
-      .def_readwrite("delayed_read", &TargetConfig::delayed_read)
-      .def_readwrite("fetch", &TargetConfig::fetch)
-      .def_readwrite("prefetch", &TargetConfig::prefetch)
-      .def_readwrite("post_words", &TargetConfig::post_words)
-      .def_readwrite("post_drain", &TargetConfig::post_drain);
-  py::class_<BridgeConfig>(m, "BridgeConfig")
-      .def(py::init<>())
-      .def_readwrite("request_sync", &BridgeConfig::request_sync)
-      .def_readwrite("return_sync", &BridgeConfig::return_sync)
-      .def_readwrite("post_depth", &BridgeConfig::post_depth)
-      .def_readwrite("prefetch_words", &BridgeConfig::prefetch_words)
-      .def_readwrite("prefetch_limit", &BridgeConfig::prefetch_limit);
-}
-
-void bind_records(py::module_& m) {
+void bind_bus_model(py::module_& test) {
+  py::module_ m = test.def_submodule(
+      "bus_model", "PCI: transactions, arbitration, targets, bridges, statistics. All times are bus clocks.");
+  bind_bus_settings(m);
   py::class_<Ended>(m, "Transaction", "A finished transaction, with its words when it was a read.")
       .def_readonly("words", &Ended::words)
       .def_property_readonly("number", [](const Ended& e) { return e.transaction.number; })
@@ -262,61 +180,13 @@ void bind_records(py::module_& m) {
       .def_property_readonly("waited", [](const Ended& e) { return e.transaction.waited; })
       .def_property_readonly("retries", [](const Ended& e) { return e.transaction.retries; })
       .def_property_readonly("disconnects", [](const Ended& e) { return e.transaction.disconnects; });
-  py::class_<Attempt>(m, "Attempt")
-      .def_readonly("master", &Attempt::master)
-      .def_readonly("target", &Attempt::target)
-      .def_readonly("kind", &Attempt::kind)
-      .def_readonly("write", &Attempt::write)
-      .def_readonly("address", &Attempt::address)
-      .def_readonly("wanted", &Attempt::wanted)
-      .def_readonly("words", &Attempt::words)
-      .def_readonly("requested", &Attempt::requested)
-      .def_readonly("frame", &Attempt::frame)
-      .def_readonly("first", &Attempt::first)
-      .def_readonly("last", &Attempt::last);
+  bind_bus_statistics(m);
   py::class_<Memory::Logged>(m, "Access")
       .def_readonly("write", &Memory::Logged::write)
       .def_readonly("offset", &Memory::Logged::offset)
       .def_readonly("value", &Memory::Logged::value)
       .def_readonly("master", &Memory::Logged::master)
       .def_readonly("clock", &Memory::Logged::clock);
-  py::class_<Histogram> histogram(m, "Histogram");
-  histogram.def(py::init<>());
-  bind_histogram(histogram);
-  py::class_<BusStatistics>(m, "BusStatistics")
-      .def_readonly("address", &BusStatistics::address)
-      .def_readonly("data", &BusStatistics::data)
-      .def_readonly("wait", &BusStatistics::wait)
-      .def_readonly("turnaround", &BusStatistics::turnaround)
-      .def_readonly("idle_requested", &BusStatistics::idle_requested)
-      .def_readonly("idle", &BusStatistics::idle)
-      .def("total", &BusStatistics::total);
-  py::class_<MasterStatistics>(m, "MasterStatistics")
-      .def_readonly("transactions", &MasterStatistics::transactions)
-      .def_readonly("words_read", &MasterStatistics::words_read)
-      .def_readonly("words_written", &MasterStatistics::words_written)
-      .def_readonly("retries", &MasterStatistics::retries)
-      .def_readonly("disconnects", &MasterStatistics::disconnects)
-      .def_readonly("timer_stops", &MasterStatistics::timer_stops)
-      .def_readonly("aborts", &MasterStatistics::aborts)
-      .def_readonly("owned", &MasterStatistics::owned)
-      .def_readonly("arbitration", &MasterStatistics::arbitration)
-      .def_readonly("acquisition", &MasterStatistics::acquisition)
-      .def_readonly("target", &MasterStatistics::target)
-      .def_readonly("wait", &MasterStatistics::wait);
-  py::class_<TargetStatistics>(m, "TargetStatistics")
-      .def_readonly("words_read", &TargetStatistics::words_read)
-      .def_readonly("words_written", &TargetStatistics::words_written)
-      .def_readonly("retries", &TargetStatistics::retries);
-}
-
-}  // namespace
-
-void bind_bus_model(py::module_& test) {
-  py::module_ m = test.def_submodule(
-      "bus_model", "PCI: transactions, arbitration, targets, bridges, statistics. All times are bus clocks.");
-  bind_configs(m);
-  bind_records(m);
   py::class_<Memory>(m, "Memory")
       .def_readwrite("answer", &Memory::answer_)
       .def_readonly("accesses", &Memory::accesses)
@@ -369,13 +239,6 @@ void bind_bus_model(py::module_& test) {
           "statistics", [](const PyBus& b, Clocks clock) { return b.bus.statistics(clock); }, py::arg("clock"))
       .def("master_statistics", [](const PyBus& b, unsigned master) { return b.bus.master_statistics(master); })
       .def("target_statistics", [](const PyBus& b, unsigned target) { return b.bus.target_statistics(target); });
-  py::class_<BusBridgeConfig>(m, "BusBridgeConfig")
-      .def(py::init<>())
-      .def_readwrite("post_depth", &BusBridgeConfig::post_depth)
-      .def_readwrite("delayed_reads", &BusBridgeConfig::delayed_reads)
-      .def_readwrite("prefetch_lines", &BusBridgeConfig::prefetch_lines)
-      .def_readwrite("forward", &BusBridgeConfig::forward)
-      .def_readwrite("latency_timer", &BusBridgeConfig::latency_timer);
   py::class_<PyBuses>(m, "Buses", "Several buses with bridges between them.")
       .def(py::init<unsigned>(), py::arg("count"))
       .def(

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from nasty_programs import Bench, Program, disagreement, generate, ring, ring_disagreement, shrink
+from nasty_programs import Bench, Program, disagreement, generate, shrink
+from nasty_rings import ring, ring_disagreement
 
 
 def check(seeds: range, directory: Path) -> None:

@@ -1,10 +1,12 @@
 """What a user meets: names that are nearly right, windows after the end, programs shown and refused."""
 
 import re
+import shutil
 from pathlib import Path
 
 import cmrc
 import pytest
+from locations import ROOT
 
 CONFIGURATIONS = [
     ("[[event]]\nat_s = 1\n", "event: no such table; the nearest known table is [[events]]"),
@@ -69,6 +71,17 @@ def test_programs_without_a_symbol_are_bad_input(run, tmp_path: Path) -> None:
     done = run("--programs", tmp_path, "--duration", 1)
     assert done.returncode == 2
     assert "the program has no symbol" in done.stderr
+
+
+def test_an_idle_policy_that_the_executive_numbers_otherwise_is_bad_input(run, tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "c40_programs", tmp_path / "programs")
+    executive = tmp_path / "programs" / "executive.asm"
+    text = executive.read_text(encoding="utf-8")
+    executive.write_text(text.replace("IDLE_SPIN       .set 2", "IDLE_SPIN       .set 3"), encoding="utf-8")
+    done = run("--programs", tmp_path / "programs", "--idle-policy", "spin", "--duration", 0.03)
+    assert done.returncode == 2
+    assert 'does not know "spin"; executive.asm with IDLE_SPIN .set 2 is expected' in done.stderr
+    assert run("--programs", tmp_path / "programs", "--duration", 0.03).returncode == 0
 
 
 def test_disasm_folds_equal_words_and_shows_data_as_data(run, tmp_path: Path) -> None:

@@ -19,6 +19,8 @@ scm = pytest.mark.skipif(shutil.which("git") is None, reason="git is missing")
 def test_the_command_and_the_package_have_one_version(run) -> None:
     assert run("--version").stdout == f"emulator {cmrc.__version__}\n"
     assert VERSION.fullmatch(cmrc.__version__), cmrc.__version__
+    other = subprocess.run([sys.executable, "-m", "cmrc", "--version"], capture_output=True, text=True, check=True)
+    assert other.stdout == f"cmrc {cmrc.__version__}\n"
 
 
 def test_a_build_is_the_same_under_another_version() -> None:

@@ -32,6 +32,12 @@ def test_heavy_preset_is_the_heavy_column_of_2_3() -> None:
     assert config.to_dict()["dock.agvs"] == 4
 
 
+def test_the_page_has_every_preset() -> None:
+    page = (ROOT / "docs" / "configuration.md").read_text(encoding="utf-8")
+    table = page.split("## Presets\n")[1].split("\n## ")[0]
+    assert re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE) == list(cmrc.presets())
+
+
 @pytest.mark.parametrize("preset", cmrc.presets())
 def test_written_configuration_reads_back_as_itself(preset: str) -> None:
     config = cmrc.config(preset=preset)

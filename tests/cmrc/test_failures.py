@@ -91,7 +91,7 @@ def test_a_pid_that_never_returns_ends_with_the_drives_braked(tmp_path: Path) ->
     programs = programs_with(tmp_path, "pid.asm", "kernel_pid")
     report = run([], **{"machine.programs": programs, "duration_s": 0.5, "dsps": 3, "watchdog.retries_max": 1})
     [stopped] = failures(report, "stopped")
-    assert "sub-process 4; the drives brake" in stopped["message"]
+    assert "sub-process 4 (PID); the drives brake" in stopped["message"]
     assert report["braked"]
     assert report["tasks"]["pid"]["on_time"] == 0
     assert report["tasks"]["torque_compensation"]["on_time"] > 400

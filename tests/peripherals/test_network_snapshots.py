@@ -6,7 +6,8 @@ import pytest
 from cmrc.c40 import assemble
 from cmrc.network import Network, SharedMemory
 from leaves import check_that_every_value_is_loaded
-from nasty_programs import CYCLES, Bench, assembled, prepare, ring
+from nasty_programs import CYCLES, Bench, assembled, prepare
+from nasty_rings import ring
 
 
 def network_of(programs, bench, turn_order=0):

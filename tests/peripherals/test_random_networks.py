@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 from cmrc.network import Network
-from test_network import IDLES, STOP, balanced, base, program, state
+from network_programs import IDLES, STOP, balanced, base, program, state
 from test_scenarios import RUN, STOP_AT_END, channel, die
 
 DATA = 0x2FF800

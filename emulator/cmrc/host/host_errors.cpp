@@ -47,7 +47,8 @@ void Host::stop_work(const Task& lost) {
   if (lost.kind == words_.program(JobKind::torque_compensation) || lost.kind == words_.program(JobKind::pid)) {
     Servo& servo = lost.kind == words_.program(JobKind::pid) ? pid_ : torque_;
     servo.stopped = true, servo.waits = false;
-    what = fmt::format("sub-process {}; the drives brake", servo.subprocess);
+    what = fmt::format("sub-process {} ({}); the drives brake", servo.subprocess,
+                       config_.processes.find_subprocess(servo.subprocess)->name);
   } else if (user_tasks_.owns(lost)) {
     user_tasks_.stop(lost);
     what = "the task";

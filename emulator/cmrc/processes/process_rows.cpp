@@ -9,6 +9,7 @@
 #include <span>
 
 #include "io/nearest.hpp"
+#include "state/enumerators.hpp"
 
 namespace cmrc {
 namespace {
@@ -36,9 +37,10 @@ constexpr std::array<std::string_view, 3> robot_names = {"none", "crane", "agv"}
 constexpr std::array<std::string_view, 5> account_names = {"none", "t_3", "t_4", "t_5", "t_6"};
 constexpr std::array<std::string_view, 5> release_names = {"point", "tick", "interval", "event", "interval_and_event"};
 // In the order of Robots, Account and Subprocess::Release.
-static_assert(robot_names.size() == static_cast<std::size_t>(Robots::agv) + 1 &&
-              account_names.size() == static_cast<std::size_t>(Account::t_6) + 1 &&
-              release_names.size() == static_cast<std::size_t>(Subprocess::Release::interval_and_event) + 1);
+static_assert(robot_names.size() == state::enumerator_count<Robots>() &&
+              account_names.size() == state::enumerator_count<Account>() &&
+              release_names.size() == state::enumerator_count<Subprocess::Release>());
+static_assert(step_names.size() == state::enumerator_count<Step::Kind>());
 
 template <typename Number>
 std::optional<Number> number_of(std::string_view text) {

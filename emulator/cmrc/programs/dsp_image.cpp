@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <span>
+#include <string>
 
 #include "c40_programs/image.hpp"
 #include "cmrc/programs/kernels.hpp"
@@ -46,9 +49,29 @@ toolchain::Image assembled_program(const Config& config) {
   return image;
 }
 
+namespace {
+
+/// The executive knows a policy by the number IDLE_NAME, which has to be the number of the configuration.
+void check_idle_policy(const toolchain::Image& image, const Config& config) {
+  const auto key = std::ranges::find(keys(), "machine.idle_policy", &Key::name);
+  const std::string word = std::get<std::string>(key->read(config));
+  std::string symbol = "IDLE_" + word;
+  std::ranges::transform(symbol, symbol.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  const auto expected = static_cast<toolchain::Word>(config.machine.idle_policy);
+  const auto found = image.symbols.find(symbol);
+  if (found != image.symbols.end() && found->second == expected) return;
+  throw ConfigError(
+      fmt::format("machine.idle_policy: the DSPs' executive does not know \"{}\"; executive.asm with "
+                  "{} .set {} is expected",
+                  word, symbol, expected));
+}
+
+}  // namespace
+
 toolchain::Image dsp_image(const Config& config) {
   toolchain::Image image = assembled_program(config);
   place_kernels(image, config);
+  check_idle_policy(image, config);
   return image;
 }
 

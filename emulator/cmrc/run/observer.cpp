@@ -63,42 +63,23 @@ void RunObserver::attach(plant::Dock& dock, Course* course, double wind_limit) {
   dock.on_event([this, crane = dock.config().crane.machine](const plant::Event& event) { dock_event(event, crane); });
 }
 
-namespace {
-
-/// The object of a dock event: a joint, an AGV, or none.
-std::string whose(const plant::Event& event, plant::CraneKind crane) {
-  if (event.index < 0) return "";
-  const auto index = static_cast<std::size_t>(event.index);
-  switch (event.kind) {
-    case plant::EventKind::joint_limit:
-    case plant::EventKind::drive_stopped:
-    case plant::EventKind::drive_resumed:
-    case plant::EventKind::drive_warm:
-    case plant::EventKind::drive_tripped: return fmt::format(" (joint {})", plant::joint_names(crane).at(index).name);
-    case plant::EventKind::agv_dry:
-    case plant::EventKind::agv_overflow:
-    case plant::EventKind::collision: return fmt::format(" (AGV {})", index);
-    default: return fmt::format(" ({})", index);
-  }
-}
-
-}  // namespace
-
 void RunObserver::dock_event(const plant::Event& event, plant::CraneKind crane) {
   const auto index = static_cast<std::uint32_t>(event.index);
   const auto add = [&](EventKind kind) { log_.add({event.time, report::plant, kind, {index, 0, 0, 0, 0}}); };
+  const auto failed = [&](std::string_view why) {
+    const std::string object = plant::object_of(event, crane);
+    failures_.push_back(
+        {event.time, std::nullopt, "plant",
+         fmt::format("{}{}{}", plant::name(event.kind), object.empty() ? "" : " (" + object + ")", why)});
+  };
   switch (event.kind) {
     case plant::EventKind::landed: add(EventKind::landed); break;
     case plant::EventKind::locked: add(EventKind::locked); break;
     case plant::EventKind::opened: add(EventKind::opened); break;
     case plant::EventKind::delivered: add(EventKind::delivered); break;
-    case plant::EventKind::drive_tripped: {
-      static constexpr std::array<std::string_view, 3> why = {"too fast", "too long at its largest code", "too hot"};
-      failures_.push_back(
-          {event.time, std::nullopt, "plant",
-           fmt::format("drive_tripped{}: {}", whose(event, crane), why.at(static_cast<std::size_t>(event.values[0])))});
+    case plant::EventKind::drive_tripped:
+      failed(fmt::format(": {}", plant::name(static_cast<plant::Trip>(event.values[0]))));
       break;
-    }
     case plant::EventKind::drive_stopped:
       if (!servoing_()) break;
       [[fallthrough]];
@@ -110,10 +91,7 @@ void RunObserver::dock_event(const plant::Event& event, plant::CraneKind crane) 
     case plant::EventKind::drive_resumed:
     case plant::EventKind::drive_warm:
     case plant::EventKind::collision:
-    case plant::EventKind::fault:
-      failures_.push_back(
-          {event.time, std::nullopt, "plant", std::string(plant::name(event.kind)) + whose(event, crane)});
-      break;
+    case plant::EventKind::fault: failed(""); break;
     default: break;
   }
 }

@@ -24,7 +24,7 @@ export interface Layout {
 }
 
 export type ContainerStep = [time: number, where: "ship" | "carried" | "agv" | "set" | "gone", place: number[]];
-export type DockEvent = [time: number, kind: string, index: number, first: number, second: number];
+export type DockEvent = [time: number, kind: string, object: string, details: string];
 
 export interface Header {
   title: string;

@@ -130,8 +130,8 @@ const DOCK: Record<string, string> = {
   joint_stuck: "a joint sticks", joint_slipped: "a joint broke away", collision: "a vehicle ran into something", missed: "a landing is to be tried again",
 };
 
-export function dockEvent(kind: string, index: number): string {
-  return `${DOCK[kind] ?? kind}${index >= 0 ? ` (${index})` : ""}`;
+export function dockEvent(kind: string, object: string, details: string): string {
+  return `${DOCK[kind] ?? kind}${object ? ` (${object})` : ""}${details ? `: ${details}` : ""}`;
 }
 
 /** Dock events that are bad news. */

@@ -19,6 +19,6 @@ export function momentsOf(recording: Recording): Moment[] {
     if (kind === "plant") continue; // the dock tells it itself
     all.push({ at: time_s, what: `${dsp === null || dsp === undefined ? "" : `DSP ${dsp}: `}${kind}: ${message}`, bad: true, scripted: false });
   }
-  for (const [at, kind, index] of header.dock_events) if (!DULL.has(kind)) all.push({ at, what: dockEvent(kind, index), bad: isBad(kind), scripted: false });
+  for (const [at, kind, object, details] of header.dock_events) if (!DULL.has(kind)) all.push({ at, what: dockEvent(kind, object, details), bad: isBad(kind), scripted: false });
   return all.filter((moment) => moment.at >= header.from_s).sort((a, b) => a.at - b.at);
 }

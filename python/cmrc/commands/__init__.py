@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import sys
 
+import cmrc
 from cmrc.commands import pages, signals, studies, sweeps
 
 
@@ -14,6 +15,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         with signals.raised():
             parser = argparse.ArgumentParser(prog="cmrc", description="Shows runs of the emulator, and makes studies of many runs.")
+            parser.add_argument("--version", action="version", version=f"cmrc {cmrc.__version__}")
             commands = parser.add_subparsers(dest="command", required=True)
             for part in (pages, sweeps, studies):
                 part.add(commands)

@@ -21,8 +21,8 @@ SETTINGS: tuple[tuple[str, str, type, str, str], ...] = (
     ("--programs", "machine.programs", str, "DIR", "assemble the DSP programs from this directory"),
     ("--board", "machine.board", str, "default|FILE.toml", "memories and clock of the boards (docs/boards.md)"),
     ("--topology", "bus.topology", str, "NAME", "which device is on which bus (docs/buses.md)"),
-    ("--idle-policy", "machine.idle_policy", str, "NAME", "how a DSP without work waits: doorbell, pause or spin"),
-    ("--eq7", "scheduling.equation", str, "NAME", "reading of equation (7): restored or as_printed"),
+    ("--idle-policy", "machine.idle_policy", str, "NAME", "how a DSP without work waits"),
+    ("--eq7", "scheduling.equation", str, "NAME", "reading of equation (7)"),
 )
 """Settings with an option of their own, the same as for ``emulator``; they come before ``--set``."""
 
@@ -35,9 +35,11 @@ def add(commands: Commands) -> None:
 
 def _configuration(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--config", metavar="FILE", help="TOML file with parameters (docs/configuration.md)")
-    parser.add_argument("--preset", metavar="NAME", help="base, heavy, saturated, tight")
+    parser.add_argument("--preset", metavar="NAME", help=", ".join(_core.cmrc.presets()))
+    choices = {key["name"]: ", ".join(key["choices"]) for key in _core.cmrc.config_keys()}
     for option, key, kind, metavar, meaning in SETTINGS:
-        parser.add_argument(option, dest=key, type=kind, metavar=metavar, help=meaning)
+        words = f"{meaning}: {choices[key]}" if choices[key] else meaning
+        parser.add_argument(option, dest=key, type=kind, metavar=metavar, help=words)
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="a setting; may be given again")
     parser.add_argument("--json", metavar="FILE", help="write all of it as JSON")
 

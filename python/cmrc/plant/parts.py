@@ -56,7 +56,8 @@ AgvSignal = _core.plant.AgvSignal
 ContainerStatus = _core.plant.ContainerStatus
 """A container: state, AGV or -1, centre of its top in m, yaw in rad, mass in kg (``Scene.containers``)."""
 DockEvent = _core.plant.Event
-"""An event of the dock: time in ps, kind, index, two values (``EventKind`` of plant/dock/dock.hpp says which)."""
+"""An event of the dock: time in ps, kind, object ("joint phi", "AGV 0", "container 3" or ""), the object's index, two
+values (``EventKind`` of plant/dock/dock_event.hpp says which)."""
 DockState = _core.plant.DockState
 """A dock's complete state at a latch; opaque (``Scene.snapshot``)."""
 CraneSnapshot = _core.plant.CraneAloneState

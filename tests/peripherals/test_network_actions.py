@@ -1,0 +1,114 @@
+"""What is done to a network at an instant: links are cut, chips held, reset and pulled out."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+from cmrc.network import Network
+from network_programs import DATA, PERIOD_PS, STOP, balanced, mixed_network, program, receiver, sender, state
+
+
+@pytest.mark.parametrize(("into", "bytes_over"), [(0, 0), (1, 0), (2, 1), (3, 2), (4, 3)])
+def test_cutting_a_link_in_mid_word(into: int, bytes_over: int) -> None:
+    def made() -> Network:
+        return Network([program(sender(0, 12)), program(receiver(3, 11))], links=["0.0:1.3"], record_words=True)
+
+    whole = made()
+    whole.run()
+    third = [event.time_ps for event in whole.events if event.kind == "word"][2]
+    network = made()
+    cut = third - (5 - into) * PERIOD_PS
+    network.cut(0, cut / 1e6)
+    network.restore(0, cut / 1e6 + 10)
+    assert network.run().reason == "ended"
+    (lost,) = [event for event in network.events if event.kind == "lost"]
+    assert (lost.time_ps, lost.place, lost.side, lost.word, lost.count) == (cut, 0, 0, 3, bytes_over)
+    assert network.chips[1].memory[DATA : DATA + 11] == [n for n in range(1, 13) if n != 3]
+    assert network.links[0].forth.lost == 1 and balanced(network)
+    after = [event.time_ps for event in network.events if event.kind == "word"][2]
+    assert after == cut + 10_000_000 + 5 * PERIOD_PS
+
+
+def test_a_cut_for_good_is_a_deadlock_that_says_so() -> None:
+    network = Network([program(sender(0, 12)), program(receiver(3, 12))], links=["0.0:1.3"])
+    network.cut(0, 1.2)
+    assert network.run().reason == "deadlock"
+    assert [chip.status for chip in network.chips] == ["halt", "waiting"]
+    assert "(the link is cut)" in network.chips[1].message
+
+
+def test_reset_of_the_side_without_a_right_to_it_loses_the_token_and_says_what_was_discarded() -> None:
+    """Chip 1 sends through a port that begins without the token, gets it, and is reset: then neither end has it."""
+    network = Network([program(STOP), program(sender(3, 20))], links=["0.0:1.3"])
+    network.reset(1, 5)
+    network.run(until_us=50)
+    assert network.links[0].token_lost
+    kinds = [event.kind for event in network.events]
+    assert kinds.count("reset") == 1 and kinds.count("dead") == 1
+    discarded = [event for event in network.events if event.kind == "discarded"]
+    assert discarded and {(event.place, event.side, event.count) for event in discarded} == {(1, 3, 0)}
+    assert network.chips[1].port(3)["discarded_output"] == len(discarded)
+    assert "(the token is lost)" in network.chips[1].message
+    assert balanced(network)
+
+
+def test_a_held_chip_does_nothing_and_goes_on() -> None:
+    network = Network([program(sender(0, 40)), program(receiver(3, 40))], links=["0.0:1.3"])
+    network.hold(1, 2)
+    assert network.run().reason == "deadlock"  # until somebody releases it
+    assert network.chips[1].status == "held"
+    network.release(1, 200)
+    assert network.run().reason == "ended"
+    assert network.chips[1].memory[DATA : DATA + 40] == list(range(1, 41))
+    assert network.chips[1].causes["halted"] in range(197 * 20, 199 * 20)
+
+
+def test_a_chip_pulled_out_takes_its_links_with_it() -> None:
+    network = Network([program(sender(0, 20)), program(receiver(3, 20))], links=["0.0:1.3"])
+    network.pull_out(1, 2)
+    assert network.run().reason == "deadlock"
+    assert network.chips[1].status == "pulled_out" and network.links[0].cut
+    assert network.chips[0].waits_for == 1 and "room in output FIFO 0" in network.chips[0].message
+    assert balanced(network)
+
+
+def test_random_cuts_holds_and_resets_lose_no_word_unsaid() -> None:
+    for seed in range(12):
+        rng = random.Random(seed)
+        network = mixed_network(seed)
+        for _ in range(12):
+            at = rng.uniform(1, 100)
+            kind = rng.choice(["cut", "restore", "hold", "release", "reset"])
+            getattr(network, kind)(rng.randrange(3), at)
+        other = mixed_network(seed + 100)
+        rng = random.Random(seed)
+        for _ in range(12):
+            at = rng.uniform(1, 100)
+            kind = rng.choice(["cut", "restore", "hold", "release", "reset"])
+            getattr(other, kind)(rng.randrange(3), at)
+        network.run(until_us=120)
+        other.run(until_us=120)
+        assert balanced(network)
+        assert state(network) == state(other)
+        lost = sum(traffic.lost for link in network.links for traffic in (link.forth, link.back))
+        assert lost == sum(event.kind == "lost" for event in network.events)
+        discarded = sum(chip.port(n)[f"discarded_{side}"] for chip in network.chips for n in range(6) for side in ("input", "output"))
+        assert discarded == sum(event.kind == "discarded" for event in network.events)
+
+
+def test_actions_at_one_instant_are_done_in_the_order_in_which_they_were_given() -> None:
+    for names, status in ((("hold", "release"), "halt"), (("release", "hold"), "held")):
+        network = Network([program("        rpts 99\n        nop\n" + STOP)] * 2, links=["0.0:1.3"])
+        for name in names:
+            getattr(network, name)(1, 1)
+        network.run(until_us=50)
+        assert network.chips[1].status == status
+
+
+def test_an_action_may_be_at_the_very_time_up_to_which_a_network_has_been_run() -> None:
+    network = Network([program("        rpts 999\n        nop\n" + STOP)] * 2, links=["0.0:1.3"])
+    network.run(until_us=10)
+    network.hold(1, 10)
+    network.run(until_us=50)
+    assert network.chips[1].status == "held"

@@ -1,0 +1,173 @@
+"""Macros, substitution symbols, conditional assembly, repeats, included files."""
+
+from pathlib import Path
+
+import pytest
+from assembling import errors, words
+from cmrc._core import toolchain
+
+
+def test_substitution_symbols() -> None:
+    source = """
+        .asg    AR3,FP
+        .asg    "1,2",list
+        .eval   2*3,n
+        ldi     *+FP(n),r0
+        .word   list,n
+        .eval   n+1,n
+        .word   n, :list(3):9
+        .asg    n,m
+        .word   m
+        .unasg  n
+n       .set    77
+        .word   n
+"""
+    assert words(source) == [0x08400306, 1, 2, 6, 7, 29, 7, 77]
+
+
+def test_functions_of_substitution_symbols() -> None:
+    source = """
+        .asg    abcab,s
+        .word   $symlen(s),$symlen("xy"),$symcmp(s,abcab),$symcmp(a,b),$firstch(s,'b'),$lastch(s,'b'),$firstch(s,'z')
+        .word   $isdefed(s),$isdefed(t),$iscons(12h),$iscons(s),$isname(s),$isname(1),$isreg(AR3),$isreg(s)
+each    .macro  items
+        .var    item
+        .loop
+        .break  $ismember(item,items) == 0
+        .word   item*2
+        .endloop
+        .endm
+        each    1,2,3
+"""
+    assert words(source) == [5, 2, 0, 0xFFFFFFFF, 2, 5, 0, 1, 0, 1, 0, 1, 0, 1, 0, 2, 4, 6]
+
+
+def test_local_labels_last_until_the_block_ends() -> None:
+    source = """
+        b       $1
+$1:     b       $1
+        .newblock
+$1      b       $1
+        .data
+$1      .word   $1
+        .text
+        b       $1
+$1
+"""
+    image = toolchain.assemble(source)
+    back = 0x6A00FFFF
+    assert list(image.sections[0].words) == [0x6A000000, back, back, 0x6A000000]
+    assert image.symbols == {}
+    assert "undefined symbol '$1'" in errors("$1:\tnop\n\t.newblock\n\tb $1\n")[0][2]
+    assert "defined already" in errors("$1:\tnop\n$1:\tnop\n")[0][2]
+
+
+def test_leaving_macros_and_repeats() -> None:
+    source = """
+m       .macro  n
+        .if     n > 2
+        .word   n
+        .mexit
+        .endif
+        .word   -n
+        .endm
+        m       1
+        m       3
+        .eval   0,i
+        .loop   10
+        .eval   i+1,i
+        .if     i = 2
+        .loop
+        .word   99
+        .break
+        .endloop
+        .endif
+        .break  i == 4
+        .word   i
+        .endloop
+"""
+    assert words(source) == [0xFFFFFFFF, 3, 1, 99, 2, 3]
+    assert "outside" in errors("\t.mexit\n")[0][2] and "outside" in errors("\t.break\n")[0][2]
+
+
+def test_macros_take_lists_and_quoted_arguments() -> None:
+    source = 'm .macro a,rest\n .word a,rest\n .endm\n m 1,2,3\n m "4,5",6\n'
+    assert words(source) == [1, 2, 3, 4, 5, 6]
+    assert words('s .macro a\n .byte a\n .byte ":a(2):"\n .endm\n s """xy"""\n') == [120, 121, ord("x")]
+
+
+def test_included_files_are_found_in_any_case_of_letters(tmp_path: Path) -> None:
+    (tmp_path / "regs.inc").write_text("N .set 7\n")
+    (tmp_path / "main.asm").write_text('\t.include "REGS.INC"\n\t.word N\n')
+    assert list(toolchain.assemble_file(tmp_path / "main.asm").sections[0].words) == [7]
+
+
+def test_conditional_assembly() -> None:
+    source = """
+N       .set 2
+        .if N==1
+        .word 1
+        .elseif N==2
+        .word 2
+        .if 0
+        .word undefined_but_never_seen
+        this is no instruction ((
+        .else
+        .word 22
+        .endif
+        .else
+        .word 3
+        .endif
+        .ifdef N
+        .word 4
+        .endif
+        .ifndef N
+        .word 5
+        .endif
+        .if !defined(EXTRA)
+        .word 6
+        .endif
+"""
+    assert words(source) == [2, 22, 4, 6]
+    assert words(source, symbols={"EXTRA": 1}) == [2, 22, 4]
+
+
+def test_macros_have_named_arguments_defaults_and_local_labels() -> None:
+    source = """
+count   .macro  reg, from=3, tail
+again?: subi    1,reg
+        bnz     again?
+        ldi     from,reg
+        .word   :tail:1, v\\tail
+        .endm
+va1     .set    7
+a11     .set    8
+        count   r1,,a1
+        count   r2,(2+2)*2,a1
+"""
+    subi1, subi2 = 0x18610001, 0x18620001
+    branch = 0x6A06FFFE
+    assert words(source) == [subi1, branch, 0x08610003, 8, 7, subi2, branch, 0x08620008, 8, 7]
+
+
+def test_a_local_label_passed_to_a_macro_stays_the_callers() -> None:
+    source = "jump .macro to\nhere?: nop\n b to\n .endm\nhere?: nop\n jump here?\n"
+    assert words(source) == [0x0C800000, 0x0C800000, 0x6A00FFFD]
+
+
+def test_repeats() -> None:
+    assert words("\t.rept 3\n\t.word $\n\t.endr\n") == [0x300000, 0x300001, 0x300002]
+    assert words("\t.loop 2\n\t.rept 2\n\tnop\n\t.endr\n\t.endloop\n\t.rept 0\n\tnop\n\t.endr\n") == [0x0C800000] * 4
+
+
+def test_includes_are_found_beside_the_file_and_in_the_directories(tmp_path: Path) -> None:
+    (tmp_path / "inc").mkdir()
+    (tmp_path / "near.inc").write_text("near .set 1\n")
+    (tmp_path / "inc" / "far.inc").write_text('far .set 2\n\t.include "farther.inc"\n')
+    (tmp_path / "inc" / "farther.inc").write_text("farther .set 3\n")
+    main = tmp_path / "main.asm"
+    main.write_text('\t.include "near.inc"\n\t.copy far.inc\n\t.include "near.inc"\n\t.word near,far,farther\n')
+    image = toolchain.assemble_file(main, include_dirs=[tmp_path / "inc"])
+    assert list(image.sections[0].words) == [1, 2, 3]
+    with pytest.raises(toolchain.AssemblyError, match="no file 'far.inc'"):
+        toolchain.assemble_file(main)
