@@ -68,7 +68,7 @@ def test_a_hoist_with_70_percent_misses_is_three_times_as_far_off_as_with_30() -
         result = cmrc.run(
             dsps=2,
             preset="tight",
-            duration_s=8.0,
+            duration_s=6.0,
             settings={"report.misses_max": 0, "scheduling.servo_loss_share": share},
         )
         off.append(result.errors["joints"]["l"]["path"]["rms"])
