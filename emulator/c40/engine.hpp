@@ -100,7 +100,7 @@ class Engine {
 
   // engine_run.cpp: the chip's next action, and why it stops
   Stepped advance(Cycles limit, bool single);
-  Stepped act(Cycles limit, bool single);
+  Stepped act(Cycles limit, bool single, bool dma_busy);
   StopInfo stop(Stepped why);
   void pass(Cause cause, Cycles until);
   void reach_present();
