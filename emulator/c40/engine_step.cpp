@@ -415,7 +415,8 @@ void Engine::emit_trace(const Step& step, const Core& before, Cycles cycle, cons
       if (code == reg::ST) return core.status();
       return isa::is_extended(r) ? float40::bits({core.e[code], core.r[code]}) : core.r[code];
     };
-    if (value(before) != value(now)) changes.push_back({r, value(now)});
+    const bool stored_alike = before.r[code] == now.r[code] && before.e[code] == now.e[code] && code != reg::ST;
+    if (!stored_alike && value(before) != value(now)) changes.push_back({r, value(now)});
   }
   out.registers = changes;
   out.memory = events_;
