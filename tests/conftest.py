@@ -4,7 +4,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from itertools import zip_longest
 from pathlib import Path
 
@@ -63,6 +63,19 @@ def pytest_pycollect_makeitem(collector: pytest.Collector, name: str, obj: objec
     campaign = isinstance(marks, list) and any(mark.name == "campaign" for mark in marks)
     left_out = campaign and only in ("not campaign", "fast") or only == "fast" and f"{collector.nodeid}::{name}" in SLOW
     return [] if left_out else None
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """Leaves out the cases that are campaigns, too, before 8,000 of them are made."""
+    if metafunc.config.option.markexpr not in ("not campaign", "fast"):
+        return
+    markers = metafunc.definition.own_markers
+    for place, mark in enumerate(markers):
+        if mark.name == "parametrize" and len(mark.args) == 2 and not isinstance(mark.kwargs.get("ids"), Sequence):
+            names, cases = mark.args[0], list(mark.args[1])
+            kept = [case for case in cases if not any(each.name == "campaign" for each in getattr(case, "marks", ()))]
+            markers[place] = pytest.mark.parametrize(names, kept or cases, **mark.kwargs).mark
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -1,7 +1,6 @@
 """Compact golden traces: text where it matters, hashes elsewhere (docs/trace.md, Golden traces)."""
 
 import hashlib
-import re
 from collections.abc import Callable, Iterable
 from itertools import groupby
 
@@ -17,7 +16,7 @@ def without_operands(line: str) -> str:
     spelling of an operand enters; what the operands did stands in the registers and words that changed."""
     start, dash, rest = line.partition(" -  ")
     instruction, semicolon, changes = rest.partition("  ;")
-    mnemonics = [half.split()[0] for half in re.split(r"\|\|", instruction) if half.strip()]
+    mnemonics = [half.split(None, 1)[0] for half in instruction.split("||") if half.strip()]
     return start + dash + "||".join(mnemonics) + semicolon + changes
 
 

@@ -147,6 +147,9 @@ bool Chip::dma_active() const { return engine_->peripherals().dma_active(); }
 bool Chip::dma_busy() const {
   return engine_->peripherals().dma_active() && (engine_->dma().busy() || engine_->dma().ends());
 }
+bool Chip::dma_ends_by(Cycles cycle) const {
+  return engine_->peripherals().dma_active() && engine_->dma().ends_at(cycle);
+}
 std::vector<DmaWait> Chip::dma_waits() const { return engine_->dma().waits(); }
 Cycles Chip::settled() const {
   const State& state = engine_->state();

@@ -191,6 +191,8 @@ class Chip {
   bool dma_active() const;
   /// A DMA channel could continue now: it waits for no event or FIFO.
   bool dma_busy() const;
+  /// A DMA block has had its last access, and its end, due in cycle `cycle` or before, is still to be done.
+  bool dma_ends_by(Cycles cycle) const;
   /// What the other channels wait for.
   std::vector<DmaWait> dma_waits() const;
   /// Processor and DMA have done everything before this cycle. The DMA may be behind cycle(); while the processor waits

@@ -18,11 +18,14 @@ struct CodeArea {
   bool cacheable = false;
   const Word* words = nullptr;   ///< from met.base on
   std::uint64_t fetch_bits = 0;  ///< packed
+  Word unpaged_words = 0;        ///< met.words, or 0
 
   CodeArea() = default;
   /// \param found memory with contents that contains `pc`
   CodeArea(const Memory& memory, const Memory::Area& found, Address pc);
   bool contains(Address pc) const { return pc - met.base < met.words; }
+  /// Contains, and the cost of the fetch does not depend on the page of the access before.
+  bool contains_unpaged(Address pc) const { return pc - met.base < unpaged_words; }
   Word word(Address pc) const { return words[pc - met.base]; }
 };
 
@@ -30,23 +33,41 @@ struct CodeArea {
 /// kept as long as they hold for every way in which the instruction can be executed.
 struct DecodedSlot {
   bool known = false, set_condition = false, keeps_windows = false;
-  bool quick = false;  ///< only its accesses, the pipeline and the PC need attention
-  bool stale = false;  ///< the windows hold for the last execution only
+  bool quick = false;                ///< only its accesses, the pipeline and the PC need attention
+  bool stale = false;                ///< the windows hold for the last execution only
+  std::uint64_t quick_key = no_key;  ///< if it is quick and not stale: key() of its word
   BoundInstruction bound;
   std::array<Op, 2> ops{};  ///< the instruction, and the op that ends the run after it
   Demand demand;
   std::array<const Memory::Area*, 2>
       area{};                   ///< the area of each access's last place, if all of the area is accessed alike
   std::uint64_t data_bits = 0;  ///< its data accesses, packed
-  Transition transition;        ///< the last transition of the pipeline
+  /// The last transition of the pipeline, with the fetch (packed) and the exit of the instruction. Exit::cut, which no
+  /// single instruction gives: nothing is known.
+  Transition transition;
+  std::uint64_t fetch_bits = 0;
+  Exit exit = Exit::cut;
+
+  static constexpr std::uint64_t no_key = ~std::uint64_t{0};
+  /// The word and the bit of ST on which its binding depends.
+  static std::uint64_t key(Word word, Word modes) { return word | std::uint64_t{modes & st::SETCOND} << 32; }
 
   /// Whether the slot holds this instruction, bound.
   bool is(Word word, bool with_set_condition) const {
     return known && bound.word == word && set_condition == with_set_condition;
   }
   void bind_to(const BoundInstruction& instruction, bool with_set_condition);
-  void forget() { known = quick = false; }
+  void forget() {
+    known = quick = false;
+    quick_key = no_key;
+  }
   void forget_windows();
+  void forget_transition() { exit = Exit::cut; }
+  /// The windows hold for the last execution only.
+  void make_stale() {
+    stale = true;
+    quick_key = no_key;
+  }
 };
 
 /// Decoded slots, direct mapped by address.

@@ -70,9 +70,9 @@ class DmaSide final : public DmaContext {
 
   // ---- around an instruction of the processor ----
 
-  /// The effect on the next instruction.
-  DmaEffect effect() const {
-    if (chip_.peripherals.dma_busy()) return DmaEffect::under_way;
+  /// The effect on the next instruction. `busy`: Peripherals::dma_busy().
+  DmaEffect effect(bool busy) const {
+    if (busy) return DmaEffect::under_way;
     return undisturbed_ ? DmaEffect::still_felt : DmaEffect::none;
   }
   /// From now on accesses of the processor are noted, or not.

@@ -105,7 +105,7 @@ class Engine {
   // engine_run.cpp: the chip's next action, and why it stops
   Word watched_ports_now() const;
   Stepped advance(Cycles limit, bool single);
-  Stepped act(Cycles limit, bool single);
+  Stepped act(Cycles limit, bool single, bool dma_busy);
   StopInfo stop(Stepped why);
   void pass(Cause cause, Cycles until);
   void reach_present();
@@ -116,7 +116,9 @@ class Engine {
   // engine_step.cpp: the exact engine
   Stepped exact_step(Step& step, bool fresh);
   Stepped run_exactly(Cycles limit);
-  bool quick_step();
+  template <class GoesOn>
+  bool quick_step(const GoesOn& goes_on);
+  bool meet_transition(DecodedSlot& decoded, Exit exit);
   Stepped traced_step(Step& step);
   Stepped probed_step(Step& step, bool fresh);
   Stepped untraced_step(Step& step, bool fresh);
@@ -133,7 +135,8 @@ class Engine {
   const Transition& annulled_transition(const Step& step);
   const Transition& executed_transition(const Step& step);
   void account(const StepTiming& timing);
-  void account(const StepTiming& timing, const std::optional<StepTiming>& without_dma);
+  void account(const Transition& transition);
+  void account(const Transition& transition, const std::optional<StepTiming>& without_dma);
   void settle_accesses(const Step& step, Address pc);
   void finish_step(const Step& step);
   void advance_pc(Address pc);

@@ -77,6 +77,7 @@ Engine::Stepped Engine::resolve(Step& step) {
   step.locks |= decoded.bound.row->interlocked && external(area->resource);
   if (decoded.demand.count <= k) decoded.demand.count = static_cast<std::uint8_t>(k + 1);
   decoded.data_bits = packed_data(decoded.demand);
+  decoded.forget_transition();
   step.address[k] = address;
   Window& window = decoded.ops[0].access[k];
   if (area->data != nullptr) {

@@ -47,11 +47,18 @@ std::optional<StopInfo> Engine::run_dma(Cycles limit, bool processor_waits) {
     const Cycles until = processor_waits ? limit : known_until(limit, idles);
     const Cycles event = peripherals_.next_event(), to = std::min(until, event);
     if (state_.dma.now >= until && !dma_.ends_at(until) && event > until) break;
-    side.begin_following(!processor_waits && !idles);
-    const auto request = dma_.advance_to(to);
-    side.end_following();
-    peripherals_.watch_dma();
+    const bool rests = !moves();
+    std::optional<DmaRequest> request;
+    if (rests) {
+      dma_.rest_until(to);
+    } else {
+      side.begin_following(!processor_waits && !idles);
+      request = dma_.advance_to(to);
+      side.end_following();
+      peripherals_.watch_dma();
+    }
     if (idles) pass(Cause::idle, std::min(to, state_.dma.now));
+    if (rests && event > to) break;
     if (request) return dma_stop(*request);
     if (side.take_touched_link()) return stop(Stepped::horizon);
     if (moved && !moves() && event > dma_.last_done())

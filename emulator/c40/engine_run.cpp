@@ -51,7 +51,7 @@ bool Engine::may_interrupt() const {
 }
 
 // One action: a stop, an interrupt entry, idling, a run of blocks, or one exact instruction.
-[[gnu::always_inline]] inline Engine::Stepped Engine::act(Cycles limit, bool single) {
+[[gnu::always_inline]] inline Engine::Stepped Engine::act(Cycles limit, bool single, bool dma_busy) {
   Core& core = state_.core;
   if (core.code_writes != 0) process_code_writes();
   if (peripherals_.interface_changed()) {
@@ -76,7 +76,7 @@ bool Engine::may_interrupt() const {
   if (probe_.on_code()) probe_.reaches(core.pc, state_.cycle);
   if (pipelines_.full()) forget_pipelines();
   const bool waiting_interrupt = !may_interrupt() && interrupts::pending(state_) != 0;
-  dma_effect_ = dma_side_.effect();
+  dma_effect_ = dma_side_.effect(dma_busy);
   if (dma_effect_ == DmaEffect::under_way)
     dma_side_.know_accesses();
   else if (!access_.any())
@@ -106,8 +106,8 @@ bool Engine::may_interrupt() const {
 Engine::Stepped Engine::advance(Cycles limit, bool single) {
   state_.core.attention = false;
   reach_present();
-  const bool waited = peripherals_.dma_waits();
-  const Stepped why = act(std::min(limit, peripherals_.next_event()), single);
+  const bool busy = peripherals_.dma_busy(), waited = peripherals_.dma_active() && !busy;
+  const Stepped why = act(std::min(limit, peripherals_.next_event()), single, busy);
   make_dma_current(waited);
   return why;
 }

@@ -9,6 +9,12 @@
 #include "c40/handler_tables.hpp"
 
 namespace c40 {
+namespace {
+
+// Packed fetches of a hit in the instruction cache, and of a repetition under RPTS.
+constexpr std::uint64_t cached_bits = packed_fetch({}, true, false), unfetched_bits = packed_fetch({}, false, false);
+
+}  // namespace
 
 bool Engine::find_code(Address pc) {
   const Memory::Area* area = memory_.find(pc);
@@ -96,7 +102,7 @@ Engine::Stepped Engine::execute(Step& step) {
     if (outcome.exit == Exit::miss) {
       core.pc = pc;  // faults and stops name this instruction
       const Stepped why = resolve(step);
-      decoded.stale |= !step.plain;
+      if (!step.plain) decoded.make_stale();
       if (why != Stepped::done) return why;
       core.pc = pc + 1;
       continue;
@@ -127,21 +133,29 @@ void Engine::annulled(const Step& step) {
   if (bound.row->write_stage == isa::WriteStage::decode) core.r[op.dst] = op.immediate;
 }
 
-[[gnu::always_inline]] inline void Engine::account(const StepTiming& t) {
+void Engine::account(const StepTiming& t) {
   state_.cycle += t.total;
   ++state_.instructions;
-  Causes& causes = state_.causes;
-  if (t.total == 1) [[likely]]
-    return add(causes, Cause::execute, 1);
-  for (std::size_t i = 0; i < pipeline_cause_count; ++i) causes[i] += t.causes[i];
+  for (std::size_t i = 0; i < pipeline_cause_count; ++i) state_.causes[i] += t.causes[i];
+}
+
+// Each instruction has one cycle of execution. Nearly all others have one cause.
+[[gnu::always_inline]] inline void Engine::account(const Transition& t) {
+  const int total = t.timing.total;
+  if (total != 1 && !t.delayed_by) [[unlikely]]
+    return account(t.timing);
+  state_.cycle += total;
+  ++state_.instructions;
+  add(state_.causes, Cause::execute, 1);
+  if (total != 1) add(state_.causes, *t.delayed_by, total - 1);
 }
 
 // The DMA's cost for an instruction is the cycles beyond those without the DMA. If an instruction took fewer cycles
 // because of an earlier delay, they are deducted from the next cost. In total the DMA is charged with exactly what it
 // caused.
-void Engine::account(const StepTiming& t, const std::optional<StepTiming>& without_dma) {
+void Engine::account(const Transition& t, const std::optional<StepTiming>& without_dma) {
   if (!without_dma) return account(t);
-  const int held = t.total - without_dma->total;
+  const int held = t.timing.total - without_dma->total;
   if (held <= 0) {
     dma_side_.gain(-held);
     return account(t);
@@ -271,7 +285,7 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
   step.timing = &next.timing;
   pipeline_.set(next.after);
   const Cycles before = state_.cycle;
-  account(next.timing, without);
+  account(next, without);
   if (access_.is_answered()) [[unlikely]] {
     settle_answers();
     if (peripherals_.dma_active()) dma_side_.mark_under_way();
@@ -309,52 +323,65 @@ Demand Engine::demand_through(const Step& step, bool annulled) const {
 const Transition& Engine::annulled_transition(const Step& step) { return transition(demand_through(step, true), 0); }
 
 const Transition& Engine::executed_transition(const Step& step) {
-  return step.decoded->transition = transition(demand_through(step, false), step.word);
+  DecodedSlot& decoded = *step.decoded;
+  decoded.fetch_bits = packed_fetch(step.fetch, step.fetched, step.missed);
+  decoded.exit = step.taken ? Exit::taken : Exit::not_taken;
+  return decoded.transition = transition(demand_through(step, false), step.word);
 }
 
-// The common case of untraced_step, much cheaper: a known instruction outside delay slots whose accesses meet the same
-// windows as before and that does not affect interrupts. Else nothing has happened.
-[[gnu::always_inline]] inline bool Engine::quick_step() {
+// Finds the transition for a quick step that is not the same as the last one of its slot. False: the instruction was
+// not executed.
+[[gnu::noinline]] bool Engine::meet_transition(DecodedSlot& decoded, Exit exit) {
+  if (exit == Exit::miss || exit == Exit::trap_out) return false;
+  Demand demand = decoded.demand;
+  if (decoded.fetch_bits == code_.fetch_bits) demand.fetch = code_.met.access;
+  demand.fetched = decoded.fetch_bits != unfetched_bits;
+  demand.flush_cost = exit == Exit::taken ? decoded.bound.taken_cost : decoded.bound.not_taken_cost;
+  decoded.exit = exit;
+  decoded.transition = transition(demand, decoded.bound.word);
+  return true;
+}
+
+// The common case of untraced_step, much cheaper: a known instruction whose accesses meet the same windows as before
+// and that does not affect interrupts; with its repetitions under RPTS. True: the next one can be tried. False: it is
+// no such instruction, and nothing of it has happened, or goes_on() is false.
+template <class GoesOn>
+[[gnu::always_inline]] inline bool Engine::quick_step(const GoesOn& goes_on) {
   Core& core = state_.core;
   const Address pc = core.pc;
-  if (!code_.contains(pc) || core.delay_slots != 0 || code_.met.paged) return false;
+  if (!code_.contains_unpaged(pc)) return false;
   Word word = code_.word(pc);
-  std::uint64_t bits = code_.fetch_bits;
-  const bool from_cache = code_.cacheable && cache_.on();
-  if (from_cache) [[unlikely]] {
+  std::uint64_t fetch_bits = code_.fetch_bits;
+  if (code_.cacheable && cache_.on()) [[unlikely]] {
     const Word* const cached = cache_.find(pc);
     if (cached == nullptr) return false;
     word = *cached;
-    bits = packed_fetch({}, true, false);
+    fetch_bits = cached_bits;
   }
-  const bool fetched = core.repeat_single != 2;
-  if (!fetched) bits = packed_fetch({}, false, false);
+  if (core.repeat_single == 2) fetch_bits = unfetched_bits;
   DecodedSlot& decoded = decoded_slots_[pc];
-  if (!decoded.quick || decoded.stale || decoded.bound.word != word ||
-      decoded.set_condition != ((core.modes & st::SETCOND) != 0))
-    return false;
-  if ((core.modes & st::RM) != 0 && decoded.bound.flow != Flow::straight)
-    return false;  // perhaps the instruction is not allowed here
-  core.pc = pc + 1;
+  if (decoded.quick_key != DecodedSlot::key(word, core.modes)) return false;
+  if ((core.delay_slots != 0 || (core.modes & st::RM) != 0) && (decoded.bound.flow != Flow::straight || core.annul))
+    return false;  // perhaps the instruction is not allowed here, or annulled
+  if (decoded.fetch_bits != fetch_bits) {
+    decoded.fetch_bits = fetch_bits;
+    decoded.forget_transition();
+  }
   decoded.ops[0].pc = pc;
-  const Exit exit = decoded.ops[0].handler(core, decoded.ops.data()).exit;
-  if (exit == Exit::miss || exit == Exit::trap_out) [[unlikely]] {
-    core.pc = pc;
-    return false;
-  }
-  const int flush_cost = exit == Exit::taken ? decoded.bound.taken_cost : decoded.bound.not_taken_cost;
-  bits |= packed_flush(flush_cost) | decoded.data_bits;
-  if (decoded.transition.demand != bits || !pipeline_.is(decoded.transition.before)) {
-    Demand demand = decoded.demand;
-    demand.fetch = from_cache || !fetched ? Access{} : code_.met.access;
-    demand.fetched = fetched;
-    demand.flush_cost = flush_cost;
-    decoded.transition = pipelines_.transition(pipeline_.id(), demand, bits, word);
-  }
-  pipeline_.set(decoded.transition.after);
-  account(decoded.transition.timing);
-  if (from_cache && fetched && !cache_.frozen()) cache_.hit(pc);
-  if (core.delay_slots != 0 || (core.modes & st::RM) != 0) advance_pc(pc);
+  do {
+    core.pc = pc + 1;
+    const Exit exit = decoded.ops[0].handler(core, decoded.ops.data()).exit;
+    if ((exit != decoded.exit || !pipeline_.is(decoded.transition.before)) && !meet_transition(decoded, exit)) {
+      core.pc = pc;
+      return false;
+    }
+    pipeline_.set(decoded.transition.after);
+    account(decoded.transition);
+    if (code_.cacheable && cache_.on() && core.repeat_single != 2 && !cache_.frozen()) [[unlikely]]
+      cache_.hit(pc);
+    if (core.delay_slots != 0 || (core.modes & st::RM) != 0) advance_pc(pc);
+    if (!goes_on()) return false;
+  } while (core.pc == pc && decoded.fetch_bits == unfetched_bits);
   return true;
 }
 
@@ -365,8 +392,8 @@ Engine::Stepped Engine::run_exactly(Cycles limit) {
   const auto goes_on = [&] { return !core.attention && state_.cycle < limit && (exact_only || !by_blocks()); };
   Step step;
   while (core.code_writes == 0 && !peripherals_.interface_changed() && !core.idle && goes_on()) {
-    while (quick_step())
-      if (!goes_on()) return Stepped::done;
+    while (quick_step(goes_on)) continue;
+    if (!goes_on()) return Stepped::done;
     if (const Stepped why = exact_step(step, false); why != Stepped::done) return why;
   }
   return Stepped::done;
@@ -388,7 +415,8 @@ void Engine::emit_trace(const Step& step, const Core& before, Cycles cycle, cons
       if (code == reg::ST) return core.status();
       return isa::is_extended(r) ? float40::bits({core.e[code], core.r[code]}) : core.r[code];
     };
-    if (value(before) != value(now)) changes.push_back({r, value(now)});
+    const bool stored_alike = before.r[code] == now.r[code] && before.e[code] == now.e[code] && code != reg::ST;
+    if (!stored_alike && value(before) != value(now)) changes.push_back({r, value(now)});
   }
   out.registers = changes;
   out.memory = events_;

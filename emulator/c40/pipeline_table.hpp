@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <limits>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -39,6 +40,7 @@ struct Transition {
   Word word = 0;
   StepTiming timing;
   PipelineId after = 0;
+  std::optional<Cause> delayed_by;  ///< the one cause of all cycles but the first, if there is one
 };
 
 class PipelineTable {

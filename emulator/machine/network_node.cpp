@@ -40,7 +40,7 @@ bool Network::Node::come_to(Time time) {
 std::optional<ChipRunner::Span> Network::Node::span() {
   if (std::exchange(over_breakpoint_, false))
     return Span{.limit = chip.cycle() + 1, .known = std::min(span_.known, chip.cycle() + 1)};
-  cycle_before_ = chip.cycle(), settled_before_ = chip.settled();
+  cycle_before_ = chip.cycle(), settled_before_ = chip.settled(), ended_before_ = !chip.dma_ends_by(never_cycle);
   return passing_ ? span_ : span_of_runner();
 }
 
@@ -51,16 +51,17 @@ std::optional<ChipRunner::Span> Network::Node::span_of_runner() {
   const bool begins_last = chip.cycle() >= ends_ && ends_ <= last_ && !waits && !idles && watches();
   Cycles limit = std::min(ends_ + (begins_last ? 1 : 0), action_);
   const bool timers_behind = chip.dma_active() && chip.next_event() <= std::min(known, chip.settled());
-  if (chip.settled() >= known && !timers_behind && (waits || chip.cycle() >= limit)) {
+  if (chip.settled() >= known && !timers_behind && !chip.dma_ends_by(known) && (waits || chip.cycle() >= limit)) {
     note_idle();
     return {};
   }
   if (!waits && chip.cycle() >= action_)
     return span_ = Span{.limit = 0, .known = known};  // the processor waits for the action
-  // An idle processor may have ended when its DMA is done, or when a timer's event was not for it: in that cycle.
+  // An idle processor may have ended when its DMA is done, or when a timer's event was not for it: in that cycle. The
+  // DMA may be behind: then it first comes to the present cycle, in which the processor may have ended.
   const bool looks = status == ChipStatus::running && idles;
   if (looks && chip.dma_busy())
-    limit = std::min(limit, chip.cycle() + 1);
+    limit = std::min(limit, chip.cycle() + (dma_is_behind() ? 0 : 1));
   else if (looks && awaits_timer(chip))
     limit = std::min(limit, std::max(chip.cycle() + 1, next_timer_interrupt(chip)));
   return span_ = Span{.limit = limit, .known = std::min(known, limit)};

@@ -198,7 +198,11 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   bool port_wait(const c40::PortAccess& access) override { return waits(c40::StopInfo::Reason::port_wait, access); }
   bool faulted(const c40::Fault& why) override;
   bool waits(c40::StopInfo::Reason why, const c40::PortAccess& access);
-  bool has_moved() const { return chip.cycle() != cycle_before_ || chip.settled() != settled_before_; }
+  bool has_moved() const {
+    const bool ends = !ended_before_ && !chip.dma_ends_by(never_cycle);
+    return ends || chip.cycle() != cycle_before_ || chip.settled() != settled_before_;
+  }
+  bool dma_is_behind() const { return chip.settled() < chip.cycle() || chip.dma_ends_by(chip.cycle()); }
   bool passes_on() const {
     return status == ChipStatus::sleeping && (chip.cycle() < span_.limit || chip.settled() < span_.known);
   }
@@ -209,6 +213,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   c40::Cycles ends_ = 0, action_ = 0, last_ = 0;
   Span span_;
   c40::Cycles cycle_before_ = -1, settled_before_ = -1;
+  bool ended_before_ = true;
 };
 
 /// A link as an actor.

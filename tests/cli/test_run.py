@@ -108,16 +108,17 @@ def test_strict_fails_when_a_deadline_was_missed(run) -> None:
 
 def test_ctrl_c_ends_the_run_with_a_report(emulator: Path, tmp_path: Path) -> None:
     process = subprocess.Popen(
-        [emulator, "--duration", "5000", "--report", "r.json"], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [emulator, "--duration", "5000", "--report", "r.json", "--snapshot-at", "0.1:under_way"], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
-    time.sleep(1.5)
+    while not (tmp_path / "under_way").exists():
+        time.sleep(0.01)
     process.send_signal(signal.SIGINT)
     stdout, stderr = process.communicate(timeout=30)
     assert stderr == ""
     assert "The run ended early: interrupted" in stdout
     report = json.loads((tmp_path / "r.json").read_text())
     assert report["stop_reason"] == "interrupted"
-    assert 0 < report["simulated_s"] < 5000
+    assert 0.1 < report["simulated_s"] < 5000
     for task in report["tasks"].values():
         assert task["released"] == sum(task[outcome] for outcome in OUTCOMES)
 

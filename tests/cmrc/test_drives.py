@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from cmrc import _core
 from locations import OVER_A_CONTAINER
-from test_errors import LEG, at, clear, only, rates, run
+from test_errors import LEG, LOW_RATES, at, clear, only, rates, run
 
 cmrc = _core.cmrc
 
@@ -18,7 +18,7 @@ def lift(folder: Path, hoist_rad_s: float, *events: dict[str, Any]) -> tuple[flo
     """The first 16 s of a crane that hangs over its container: it is locked at 12.1 s, and 24 t hang free at 15.5 s. The hoist's largest following error, m."""
     layout = folder / "layout.toml"
     layout.write_text(OVER_A_CONTAINER)
-    fixed = {"dsps": 1, "boot": "preloaded", "report.reference": "none", "duration_s": 16.0, "dock.layout": str(layout), "control.hoist_bandwidth_rad_s": hoist_rad_s}
+    fixed = {**LOW_RATES, "duration_s": 16.0, "dock.layout": str(layout), "control.hoist_bandwidth_rad_s": hoist_rad_s}
     simulation = cmrc.Simulation(cmrc.config(settings=fixed, events=list(events)))
     simulation.run()
     report = json.loads(simulation.report_json())

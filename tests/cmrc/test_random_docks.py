@@ -1,7 +1,7 @@
 """Simulation testing: random docks in which everything may go wrong, run in several ways (docs/trust.md).
 
-One that fails is printed as small as it still fails. The suite runs the first 30 docks, 60 ms each: in 60 ms the host
-starts, the servo ticks for 40 ms or more, and every failure and every watchdog can come. `pytest -m campaign` runs 170
+One that fails is printed as small as it still fails. The suite runs the first 20 docks, 60 ms each: in 60 ms the host
+starts, the servo ticks for 40 ms or more, and every failure and every watchdog can come. `pytest -m campaign` runs 180
 more, `scripts/campaign docks` ten thousand of up to 1 s.
 """
 
@@ -17,7 +17,7 @@ import pytest
 import random_docks
 from random_docks import Dock, Generator
 
-SEEDS, IN_SUITE, PER_TEST = 200, 30, 10
+SEEDS, IN_SUITE, PER_TEST = 200, 20, 10
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,6 @@
 """Random docks that stop at random picoseconds and go on elsewhere: in a new simulation, and in another process (docs/snapshots.md).
 
-The suite runs the first 8 docks, 60 ms each; `pytest -m campaign` runs 32 more.
+The suite runs the first 4 docks, 60 ms each; `pytest -m campaign` runs 36 more.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from locations import BUILD
 from random_docks import Dock, Generator
 
 cmrc = _core.cmrc
-SEEDS, IN_SUITE, PER_TEST = 40, 8, 4
+SEEDS, IN_SUITE, PER_TEST = 40, 4, 4
 Report = dict[str, Any]
 
 

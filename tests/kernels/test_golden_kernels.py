@@ -156,12 +156,13 @@ def kernel_trace(kernel: str, prepare: Callable[[], Dsp], argument: int, tick: i
     *_, cycles = prepare().run(kernel, argument, tick)
     dsp = prepare()
     start = dsp.start(kernel, argument, tick)
-    records = dsp.chip.trace(cycles)
-    assert dsp.chip.cycle - start == cycles
-    for record in records:
-        record["cycle"] -= start
     labels = _core.trace.Labels.of_dock(dsp.image)
-    lines = [_core.trace.line(record, labels=labels) for record in records]
+    lines = []
+    while dsp.chip.cycle < start + cycles:  # in parts: a list of all records would cost Python as much again
+        for record in dsp.chip.trace(min(5000, start + cycles - dsp.chip.cycle)):
+            record["cycle"] -= start
+            lines.append(_core.trace.line(record, labels=labels))
+    assert dsp.chip.cycle - start == cycles
     text = condensed(lines, 0, lambda cycle: cycle < FULL_TEXT_CYCLES, CYCLES_PER_HASH)
     return "\n".join([_core.trace.labelled_header, f"# kernel_{kernel}: {cycles} cycles", *text]) + "\n"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from itertools import pairwise
 
 import pytest
@@ -54,6 +55,23 @@ def test_a_dma_that_nobody_will_ever_serve_is_a_deadlock_where_a_processor_sleep
     armed = "DMA channel 3 waits for a word in input FIFO 3 (read of 00100071h) from chip 0 port 0 since cycle "
     assert armed in network.chips[1].message and network.chips[1].message.startswith(armed) == interrupts
     assert network.chips[1].memory[DATA : DATA + len(WORDS)] == WORDS and balanced(network)
+
+
+def test_a_processor_that_idles_beside_its_dma_has_ended_in_the_cycle_in_which_both_have() -> None:
+    """However the run is cut, and in whatever order the chips are advanced; DMA and processor end in one cycle, too."""
+    seen: dict[int, set[tuple[int, int]]] = {}
+    for nops, order, cut_us in itertools.product(range(20), range(3), [1000.0, 0.05]):
+        network = Network([program(IDLES), program("        nop\n" * nops + IDLES)], links=["0.0:1.3"], turn_order=order, record_peripherals=True)
+        stream_by_dma(network.chips[0]._core, network.chips[1]._core)
+        for core, counter in (network.chips[0]._core, 0x1000A3), (network.chips[1]._core, 0x1000D3):
+            core.poke(counter, 2)
+        while network.run(until_us=network.now_ps * 1e-6 + cut_us).reason == "limit":
+            pass
+        chip = network.chips[1]
+        done_ps = next(int(line.split()[0]) for line in network.event_trace if "chip 1: dma_end 3" in line)
+        seen.setdefault(nops, set()).add((chip.cycles - done_ps // PERIOD_PS, chip.causes["idle"]))
+    together = 15  # NOPs, after which the processor begins to idle in the cycle of the DMA's end
+    assert seen == {nops: {(max(nops - together, 0), max(together - nops, 0))} for nops in range(20)}
 
 
 def test_a_stop_watch_is_nothing_to_wait_for() -> None:

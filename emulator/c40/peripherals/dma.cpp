@@ -264,6 +264,12 @@ std::optional<DmaRequest> Dma::advance_to(Cycles limit) {
   }
 }
 
+void Dma::rest_until(Cycles limit) {
+  if (s_.now >= limit) return;
+  s_.current = -1;
+  s_.now = limit;
+}
+
 void Dma::end() { end_block(half_of(std::exchange(s_.ended, std::int8_t{-1})), s_.now); }
 
 // Does one access. False: nothing more can happen before the limit.

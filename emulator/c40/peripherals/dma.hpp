@@ -100,6 +100,8 @@ class Dma {
   /// linked port.
   /// \return the access to a window, or to an address where nothing is; answer it with `answer`.
   std::optional<DmaRequest> advance_to(Cycles limit);
+  /// The same, if it is not busy and no end of a block is to be done.
+  void rest_until(Cycles limit);
   /// The access to a window ends in cycle `at`; the DMA continues there.
   void answer(Word value, Cycles at);
   /// A half could continue now: it is started and waits for no event or FIFO.
