@@ -177,3 +177,10 @@ def test_commands_that_make_no_sense_are_refused_and_change_nothing(command: Any
 )  # fmt: skip
 def test_expressions(text: str, value: float) -> None:
     assert dock().debug().value(text) == value
+
+
+def test_an_expression_reads_an_extended_register_as_a_float_by_its_other_name() -> None:
+    debugger = dock().debug()
+    debugger.set_register("R3", -2.25)
+    assert debugger.value("f3") == -2.25 and debugger.value("F3 * 2 < -4.25") == 1
+    assert debugger.value("u(r3)") == 0xF0000000  # the mantissa: -2 + 0.875, without its exponent
