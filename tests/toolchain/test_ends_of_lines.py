@@ -26,3 +26,9 @@ def test_nothing_may_stand_behind_a_complete_line(source: str, tmp_path: Path) -
     line, column = before.count("\n") + 1, len(before) - before.rfind("\n") + 1
     with pytest.raises(toolchain.AssemblyError, match=rf"<text>:{line}:{column}: error: .*\]"):
         toolchain.assemble(source.replace("^", " ] 7"), **options)
+
+
+@pytest.mark.parametrize("directive", [".space", ".align", ".bes", ".rept", ".if"])
+def test_a_value_that_is_not_known_is_marked_where_it_stands(directive: str) -> None:
+    with pytest.raises(toolchain.AssemblyError, match=rf"<text>:2:{len(directive) + 6}: error: .* must be an integer that is known here"):
+        toolchain.assemble(f"x: nop\n {directive}    x\n")
