@@ -72,7 +72,7 @@ coverage: setup
 	cmake --build --preset coverage
 	$(PYTHON) scripts/coverage
 
-# Small changes to the C++: does the suite notice? Needs `make coverage`; resumable (docs/trust.md).
+# Small changes to the C++: does the suite notice? resumable (docs/trust.md).
 MUTANTS := 200
 mutants: build
 	$(PYTHON) scripts/mutants --count $(MUTANTS)

@@ -296,6 +296,8 @@ def test_nobody_answers() -> None:
     bus.read(0, 0x5000, 2, 0)
     (ended,) = bus.advance_to(100)
     assert ended.result == pci.Result.master_abort and ended.words == [0xFFFFFFFF] * 2 and ended.count == 0
+    (attempt,) = bus.attempts
+    assert attempt.last - attempt.frame == 4  # the clock for subtractive decoding (docs/buses.md)
     memory.answer = pci.Answer.abort
     bus.write(0, 0, [1], 100)
     (ended,) = bus.advance_to(200)

@@ -141,3 +141,16 @@ def test_no_parameter_leaves_an_offset_at_rest(machine: str) -> None:
 def test_such_an_offset_would_be_seen(key: str, joint: int) -> None:
     """A tenth less of the torque that holds load and jib is what a tenth more mass would be that no kernel knows of."""
     assert drift("slewing", **{key: 0.9})[joint] > 1.5 * drift("slewing")[joint] + 4
+
+
+@pytest.mark.parametrize(
+    ("drive", "limit"),
+    [("slewing.slew", "slew_speed_limit_rad_s"), ("slewing.hoist", "hoist_speed_limit_m_s"), ("gantry.trolley", "trolley_speed_limit_m_s")],
+)
+def test_a_speed_limit_is_held_against_the_configured_drive(drive: str, limit: str) -> None:
+    """With a third of a drive's rated speed the usual limit is above what the drive can do; a lower one is not."""
+    rated, key = f"{drive}.rated_speed_rad_s", f"control.{limit}"
+    settings = {"dock.crane": drive.split(".")[0], rated: KEYS[rated]["default"] / 3, "report.reference": "none", "duration_s": 1.0, **SOFT}
+    with pytest.raises(cmrc.ConfigError, match=f"{key}: .* is above the drive's rated speed"):
+        cmrc.Simulation(cmrc.config(settings=settings))
+    cmrc.Simulation(cmrc.config(settings={**settings, key: KEYS[key]["default"] / 3.5, "dock.ramp_speed_m_s": 0.1}))

@@ -45,6 +45,8 @@ def test_four_dsps_meet_every_deadline_at_base_rates(base: Report) -> None:
     assert misses(base) == 0
     assert base["host"]["skipped_refreshes"] == 0
     assert base["host"]["refreshes"] == 3999
+    held = base["host"]["semaphore_hold_ps"]
+    assert held["count"] > 3900 and 0 < held["best"] < held["worst"] < 125e6  # within a refresh
 
 
 def test_the_crane_plans_as_often_as_it_consumes(base: Report) -> None:

@@ -108,6 +108,20 @@ def test_the_state_at_an_instant_does_not_depend_on_how_the_run_came_there(scene
         assert cut.snapshot().state == straight.snapshot().state
 
 
+def test_a_boot_that_was_given_up_is_told_however_the_run_is_parted_there() -> None:
+    """The host tells it where it rests next: here after an access to another DSP's port, 50 to 54 us after power-on."""
+    settings = {"machine.dsps": 4, "machine.boot": "link", "watchdog.boot_limit_ms": 0.05, "report.reference": "none", "duration_s": 0.03}
+    config = core.config(settings=settings, events=[{"at_s": 0.0, "action": "unplug", "dsp": 1}])
+    first = core.Simulation(config)
+    for quarter in range(200, 220):
+        first.run_until(quarter * 0.25e-6)
+        resumed = core.Simulation(config)
+        resumed.restore(first.snapshot())
+        resumed.run_until(60e-6)
+        failures = json.loads(resumed.report_json())["failures"]
+        assert [(one["dsp"], one["kind"], one["message"]) for one in failures] == [(1, "boot", "it never requested its program")], quarter
+
+
 def test_going_back_and_on_again_and_again() -> None:
     simulation = core.Simulation(configuration("heavy"))
     simulation.run_until(0.01)

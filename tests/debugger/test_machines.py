@@ -177,3 +177,36 @@ def test_commands_that_make_no_sense_are_refused_and_change_nothing(command: Any
 )  # fmt: skip
 def test_expressions(text: str, value: float) -> None:
     assert dock().debug().value(text) == value
+
+
+def test_an_expression_reads_an_extended_register_as_a_float_by_its_other_name() -> None:
+    debugger = dock().debug()
+    debugger.set_register("R3", -2.25)
+    assert debugger.value("f3") == -2.25 and debugger.value("F3 * 2 < -4.25") == 1
+    assert debugger.value("u(r3)") == 0xF0000000  # the mantissa: -2 + 0.875, without its exponent
+
+
+def test_a_step_that_never_ended_leaves_no_stop_condition() -> None:
+    program = c40.assemble(
+        """
+        .text
+start:  ldhi 2Fh,sp
+        or 0FB00h,sp
+        ldi 0,r0
+        call waits
+        ldi 7,r1
+end:    bu end
+waits:  cmpi 0,r0
+        bz waits
+        rets
+        """
+    )
+    debugger = Network([program]).debug()
+    for _ in range(3):
+        debugger.step()
+    stopped = debugger.step("over")
+    assert stopped.reason == "over" and "repeats a loop" in stopped.text
+    debugger.go_to(1e-6)
+    debugger.set_register("R0", 1)
+    stopped = debugger.go()
+    assert stopped.reason == "over" and "branches to itself" in stopped.text  # past the place behind the call

@@ -138,6 +138,25 @@ def test_end_stops_stop():
     assert "hoist" in crane.at_limit and crane.state.q[3] == 60.0 and crane.state.qd[3] == 0.0
 
 
+def test_a_step_is_integrated_in_one_go_while_nothing_needs_to_be_looked_at_and_each_millisecond_at_an_end_stop():
+    parts = plant.Crane(load_mass=20e3)
+    q = parts.state.q
+    q[0] = parts.parameters.lower[0] + 1e-3
+    parts.reset(q)
+    whole = plant.Crane(load_mass=20e3)
+    torques = holding(parts)
+    torques[0] = -3000.0
+    alike = {}
+    for _ in range(12):
+        whole.restore(parts.snapshot())
+        before = parts.at_limit
+        whole.step(torques, 1e-2)
+        parts.run(torques, 1e-3, 10)
+        if before == parts.at_limit:
+            alike.setdefault(before, set()).add(bytes(whole.state.q) + bytes(whole.state.qd) == bytes(parts.state.q) + bytes(parts.state.qd))
+    assert alike == {(): {False}, ("gantry",): {True}}
+
+
 def test_torques_saturate():
     one, other = plant.Crane(), plant.Crane()
     one.step([1e9] * 5, 0.1)

@@ -43,11 +43,19 @@ def test_a_line_is_changed_where_it_is_code(line: str, expected: set[str]) -> No
 
 
 def test_mutants_are_those_of_the_seed_and_of_every_room() -> None:
-    one, other = (list(itertools.islice(mutants.drawn(7), 300)) for _ in range(2))
-    assert one == other
-    assert one != list(itertools.islice(mutants.drawn(8), 300))
+    one = [next(mutants.drawn(7, number)) for number in range(300)]
+    assert one == [next(mutants.drawn(7, number)) for number in range(300)]
+    assert one != [next(mutants.drawn(8, number)) for number in range(300)]
+    first, second = itertools.islice(mutants.drawn(7, 0), 2)
+    assert first == one[0] and second != one[1]  # another in the place of one that is no mutant moves no other number
     rooms = {next(room for room in mutants.ROOMS if file.startswith(room)) for file, *_ in one}
     assert rooms == set(mutants.ROOMS)
+
+
+def test_every_room_has_tests_that_are_put_first() -> None:
+    assert list(mutants.AIMED) == mutants.ROOMS
+    folders = {folder for aimed in mutants.AIMED.values() for folder in aimed} | set(mutants.LAST)
+    assert all((ROOT / "tests" / folder).is_dir() for folder in folders)
 
 
 def line(number: int, count: int, *branches: tuple[int, bool]) -> dict[str, Any]:

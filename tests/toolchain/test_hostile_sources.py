@@ -125,6 +125,24 @@ def test_any_order_of_directives_is_assembled_or_refused(lines: list[str]) -> No
     outcome("\n".join(lines) + "\n")
 
 
+def nested(depth: int) -> str:
+    """Macros that call one another, `depth` deep."""
+    return "".join(f"m{n} .macro\n\tm{n + 1}\n\t.endm\n" for n in range(1, depth)) + f"m{depth} .macro\n\tnop\n\t.endm\n\tm1\n"
+
+
+@pytest.mark.parametrize(
+    ("most", "more", "message"),
+    [
+        ("\tnop ;" + "x" * (65536 - 6) + "\n", "\tnop ;" + "x" * (65536 - 5) + "\n", "a line of 65537 characters; 65536 are the most"),
+        (nested(100), nested(101), "nested deeper than 100"),
+    ],
+)
+def test_a_limit_is_allowed_and_one_more_is_not(most: str, more: str, message: str) -> None:
+    assert len(toolchain.assemble(most).sections[0].words) == 1
+    with pytest.raises(toolchain.AssemblyError, match=message):
+        toolchain.assemble(more)
+
+
 @pytest.mark.parametrize(
     ("source", "line", "message"),
     [

@@ -94,6 +94,19 @@ all = { origin = 0, length = 0x100000000 }
     assert contents(image)[".data"][1][5] == 0x8000FFF5
 
 
+def test_the_high_half_of_an_address_in_the_same_object_follows_its_symbol() -> None:
+    """The symbol stood at 5 in the object, so that 5 is taken off before its place is added."""
+    image = link("\tldhi hi16(table+9),ar0\n\tor lo16(table+9),ar0\n\tldhi hi16(table+10),ar1\n\t.def table\n\tldhi hi16(table+11),ar2\n\t.data\n\t.space 5\ntable: .word table\n", map="""
+[memory]
+all = { origin = 0, length = 0x100000000 }
+[sections]
+".text" = { address = 0x300000 }
+".data" = { address = 0x8000FFF0 }
+""")  # fmt: skip
+    text = [isa.disassemble(word) for word in contents(image)[".text"][1]]
+    assert text == ["ldhi 32768,ar0", "or 65534,ar0", "ldhi 32768,ar1", "ldhi 32769,ar2"]
+
+
 def test_branches_between_objects_reach_what_they_name_wherever_it_lies() -> None:
     far = "\t.def here,there\n\t.text\nhere: nop\n\t.space 40000\nthere: nop\n"
     for origin in (0x300000, 0x2FF800 - 20000):

@@ -267,7 +267,11 @@ bool Reader::conditional(Statement& s) {
   if (c.after_else) throw LineError{s.operation_offset, fmt::format("'{}' after .else", operation)};
   c.after_else = operation == ".else";
   const bool possible = c.parent && !c.taken;
-  c.active = possible && (c.after_else || known_number(p, "the condition") != 0);
+  c.active = possible && c.after_else;
+  if (possible && !c.after_else) {
+    c.active = known_number(p, "the condition") != 0;
+    p.expect_end();
+  }
   c.taken = c.taken || c.active;
   return true;
 }
