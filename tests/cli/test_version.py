@@ -10,7 +10,7 @@ import cmrc
 import pytest
 from cmrc import _core
 from cmrc.sweeps import identity
-from locations import ROOT
+from locations import BUILD, ROOT
 
 VERSION = re.compile(r"\d+\.\d+\.\d+(\.dev\d+\+g[0-9a-f]{7,}(\.d\d{8})?)?")
 scm = pytest.mark.skipif(shutil.which("git") is None, reason="git is missing")
@@ -19,7 +19,7 @@ scm = pytest.mark.skipif(shutil.which("git") is None, reason="git is missing")
 def test_the_command_and_the_package_have_one_version(run) -> None:
     assert run("--version").stdout == f"emulator {cmrc.__version__}\n"
     assert VERSION.fullmatch(cmrc.__version__), cmrc.__version__
-    other = subprocess.run([sys.executable, "-m", "cmrc", "--version"], capture_output=True, text=True, check=True)
+    other = subprocess.run([BUILD / "bin" / "cmrc", "--version"], capture_output=True, text=True, check=True)
     assert other.stdout == f"cmrc {cmrc.__version__}\n"
 
 
