@@ -233,9 +233,9 @@ class Dsp final : public Scheduler::Processor,
   PacedClock clock_;
   c40::Chip chip_;
   std::deque<Side> sides_;  // by the buses of the board
-  std::array<const BusRoute*, 2> last_route_{&context_.window_b.front(),
-                                             &context_.window_a.front()};  // by on_a: where to look first
-  std::vector<Underway> underway_;                                         // in bridges between buses
+  static constexpr BusRoute no_route{};
+  std::array<const BusRoute*, 2> last_route_{&no_route, &no_route};  // by on_a: where to look first
+  std::vector<Underway> underway_;                                   // in bridges between buses
   AdapterWire adapter_wire_{*this};
   std::vector<Wire> wires_;               // the link adapter's is the first
   std::vector<Net*> nets_in_, nets_out_;  // nets that lead to its pins, and nets that it can drive
