@@ -118,7 +118,7 @@ def test_ctrl_c_ends_the_run_with_a_report(emulator: Path, tmp_path: Path) -> No
     assert "The run ended early: interrupted" in stdout
     report = json.loads((tmp_path / "r.json").read_text())
     assert report["stop_reason"] == "interrupted"
-    assert 0.1 < report["simulated_s"] < 5000
+    assert 0.1 <= report["simulated_s"] < 5000  # the signal may come at the snapshot itself
     for task in report["tasks"].values():
         assert task["released"] == sum(task[outcome] for outcome in OUTCOMES)
 
