@@ -60,6 +60,7 @@ struct CodeBlock {
     std::uint64_t count = 0;  ///< runs of the whole block that are not yet added to the chip's causes and instructions
     std::size_t size = 0;     ///< instructions of the block
     CodeBlock* next = nullptr;
+    Exit* counted = nullptr;  ///< the next exit whose count is not 0
   };
   CodeBlockKey key;
   std::vector<Op> ops;  ///< one per instruction, then the terminal, unless the last instruction ends the block itself
@@ -81,6 +82,7 @@ struct CodeBlock {
       false;  ///< runs from its first instruction to an exit in one go: it does not repeat and has no window access
   bool uses_cache = false;    ///< fetched while the cache was on
   bool all_hits = false;      ///< `words` are all in the cache already
+  std::uint32_t own_words = 0;  ///< If it uses the cache: the bits of key.hits that are its own words.
   std::uint64_t checked = 0;  ///< the version of the cache at which its hits were last compared with its key
   std::vector<Word> words;    ///< if it uses the cache
 

@@ -36,12 +36,8 @@ void BlockStore::clear(Memory& memory) {
   blocks_.clear();
 }
 
-void BlockStore::note(CodeBlock::Exit& exit, std::uint64_t times) {
-  if (times != 0) counted_.push_back(&exit);
-}
-
 void BlockStore::settle(Causes& causes, std::uint64_t& instructions) {
-  for (CodeBlock::Exit* exit : counted_) {
+  for (CodeBlock::Exit* exit = counted_; exit != nullptr; exit = exit->counted) {
     for (std::uint32_t left = exit->charged; left != 0; left &= left - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(left));
       causes[i] += static_cast<Cycles>(exit->count) * exit->causes[i];
@@ -49,7 +45,7 @@ void BlockStore::settle(Causes& causes, std::uint64_t& instructions) {
     instructions += exit->count * exit->size;
     exit->count = 0;
   }
-  counted_.clear();
+  counted_ = nullptr;
 }
 
 }  // namespace c40

@@ -22,19 +22,19 @@ class BlockStore {
 
   /// Counts `times` runs of a whole block that end at this exit; settle() adds them up.
   [[gnu::always_inline]] void count(CodeBlock::Exit& exit, std::uint64_t times) {
-    if (exit.count == 0) [[unlikely]]
-      note(exit, times);
+    if (exit.count == 0 && times != 0) [[unlikely]] {
+      exit.counted = counted_;
+      counted_ = &exit;
+    }
     exit.count += times;
   }
   /// Adds the counts to the chip's causes and instructions.
   void settle(Causes& causes, std::uint64_t& instructions);
 
  private:
-  void note(CodeBlock::Exit& exit, std::uint64_t times);
-
   std::vector<std::unique_ptr<CodeBlock>> blocks_;
   std::unordered_map<CodeBlockKey, CodeBlock*, CodeBlockKeyHash> by_key_;
-  std::vector<CodeBlock::Exit*> counted_;  ///< exits whose count is not 0
+  CodeBlock::Exit* counted_ = nullptr;  ///< the first of the exits whose count is not 0
 };
 
 /// Addresses with which no block can begin: the exact engine executes these instructions each time, without a search

@@ -30,11 +30,12 @@ class Cache {
     return s != segment_count && (present_[s] >> (address & 31) & 1u) != 0 ? &words_[s][address & 31] : nullptr;
   }
 
-  /// For each of 32 words from an address on, bit 0 first: whether fetching them in order gives a hit.
-  std::uint32_t hits_from(Address address) const {
+  /// For each of the words from an address on, bit 0 first: whether fetching them in order gives a hit. Of the other
+  /// words, bits may be set or not.
+  std::uint32_t hits_from(Address address, unsigned words = segment_words) const {
     const unsigned first = segment_of(address), shift = address % segment_words;
     std::uint32_t hits = first != segment_count ? present_[first] >> shift : 0;
-    if (shift == 0) return hits;
+    if (shift + words <= segment_words) return hits;
     const unsigned second = segment_of(address + segment_words);
     const bool replaced = first == segment_count && second == order_[segment_count - 1];
     if (second != segment_count && !replaced) hits |= present_[second] << (segment_words - shift);

@@ -39,7 +39,8 @@ void InstructionCache::load(Address pc, Word word, const Memory::Area& area) {
 }
 
 bool InstructionCache::has_words_of(CodeBlock& block) const {
-  if (hits_from(block.key.pc) != block.key.hits) return false;
+  const std::uint32_t hits = state_.cache.hits_from(block.key.pc, static_cast<unsigned>(block.size));
+  if (((hits ^ block.key.hits) & block.own_words) != 0) return false;
   block.checked = version_;
   return true;
 }
@@ -52,11 +53,15 @@ void InstructionCache::fetch_words(const CodeBlock& block, std::size_t from, std
     return;
   }
   ++version_;
-  for (Address pc = begin; pc != end;) {
-    const Address stop = std::min(end, (pc | (Cache::segment_words - 1)) + 1);
-    state_.cache.load(pc, std::span{block.words}.subspan(pc - block.key.pc, stop - pc));
-    pc = stop;
-  }
+  const Word* const words = block.words.data() + from;
+  const std::size_t count = to - from, in_segment = Cache::segment_words - begin % Cache::segment_words;
+  state_.cache.load(begin, {words, std::min(count, in_segment)});
+  if (count > in_segment) load_rest(end, {words + in_segment, count - in_segment});
+}
+
+// The words before `end`; a block has at most as many as a segment, so they are in one.
+void InstructionCache::load_rest(Address end, std::span<const Word> words) {
+  state_.cache.load(end - static_cast<Address>(words.size()), words);
 }
 
 void InstructionCache::mark_code(Memory& memory) const {

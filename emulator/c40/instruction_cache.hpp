@@ -3,6 +3,7 @@
 /// is known about these words.
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "c40/block.hpp"
 #include "c40/memory.hpp"
@@ -74,6 +75,7 @@ class InstructionCache {
   void add_change(Cycles executed, Word control);
   bool has_words_of(CodeBlock& block) const;
   void fetch_words(const CodeBlock& block, std::size_t from, std::size_t to);
+  [[gnu::noinline]] void load_rest(Address end, std::span<const Word> words);
 
   State& state_;
   std::uint64_t version_ = 1;  ///< rises when a word is loaded or removed
