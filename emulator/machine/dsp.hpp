@@ -160,6 +160,13 @@ class Dsp final : public Scheduler::Processor,
     Scheduler::Actor& actor;
   };
 
+  /// A part of a window, the bridge that leads there, and the clock of the bridge's bus.
+  struct Path {
+    BusRoute route{};
+    pci::Bridge* bridge = nullptr;
+    const Clock* bus = nullptr;
+  };
+
   struct Underway {
     unsigned bus;
     Window window;
@@ -179,7 +186,7 @@ class Dsp final : public Scheduler::Processor,
   bool port_wait(const c40::PortAccess& access) override;
   bool faulted(const c40::Fault& why) override;
   void begin_access(Time horizon);
-  void begin_read(const BusRoute& route);
+  void begin_read(const Path& path, Time issued);
   void begin_port_access(Time now, Time horizon);
   void driven(c40::Pin pin, c40::Drive drive, c40::Cycles at) override;
   Time next_pin_event() const;
@@ -193,7 +200,7 @@ class Dsp final : public Scheduler::Processor,
   void require_not_run_past(Time now) const;
   void run_dma(Time horizon);
   c40::Cycles limit(Time horizon) const;
-  void post(const BusRoute& route, const c40::ExternalAccess& access);
+  void post(const Path& path, const c40::ExternalAccess& access, Time issued);
   void complete(Time horizon);
   void deliver_edge(Time now);
   bool caught_up(Time now);
@@ -219,23 +226,19 @@ class Dsp final : public Scheduler::Processor,
   }
   Window window_of(std::uint32_t address) const { return on_a(address) ? Window::a : Window::b; }
   /// The part of the board's window with this address; behind the last part nothing answers.
-  const BusRoute& route_of(std::uint32_t address) {
-    const BusRoute& last = *last_route_[on_a(address)];
-    return last.holds(offset_of(address)) ? last : found_route(address);
+  const Path& path_of(std::uint32_t address) {
+    const Path& last = last_path_[on_a(address)];
+    return last.route.holds(offset_of(address)) ? last : found_path(address);
   }
-  const BusRoute& found_route(std::uint32_t address);
-  pci::Bridge& bridge(const BusRoute& route) { return sides_[route.port].bridge; }
-  const Clock& clock_of(const BusRoute& route) const { return context_.bus_clocks[sides_[route.port].bus]; }
-  char bus_name(const BusRoute& route) const { return static_cast<char>('A' + sides_[route.port].bus); }
+  const Path& found_path(std::uint32_t address);
 
   unsigned slot_;
   DspContext& context_;
   PacedClock clock_;
   c40::Chip chip_;
   std::deque<Side> sides_;  // by the buses of the board
-  static constexpr BusRoute no_route{};
-  std::array<const BusRoute*, 2> last_route_{&no_route, &no_route};  // by on_a: where to look first
-  std::vector<Underway> underway_;                                   // in bridges between buses
+  std::array<Path, 2> last_path_{};  // by on_a: where to look first
+  std::vector<Underway> underway_;   // in bridges between buses
   AdapterWire adapter_wire_{*this};
   std::vector<Wire> wires_;               // the link adapter's is the first
   std::vector<Net*> nets_in_, nets_out_;  // nets that lead to its pins, and nets that it can drive

@@ -9,13 +9,13 @@
 
 namespace machine {
 
-const BusRoute& Dsp::found_route(std::uint32_t address) {
+const Dsp::Path& Dsp::found_path(std::uint32_t address) {
   const std::vector<BusRoute>& routes = on_a(address) ? context_.window_a : context_.window_b;
   const auto found = std::ranges::find_if(
       routes, [offset = offset_of(address)](const BusRoute& route) { return route.holds(offset); });
   const BusRoute& route = found != routes.end() ? *found : routes.back();
-  last_route_[on_a(address)] = &route;
-  return route;
+  Side& side = sides_[route.port];
+  return last_path_[on_a(address)] = {route, &side.bridge, &context_.bus_clocks[side.bus]};
 }
 
 bool Dsp::writable(Window window, Offset offset) const {
@@ -23,26 +23,31 @@ bool Dsp::writable(Window window, Offset offset) const {
   return offset < SharedSram::size || context_.registers.answers(offset, true, false);
 }
 
-// Answers at once a write for which the bridge has room, and a read that the bridge's line answers.
+// Answers at once a write for which the bridge has room, and a read that the bridge's line answers. Any other read goes
+// to its bridge now, ahead of its turn, as a posted write does, unless something could act on the board before.
 bool Dsp::answer_at_once(const c40::ExternalAccess& access, c40::WindowAnswer& answer) {
-  const BusRoute& route = route_of(access.address);
+  const Path& path = path_of(access.address);
   const Offset offset = offset_of(access.address);
+  const Time issued = clock_.at(access.cycle);
   if (access.write) {
-    if (!writable(window_of(access.address), offset) || clock_.at(access.cycle) >= run_end_ ||
-        !bridge(route).has_room()) {
+    if (!writable(window_of(access.address), offset) || issued >= run_end_ || !path.bridge->has_room()) {
       refused_ = access.cycle;
       return false;
     }
-    post(route, access);
+    post(path, access, issued);
     return true;
   }
   pci::Bridge::Hit hit;
-  if (!bridge(route).look_up(offset + route.shift, hit)) {
+  if (!path.bridge->look_up(offset + path.route.shift, hit)) {
     refused_ = access.cycle;
+    if (issued < run_end_ && !chip_.dma_active()) {
+      access_ = access;
+      begin_read(path, issued);
+    }
     return false;
   }
   statistics_.prefetch_hits += 1;
-  const Time ready = clock_of(route).at(hit.ready);
+  const Time ready = path.bus->at(hit.ready);
   const c40::Cycles least = context_.config.prefetch_hit_cycles;
   const bool is_there = ready <= clock_.at(access.cycle + least);
   answer.value = hit.value;
@@ -52,13 +57,15 @@ bool Dsp::answer_at_once(const c40::ExternalAccess& access, c40::WindowAnswer& a
 
 // An access that was not answered at once, or before which the chip has to stop: while its DMA is active.
 bool Dsp::window_access(const c40::ExternalAccess& access) {
-  const BusRoute& route = route_of(access.address);
+  const bool asked = std::exchange(refused_, -1) == access.cycle;
+  if (asked && state_ == State::blocked) return false;  // the read has gone to its bridge
   if (access.write && !writable(window_of(access.address), offset_of(access.address))) {
+    const char bus = static_cast<char>('A' + sides_[path_of(access.address).route.port].bus);
     fault(access.cycle, chip_.pc(), access.address,
-          fmt::format("a write that nothing on bus {} takes from a DSP (PCI master abort)", bus_name(route)));
+          fmt::format("a write that nothing on bus {} takes from a DSP (PCI master abort)", bus));
     return false;
   }
-  if (std::exchange(refused_, -1) != access.cycle) {  // the chip has not asked: its DMA is active
+  if (!asked) {  // its DMA is active, or was
     if (c40::WindowAnswer answer; answer_at_once(access, answer)) {
       if (access.write)
         chip_.complete_write(answer.arbitration, answer.transfer);
@@ -67,13 +74,11 @@ bool Dsp::window_access(const c40::ExternalAccess& access) {
       return true;
     }
     refused_ = -1;
+    if (state_ == State::blocked) return false;
   }
   access_ = access;
   state_ = State::access;
   own_next_ = clock_.at(access.cycle);
-  // A read may go to its bridge ahead of its turn, as a posted write does: nothing can act on the board before the read
-  // begins.
-  if (!access.write && !chip_.dma_active() && own_next_ < run_end_) begin_read(route);
   return false;
 }
 
@@ -82,39 +87,37 @@ bool Dsp::needs_counters(const c40::ExternalAccess& access) const {
          context_.observer->wants_issues_at(window_of(access.address), offset_of(access.address));
 }
 
-void Dsp::post(const BusRoute& route, const c40::ExternalAccess& access) {
-  const Time issued = clock_.at(access.cycle);
+void Dsp::post(const Path& path, const c40::ExternalAccess& access, Time issued) {
   statistics_.posted_writes += 1;
   if (needs_counters(access))
     context_.observer->dsp_issue(slot_, window_of(access.address), offset_of(access.address), access.value, issued);
-  bridge(route).write({.address = offset_of(access.address) + route.shift,
-                       .value = access.value,
-                       .clock = clock_of(route).tick_at_or_after(issued),
-                       .stamp = issued.count()});
+  path.bridge->write({.address = offset_of(access.address) + path.route.shift,
+                      .value = access.value,
+                      .clock = path.bus->tick_at_or_after(issued),
+                      .stamp = issued.count()});
 }
 
 void Dsp::begin_access(Time horizon) {
-  const BusRoute& route = route_of(access_.address);
-  if (access_.write && bridge(route).has_room()) {
-    post(route, access_);
+  const Path& path = path_of(access_.address);
+  const Time issued = clock_.at(access_.cycle);
+  if (!access_.write) return begin_read(path, issued);
+  if (path.bridge->has_room()) {
+    post(path, access_, issued);
     chip_.complete_write(0, 0);
     return run(horizon);
   }
-  if (!access_.write) return begin_read(route);
   state_ = State::blocked;
   own_next_ = never;
-  post(route, access_);
+  post(path, access_, issued);
 }
 
-void Dsp::begin_read(const BusRoute& route) {
+void Dsp::begin_read(const Path& path, Time issued) {
   state_ = State::blocked;
   own_next_ = never;
   statistics_.bus_reads += 1;
-  const Clock& bus = clock_of(route);
-  const Time issued = clock_.at(access_.cycle);
-  const pci::Clocks clock = bus.tick_at_or_after(issued);
-  const bool together = bus.at(clock) == issued;  // the bus's events of that instant come first
-  bridge(route).read(offset_of(access_.address) + route.shift, clock, clock + together);
+  const pci::Clocks clock = path.bus->tick_at_or_after(issued);
+  const bool together = path.bus->at(clock) == issued;  // the bus's events of that instant come first
+  path.bridge->read(offset_of(access_.address) + path.route.shift, clock, clock + together);
 }
 
 void Dsp::answered(const Side& side, Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result) {
