@@ -96,8 +96,8 @@ void Chip::set_expansion(isa::Expansion r, Word value) {
   (r == isa::Expansion::IVTP ? core.ivtp : core.tvtp) = value & choices::vector_table_mask;
 }
 
-StopInfo Chip::run_until(Cycles limit, Cycles known) { return engine_->run_until(limit, known); }
-StopInfo Chip::step() { return engine_->step(); }
+const StopInfo& Chip::run_until(Cycles limit, Cycles known) { return engine_->run_until(limit, known); }
+const StopInfo& Chip::step() { return engine_->step(); }
 void Chip::complete_read(Word value, Cycles arbitration, Cycles transfer) {
   engine_->complete(false, value, arbitration, transfer);
 }

@@ -159,14 +159,15 @@ class Chip {
   void set_expansion(isa::Expansion r, Word value);
 
   /// Runs whole instructions while cycle() < limit. Results do not depend on how a run is divided into calls.
-  StopInfo run_until(Cycles limit) { return run_until(limit, limit); }
+  /// \returns why the run ended; valid until the next run.
+  const StopInfo& run_until(Cycles limit) { return run_until(limit, limit); }
   /// \param known the cycle up to which the chip's links are known. A DMA that uses a linked port, and a processor in
   /// IDLE, go no further. A running processor may: an interrupt by a port counts from the next instruction on. If
   /// `known` is beyond `limit`, the processor stops at `limit`, and the DMA goes on to `known`.
-  StopInfo run_until(Cycles limit, Cycles known);
+  const StopInfo& run_until(Cycles limit, Cycles known);
   /// One instruction (or interrupt entry). In IDLE, one idle cycle. Up to some ten thousand cycles if a DMA with the
   /// higher priority keeps the processor from its bus.
-  StopInfo step();
+  const StopInfo& step();
   /// The answer to a read: its value, and the cycles that the chip waited beyond the region's own wait states.
   void complete_read(Word value, Cycles arbitration, Cycles transfer);
   void complete_write(Cycles arbitration, Cycles transfer);

@@ -48,13 +48,15 @@ class Engine {
 
   void reset();
   void boot();
-  StopInfo run_until(Cycles limit, Cycles known);
-  StopInfo step();
+  const StopInfo& run_until(Cycles limit, Cycles known);
+  const StopInfo& step();
   void complete(bool write, Word value, Cycles arbitration, Cycles transfer);
   void watch_pins(PinListener* listener, unsigned outputs, unsigned inputs);
   void hold(bool held);
   void stand_until(Cycles cycle);
-  bool waits_in_idle() const;
+  bool waits_in_idle() const {
+    return state_.core.idle && may_interrupt() && interrupts::pending(state_) == 0;
+  }
   void settle_counts();
   /// After this call the state may be changed from outside.
   State& touch();
@@ -106,11 +108,19 @@ class Engine {
   Word watched_ports_now() const;
   Stepped advance(Cycles limit, bool single);
   Stepped act(Cycles limit, bool single, bool dma_busy);
-  StopInfo stop(Stepped why);
+  const StopInfo& stop(Stepped why);
+  StopInfo& stopped(StopInfo::Reason reason) {
+    stop_.reason = reason;
+    stop_.fault.reset();
+    return stop_;
+  }
   void pass(Cause cause, Cycles until);
   void reach_present();
   void make_dma_current(bool waited);
-  bool may_interrupt() const;
+  bool may_interrupt() const {
+    return state_.core.delay_slots == 0 && state_.core.repeat_single == 0 && !access_.is_answered() &&
+           !access_.at_port();
+  }
   bool take_interrupt(Word vector);
 
   // engine_step.cpp: the exact engine
@@ -221,6 +231,7 @@ class Engine {
   DmaSide dma_side_;
   DmaEffect dma_effect_ = DmaEffect::none;  ///< on the instruction in execution
   IdleSpan idle_;
+  StopInfo stop_;  ///< of the last run
   Cycles run_limit_ = 0;  ///< of the present call: the links are known up to this cycle
 };
 

@@ -20,8 +20,6 @@ constexpr Cycles starved_cycles = 10'000;
 
 }  // namespace
 
-bool Engine::waits_in_idle() const { return state_.core.idle && may_interrupt() && interrupts::pending(state_) == 0; }
-
 // How far the DMA may advance while the processor runs or idles: all that the processor does before this cycle is
 // known. The links are known up to `limit` only.
 Cycles Engine::known_until(Cycles limit, bool idles) const {

@@ -19,10 +19,10 @@ void Engine::pass(Cause cause, Cycles until) {
   pipeline_.set(PipelineTable::drained);
 }
 
-StopInfo Engine::stop(Stepped why) {
+const StopInfo& Engine::stop(Stepped why) {
   if (cache_.control_pending()) [[unlikely]]
     settle_cache_control();  // the DMA may have run while the processor idled
-  StopInfo info;
+  StopInfo& info = stopped(StopInfo::Reason::limit);
   switch (why) {
     case Stepped::done: break;
     case Stepped::external:
@@ -44,10 +44,6 @@ StopInfo Engine::stop(Stepped why) {
       break;
   }
   return info;
-}
-
-bool Engine::may_interrupt() const {
-  return state_.core.delay_slots == 0 && state_.core.repeat_single == 0 && !access_.is_answered() && !access_.at_port();
 }
 
 // One action: a stop, an interrupt entry, idling, a run of blocks, or one exact instruction.
@@ -103,7 +99,7 @@ bool Engine::may_interrupt() const {
   return one || !breakpoints.empty() || probe_.on_code() || onward_.is_inside() ? Stepped::done : run_exactly(limit);
 }
 
-Engine::Stepped Engine::advance(Cycles limit, bool single) {
+[[gnu::always_inline]] inline Engine::Stepped Engine::advance(Cycles limit, bool single) {
   state_.core.attention = false;
   reach_present();
   const bool busy = peripherals_.dma_busy(), waited = peripherals_.dma_active() && !busy;
@@ -112,10 +108,10 @@ Engine::Stepped Engine::advance(Cycles limit, bool single) {
   return why;
 }
 
-StopInfo Engine::run_until(Cycles limit, Cycles known) {
+const StopInfo& Engine::run_until(Cycles limit, Cycles known) {
   if (state_.held || state_.faulted) {
     pass(Cause::halted, known);
-    return {};
+    return stopped(StopInfo::Reason::limit);
   }
   run_limit_ = known;
   const Word watched = watched_ports();
@@ -123,19 +119,19 @@ StopInfo Engine::run_until(Cycles limit, Cycles known) {
   for (;;) {
     if (peripherals_.dma_active() || dma_side_.stop)
       if (auto info = run_dma(known, false)) {
-        if (info->reason != StopInfo::Reason::limit || state_.cycle >= limit) return *info;
+        if (info->reason != StopInfo::Reason::limit || state_.cycle >= limit) return stop_ = *std::move(info);
         continue;
       }
     const Cycles end = waits_in_idle() ? std::min(known, limit) : limit;
     if (state_.cycle >= end) {
       if ((waits || known > limit) && peripherals_.dma_active())
-        if (auto info = run_dma(known, true)) return *info;
+        if (auto info = run_dma(known, true)) return stop_ = *std::move(info);
       break;
     }
     const Stepped why = advance(end, false);
     if (why != Stepped::done) {
       if (peripherals_.dma_active() && (why == Stepped::port || why == Stepped::external)) {
-        if (auto earlier = run_dma(waits ? known : std::min(known, access_.cycle()), true)) return *earlier;
+        if (auto earlier = run_dma(waits ? known : std::min(known, access_.cycle()), true)) return stop_ = *std::move(earlier);
       }
       access_.set_told(true);
       return stop(why);
@@ -145,32 +141,32 @@ StopInfo Engine::run_until(Cycles limit, Cycles known) {
   }
   // Events of timers keep their order with the DMA: if the DMA is behind, they wait for it.
   if (!peripherals_.dma_active() || !uses_linked_port() || state_.dma.now >= state_.cycle - 1) reach_present();
-  return {};
+  return stopped(StopInfo::Reason::limit);
 }
 
-StopInfo Engine::step() {
+const StopInfo& Engine::step() {
   if (state_.held || state_.faulted) {
     pass(Cause::halted, state_.cycle + 1);
-    return {};
+    return stopped(StopInfo::Reason::limit);
   }
   run_limit_ = state_.cycle;
   if (peripherals_.dma_active() || dma_side_.stop)
-    if (auto info = run_dma(run_limit_, false)) return *info;
+    if (auto info = run_dma(run_limit_, false)) return stop_ = *std::move(info);
   if (peripherals_.dma_active() && waits_in_idle()) {
     const Cycles before = state_.cycle;
-    if (auto info = run_dma(before + 1, false)) return *info;
+    if (auto info = run_dma(before + 1, false)) return stop_ = *std::move(info);
     if (state_.cycle != before) {
       reach_present();
-      return {};
+      return stopped(StopInfo::Reason::limit);
     }
   }
   const Stepped why = advance(state_.cycle + 1, true);
   if (peripherals_.dma_active() && (why == Stepped::port || why == Stepped::external)) {
-    if (auto earlier = run_dma(access_.cycle(), true)) return *earlier;
+    if (auto earlier = run_dma(access_.cycle(), true)) return stop_ = *std::move(earlier);
   }
   access_.set_told(why != Stepped::done);
   if (why == Stepped::done && (peripherals_.dma_active() || dma_side_.stop))
-    if (auto info = run_dma(waits_in_idle() ? state_.cycle : run_limit_, false)) return *info;
+    if (auto info = run_dma(waits_in_idle() ? state_.cycle : run_limit_, false)) return stop_ = *std::move(info);
   if (why == Stepped::done) reach_present();
   return stop(why);
 }

@@ -6,7 +6,7 @@ namespace machine {
 
 void ChipRunner::run_chip(c40::Chip& chip) {
   while (const std::optional<Span> next = span()) {
-    const c40::StopInfo stop = next->one_instruction ? chip.step() : chip.run_until(next->limit, next->known);
+    const c40::StopInfo& stop = next->one_instruction ? chip.step() : chip.run_until(next->limit, next->known);
     if (!goes_on(chip, stop)) return;
   }
 }

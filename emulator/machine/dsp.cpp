@@ -45,14 +45,20 @@ Dsp::Dsp(unsigned slot, bool plugged, DspContext& context)
 
 void Dsp::set_next() {
   plan();
-  for (const Wire& wire : wires_) wire.actor.changed();  // the chip's accesses may have changed the next event of links
+  // The chip's accesses may have changed the next event of links.
+  adapter_wire_.changed();
+  for (std::size_t i = 1; i < wires_.size(); ++i) wires_[i].actor.changed();
 }
 
 void Dsp::plan() {
-  next_ = std::min({own_next_, edge_, reset_});
-  if (dma_goes_on()) next_ = std::min(next_, clock_.at(chip_.settled()));
-  if (!nets_out_.empty()) next_ = std::min(next_, next_pin_event());
+  next_ = std::min(own_next_, std::min(edge_, reset_));
+  if (wires_.size() > 1 || !nets_out_.empty()) [[unlikely]]
+    next_ = std::min(next_, next_of_links_and_pins());
   changed();
+}
+
+Time Dsp::next_of_links_and_pins() const {
+  return std::min(dma_goes_on() ? clock_.at(chip_.settled()) : never, next_pin_event());
 }
 
 void Dsp::attach(int port, c40::Link& link, int side, Scheduler::Actor& wire) {

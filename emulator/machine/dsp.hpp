@@ -190,6 +190,7 @@ class Dsp final : public Scheduler::Processor,
   void begin_port_access(Time now, Time horizon);
   void driven(c40::Pin pin, c40::Drive drive, c40::Cycles at) override;
   Time next_pin_event() const;
+  Time next_of_links_and_pins() const;
   bool in_access() const {
     return state_ == State::access || state_ == State::port || state_ == State::blocked || state_ == State::resuming;
   }

@@ -44,11 +44,12 @@ inline bool Scheduler::turn(Time limit, Length length) {
   Time next = turn.time;
   {
     const Acting acting{*this, actor};
+    others_ = calendar_.earliest_of_others(turn.who);
     do {
       now_ = next;
       actor.act(now_);
       next = actor.next();
-    } while (length == Length::until_another && next < limit && next < calendar_.earliest_of_others(turn.who));
+    } while (length == Length::until_another && next < limit && next < others_);
   }
   calendar_.set_after_turn(turn.who, next);
   return true;

@@ -7,6 +7,7 @@
 /// which a run is divided changes anything. A seed shuffles the order, and tests compare.
 ///
 /// When an actor's next event changes, the actor reports it; the scheduler does not ask all actors again and again.
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -31,7 +32,7 @@ class Scheduler {
     /// be left out, provided act() then finds nothing to do (the plant, which a reader may advance to its latch before
     /// its turn).
     void changed() {
-      if (scheduler_ != nullptr && scheduler_->acting_ != this) scheduler_->calendar_.set(place_, next());
+      if (scheduler_ != nullptr && scheduler_->acting_ != this) scheduler_->enter(*this, next());
     }
 
    protected:
@@ -96,6 +97,11 @@ class Scheduler {
     std::uint64_t state_;
   };
 
+  void enter(const Actor& actor, Time next) {
+    calendar_.set(actor.place_, next);
+    others_ = std::min(others_, next);
+  }
+
   /// While an actor acts, its own next event is entered only once, at the end.
   struct Acting {
     Acting(Scheduler& its_scheduler, const Actor& actor) : scheduler{its_scheduler} { scheduler.acting_ = &actor; }
@@ -115,6 +121,7 @@ class Scheduler {
   Time limit_{0};
   Time now_{0};
   const Actor* acting_ = nullptr;
+  Time others_{0};  ///< while an actor acts: no other actor has an earlier event
   Shuffle shuffle_;
 };
 
