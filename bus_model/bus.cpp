@@ -87,7 +87,8 @@ inline unsigned Bus::winner(Clocks latest) const {
     const int master = std::countr_zero(rest);
     asking |= std::uint32_t{requests_[static_cast<std::size_t>(master)] <= latest} << master;
   }
-  return asking != 0 ? arbiter_.pick(asking, latest) : nobody;
+  if ((asking & (asking - 1)) != 0) return arbiter_.pick(asking, latest);
+  return asking != 0 ? static_cast<unsigned>(std::countr_zero(asking)) : nobody;
 }
 
 // An idle bus goes to the first master that requests it. If several request it in the same clock, the master that

@@ -86,7 +86,7 @@ Outcome Engine::run_ops(CodeBlock& block, std::size_t from, Cycles budget) {
 }
 
 // The rest of a block was run to its end. The count that run_blocks will add is for the whole block.
-CodeBlock::Exit& Engine::end_part(CodeBlock& block, InBlock in, const Outcome& outcome) {
+inline CodeBlock::Exit& Engine::end_part(CodeBlock& block, InBlock in, const Outcome& outcome) {
   cache_.fetch(block, in.seen, block.size);
   CodeBlock::Exit& exit = block.repeats ? end_repeat(block, 1) : block.exits[outcome.exit == Exit::taken];
   state_.cycle -= block.start[in.from];
@@ -94,6 +94,91 @@ CodeBlock::Exit& Engine::end_part(CodeBlock& block, InBlock in, const Outcome& o
   state_.instructions -= in.seen;
   block.subtract_causes(state_.causes, 0, in.seen);
   return exit;
+}
+
+// The window of an instruction, while accesses through windows may be done in blocks.
+inline const WindowAccess* Engine::open_window(const CodeBlock& block, std::size_t at) const {
+  return peripherals_.dma_active() || probe_.on_data() ? nullptr : block.window(at);
+}
+
+// Instruction `at` continues with the answer to the access before which the chip stopped. That the access is the same
+// one the instruction checks, as any other (its guard).
+inline bool Engine::opens_answer(const CodeBlock& block, std::size_t at) {
+  const WindowAccess* const window = open_window(block, at);
+  if (window == nullptr) return false;
+  const Answer& answer = state_.answers[window->access];
+  if (!answer.given || !window->area->contains(answer.address)) return false;
+  opened_ = {window, access_.take_answer(window->access)};
+  return true;
+}
+
+// An access that an instruction could not do goes through a window, as during the recording. Either the access is
+// answered (opened_), or the chip stops before it (access_). False: neither.
+inline bool Engine::reach_window(CodeBlock& block, InBlock& in, const Outcome& outcome) {
+  const Core& core = state_.core;
+  const auto at = static_cast<std::size_t>(outcome.at - block.ops.data());
+  const WindowAccess* const window = open_window(block, at);
+  if (window == nullptr || window->access != core.miss_access || !window->area->contains(core.miss_address) ||
+      access_.is_answered())
+    return false;
+  const bool write = core.miss_write;
+  opened_.window = window;
+  ExternalAccess access{core.miss_address,
+                        write,
+                        window->interlocked,
+                        write ? core.miss_value : 0,
+                        state_.cycle + block.start[at] - block.start[in.from] + window->start,
+                        -1};
+  const bool counters = write && window_listener != nullptr && window_listener->needs_counters(access);
+  const auto bring_up_to_date = [&] {
+    leave(block, in, at);
+    in = {at, at};
+  };
+  if (counters) bring_up_to_date();
+  if (!answers_at_once(access)) {
+    if (!counters) bring_up_to_date();
+    access_.begin(window->access, access);
+    onward_.inside(block, at);
+    return true;
+  }
+  state_.cycle += block.start[at] - block.start[in.from];
+  in.from = at;
+  return true;
+}
+
+// Executes the instruction whose access is answered, whatever the budget, and those after it.
+inline Outcome Engine::pass_window(CodeBlock& block, const InBlock& in, Cycles limit) {
+  const WindowAccess* const window = opened_.window;
+  const Answer& answer = opened_.answer;
+  const std::size_t k = window->access;
+  Op& op = block.ops[in.from];
+  auto& cell = scratch_[k].cell;
+  cell = {answer.value};
+  op.access[k] = {cell.data(), answer.address, 1};
+  const Cycles waited = answer.waited(), here = block.start[in.from];
+  const Outcome outcome = run_ops(block, in.from, std::max(limit - state_.cycle - waited, Cycles{1}) + here);
+  op.access[k] = {};
+  if (outcome.at == &op && outcome.exit > Exit::taken && outcome.exit != Exit::left_after) {
+    state_.answers[k] = answer;  // another access of the instruction failed its guard
+  } else {
+    if (window->lock) state_.locked[window->area->resource == Resource::global] = *window->lock;
+    settle_answer(answer);
+  }
+  return outcome;
+}
+
+// The rest of a block from an instruction on that could not do an access. Null: the block was left, or the chip stops
+// before an access (access_).
+CodeBlock::Exit* Engine::pass_windows(CodeBlock& block, InBlock in, Outcome outcome, Cycles limit) {
+  while (outcome.exit > Exit::taken) {
+    if (outcome.exit != Exit::miss || !reach_window(block, in, outcome)) {
+      left_block(block, in, outcome);
+      return nullptr;
+    }
+    if (access_.any()) return nullptr;
+    outcome = pass_window(block, in, limit);
+  }
+  return &end_part(block, in, outcome);
 }
 
 // Block after block, as long as each leads to a known one. This is the cost of every block, so only counts and cycles
@@ -111,7 +196,8 @@ Engine::Stepped Engine::run_blocks(CodeBlock* block, std::size_t at, Cycles limi
   };
   bool on = true;
   if (access_.is_answered() && opens_answer(*block, at)) {
-    exit = pass_windows(*block, in, pass_window(*block, in, limit), limit);
+    const Outcome ended = pass_window(*block, in, limit);
+    exit = ended.exit <= Exit::taken ? &end_part(*block, in, ended) : pass_windows(*block, in, ended, limit);
     if (exit == nullptr) return access_.any() ? Stepped::external : Stepped::done;
     cycle = state_.cycle;
     in = {};
@@ -168,91 +254,6 @@ CodeBlock::Exit* Engine::run_special(CodeBlock& block, InBlock in, Cycles limit,
   if (!part && block.repeats) return run_repeated(block, limit, outcome);
   outcome = run_ops(block, in.from, budget);
   return outcome.exit <= Exit::taken ? &end_part(block, in, outcome) : nullptr;
-}
-
-// The rest of a block from an instruction on that could not do an access. Null: the block was left, or the chip stops
-// before an access (access_).
-CodeBlock::Exit* Engine::pass_windows(CodeBlock& block, InBlock in, Outcome outcome, Cycles limit) {
-  while (outcome.exit > Exit::taken) {
-    if (outcome.exit != Exit::miss || !reach_window(block, in, outcome)) {
-      left_block(block, in, outcome);
-      return nullptr;
-    }
-    if (access_.any()) return nullptr;
-    outcome = pass_window(block, in, limit);
-  }
-  return &end_part(block, in, outcome);
-}
-
-// The window of an instruction, while accesses through windows may be done in blocks.
-const WindowAccess* Engine::open_window(const CodeBlock& block, std::size_t at) const {
-  return peripherals_.dma_active() || probe_.on_data() ? nullptr : block.window(at);
-}
-
-// Instruction `at` continues with the answer to the access before which the chip stopped. That the access is the same
-// one the instruction checks, as any other (its guard).
-bool Engine::opens_answer(const CodeBlock& block, std::size_t at) {
-  const WindowAccess* const window = open_window(block, at);
-  if (window == nullptr) return false;
-  const Answer& answer = state_.answers[window->access];
-  if (!answer.given || !window->area->contains(answer.address)) return false;
-  opened_ = {window, access_.take_answer(window->access)};
-  return true;
-}
-
-// An access that an instruction could not do goes through a window, as during the recording. Either the access is
-// answered (opened_), or the chip stops before it (access_). False: neither.
-bool Engine::reach_window(CodeBlock& block, InBlock& in, const Outcome& outcome) {
-  const Core& core = state_.core;
-  const auto at = static_cast<std::size_t>(outcome.at - block.ops.data());
-  const WindowAccess* const window = open_window(block, at);
-  if (window == nullptr || window->access != core.miss_access || !window->area->contains(core.miss_address) ||
-      access_.is_answered())
-    return false;
-  const bool write = core.miss_write;
-  opened_.window = window;
-  ExternalAccess access{core.miss_address,
-                        write,
-                        window->interlocked,
-                        write ? core.miss_value : 0,
-                        state_.cycle + block.start[at] - block.start[in.from] + window->start,
-                        -1};
-  const bool counters = write && window_listener != nullptr && window_listener->needs_counters(access);
-  const auto bring_up_to_date = [&] {
-    leave(block, in, at);
-    in = {at, at};
-  };
-  if (counters) bring_up_to_date();
-  if (!answers_at_once(access)) {
-    if (!counters) bring_up_to_date();
-    access_.begin(window->access, access);
-    onward_.inside(block, at);
-    return true;
-  }
-  state_.cycle += block.start[at] - block.start[in.from];
-  in.from = at;
-  return true;
-}
-
-// Executes the instruction whose access is answered, whatever the budget, and those after it.
-Outcome Engine::pass_window(CodeBlock& block, const InBlock& in, Cycles limit) {
-  const WindowAccess* const window = opened_.window;
-  const Answer& answer = opened_.answer;
-  const std::size_t k = window->access;
-  Op& op = block.ops[in.from];
-  auto& cell = scratch_[k].cell;
-  cell = {answer.value};
-  op.access[k] = {cell.data(), answer.address, 1};
-  const Cycles waited = answer.waited(), here = block.start[in.from];
-  const Outcome outcome = run_ops(block, in.from, std::max(limit - state_.cycle - waited, Cycles{1}) + here);
-  op.access[k] = {};
-  if (outcome.at == &op && outcome.exit > Exit::taken && outcome.exit != Exit::left_after) {
-    state_.answers[k] = answer;  // another access of the instruction failed its guard
-  } else {
-    if (window->lock) state_.locked[window->area->resource == Resource::global] = *window->lock;
-    settle_answer(answer);
-  }
-  return outcome;
 }
 
 void Engine::left_block(CodeBlock& block, InBlock in, const Outcome& outcome) {

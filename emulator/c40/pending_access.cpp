@@ -2,25 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <stdexcept>
 
 #include "state/visitor.hpp"
 
 namespace c40 {
-
-void PendingAccess::begin(Kind kind, std::size_t slot, Cycles& cycle) {
-  kind_ = kind;
-  slot_ = slot;
-  held_ = std::max<Cycles>(0, state_.dma.answered_until - cycle);
-  cycle += held_;
-  state_.stalled_on_port = kind == Kind::port;
-}
-
-void PendingAccess::begin(std::size_t slot, const ExternalAccess& access) {
-  window_ = access;
-  begin(Kind::window, slot, window_.cycle);
-}
 
 void PendingAccess::begin(std::size_t slot, const PortAccess& access) {
   port_ = access;

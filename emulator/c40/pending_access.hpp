@@ -1,5 +1,6 @@
 #pragma once
 /// The unanswered access of the instruction at PC, to a window or to a communication port; the outside answers it.
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <utility>
@@ -15,7 +16,10 @@ class PendingAccess {
   explicit PendingAccess(State& state) : state_(state) {}
 
   /// The instruction's access `slot` begins. If the DMA has an access to a window under way, that one comes first.
-  void begin(std::size_t slot, const ExternalAccess& access);
+  void begin(std::size_t slot, const ExternalAccess& access) {
+    window_ = access;
+    begin(Kind::window, slot, window_.cycle);
+  }
   void begin(std::size_t slot, const PortAccess& access);
   /// The access is not needed any more.
   void forget();
@@ -52,7 +56,13 @@ class PendingAccess {
  private:
   enum class Kind : std::uint8_t { none, window, port };
   static constexpr std::size_t no_slot = 2;
-  void begin(Kind kind, std::size_t slot, Cycles& cycle);
+  void begin(Kind kind, std::size_t slot, Cycles& cycle) {
+    kind_ = kind;
+    slot_ = slot;
+    held_ = std::max<Cycles>(0, state_.dma.answered_until - cycle);
+    cycle += held_;
+    state_.stalled_on_port = kind == Kind::port;
+  }
 
   State& state_;
   Kind kind_ = Kind::none;

@@ -99,8 +99,7 @@ void Dsp::run_ahead(Time until) {
 
 // A chip whose ports can interrupt it, or move its DMA, follows its link step by step; so does a chip with a net at its
 // pins.
-c40::Cycles Dsp::limit(Time horizon) const {
-  const c40::Cycles far = clock_.tick_at_or_after(horizon);
+c40::Cycles Dsp::limit_by_links(c40::Cycles far) const {
   Time reach = never;
   for (const Net* net : nets_in_) reach = std::min(reach, net->reaches(slot_));
   if (!chip_.watches_ports()) return std::min(far, reach == never ? far : clock_.tick_at_or_after(reach));

@@ -200,7 +200,11 @@ class Dsp final : public Scheduler::Processor,
   }
   void require_not_run_past(Time now) const;
   void run_dma(Time horizon);
-  c40::Cycles limit(Time horizon) const;
+  c40::Cycles limit(Time horizon) const {
+    const c40::Cycles far = clock_.tick_at_or_after(horizon);
+    return nets_in_.empty() && !chip_.watches_ports() ? far : limit_by_links(far);
+  }
+  c40::Cycles limit_by_links(c40::Cycles far) const;
   void post(const Path& path, const c40::ExternalAccess& access, Time issued);
   void complete(Time horizon);
   void deliver_edge(Time now);
