@@ -115,7 +115,14 @@ class Engine {
     return stop_;
   }
   void pass(Cause cause, Cycles until);
-  void reach_present();
+  /// Executes everything up to the present cycle: timer events, and changes of the cache's control.
+  void reach_present() {
+    if (state_.cycle >= peripherals_.next_event()) [[unlikely]]
+      reach_events();
+    if (cache_.control_pending()) [[unlikely]]
+      settle_cache_control();
+  }
+  void reach_events();
   void make_dma_current(bool waited);
   bool may_interrupt() const {
     return state_.core.delay_slots == 0 && state_.core.repeat_single == 0 && !access_.is_answered() &&
@@ -157,8 +164,21 @@ class Engine {
   Stepped access_port(const Step& step, std::size_t k, Word& cell);
   Cycles access_start(const Step& step, std::size_t access, PipelineId before);
   Cycles access_cycle(const Step& step, std::size_t access);
-  bool answers_at_once(const ExternalAccess& access);
-  void settle_answer(const Answer& answer);
+  /// The answer without a stop of the chip (opened_), if there is one.
+  bool answers_at_once(const ExternalAccess& access) {
+    if (window_listener == nullptr || peripherals_.dma_active() || state_.dma.answered_until > access.cycle)
+      return false;
+    WindowAnswer answer;
+    if (!window_listener->answer_at_once(access, answer)) return false;
+    opened_.answer = {true, access.write, access.address, answer.value, answer.arbitration, answer.transfer, 0};
+    return true;
+  }
+  void settle_answer(const Answer& answer) {
+    add(state_.causes, Cause::bus_arbitration, answer.arbitration);
+    add(state_.causes, Cause::bus_transfer, answer.transfer);
+    add(state_.causes, Cause::comm_port, answer.comm_port);
+    state_.cycle += answer.waited();
+  }
   void settle_answers();
   Stepped fail(Fault::Kind kind, std::string message, Address address = 0);
   Stepped nothing_at(std::string_view access, Address address);

@@ -132,15 +132,6 @@ Engine::Stepped Engine::resolve(Step& step) {
   return Stepped::done;
 }
 
-// The answer without a stop of the chip, if there is one.
-bool Engine::answers_at_once(const ExternalAccess& access) {
-  if (window_listener == nullptr || peripherals_.dma_active() || state_.dma.answered_until > access.cycle) return false;
-  WindowAnswer answer;
-  if (!window_listener->answer_at_once(access, answer)) return false;
-  opened_.answer = {true, access.write, access.address, answer.value, answer.arbitration, answer.transfer, 0};
-  return true;
-}
-
 // Does the access to a port. If the port has a link, or the access has to wait, the chip stops first.
 Engine::Stepped Engine::access_port(const Step& step, std::size_t k, Word& cell) {
   const Core& core = state_.core;
@@ -172,14 +163,6 @@ void Engine::complete_port(Cycles at) {
   const Word value = access.perform(side);
   access_.answer_port(value, at);
   ports_.accessed(access, value, at, -1);
-}
-
-void Engine::settle_answer(const Answer& answer) {
-  Causes& causes = state_.causes;
-  add(causes, Cause::bus_arbitration, answer.arbitration);
-  add(causes, Cause::bus_transfer, answer.transfer);
-  add(causes, Cause::comm_port, answer.comm_port);
-  state_.cycle += answer.waited();
 }
 
 void Engine::settle_answers() {

@@ -171,15 +171,10 @@ const StopInfo& Engine::step() {
   return stop(why);
 }
 
-// Executes everything up to the present cycle: timer events, and changes of the cache's control.
-void Engine::reach_present() {
-  if (state_.cycle >= peripherals_.next_event()) {
-    const bool waited = peripherals_.dma_waits() && !dma_.ends();
-    peripherals_.advance_to(state_.cycle);
-    make_dma_current(waited);
-  }
-  if (cache_.control_pending()) [[unlikely]]
-    settle_cache_control();
+void Engine::reach_events() {
+  const bool waited = peripherals_.dma_waits() && !dma_.ends();
+  peripherals_.advance_to(state_.cycle);
+  make_dma_current(waited);
 }
 
 // A DMA that waited continues no earlier than the event for which it waited.

@@ -71,13 +71,9 @@ EventLog::~EventLog() = default;
 EventLog::EventLog(EventLog&&) noexcept = default;
 EventLog& EventLog::operator=(EventLog&&) noexcept = default;
 
-void EventLog::add(const Event& event) {
-  if (event.time < settled_)
-    throw std::logic_error(
-        fmt::format("event after its time was settled at {} ps: {}", settled_.count(), to_text(event)));
-  pending_.push_back(event);
-  ++count_;
-  if (tap_ != nullptr) tap_->event(event);
+void EventLog::refuse(const Event& event) const {
+  throw std::logic_error(
+      fmt::format("event after its time was settled at {} ps: {}", settled_.count(), to_text(event)));
 }
 
 void EventLog::settle(Time time) {

@@ -33,7 +33,13 @@ class EventLog {
   EventLog& operator=(EventLog&&) noexcept;
 
   /// Adds an event. \throws std::logic_error if its time lies before the last `settle`.
-  void add(const Event& event);
+  void add(const Event& event) {
+    if (event.time < settled_) [[unlikely]]
+      refuse(event);
+    pending_.push_back(event);
+    ++count_;
+    if (tap_ != nullptr) tap_->event(event);
+  }
   /// No event before `time` will follow. Cheap; may be called often.
   void settle(Time time);
   /// Hashes bytes of the final machine state after all events (calls `flush`).
@@ -57,6 +63,7 @@ class EventLog {
   void list_state(state::Visitor& list);
 
  private:
+  [[noreturn]] void refuse(const Event& event) const;
   void drain(Time until);
 
   struct Digest;
