@@ -28,8 +28,8 @@ bool Dsp::writable(Window window, Offset offset) const {
 bool Dsp::answer_at_once(const c40::ExternalAccess& access, c40::WindowAnswer& answer) {
   const Path& path = path_of(access.address);
   const Offset offset = offset_of(access.address);
-  const Time issued = clock_.at(access.cycle);
   if (access.write) {
+    const Time issued = clock_.at(access.cycle);
     if (!writable(window_of(access.address), offset) || issued >= run_end_ || !path.bridge->has_room()) {
       refused_ = access.cycle;
       return false;
@@ -40,6 +40,7 @@ bool Dsp::answer_at_once(const c40::ExternalAccess& access, c40::WindowAnswer& a
   pci::Bridge::Hit hit;
   if (!path.bridge->look_up(offset + path.route.shift, hit)) {
     refused_ = access.cycle;
+    const Time issued = clock_.at(access.cycle);
     if (issued < run_end_ && !chip_.dma_active()) {
       access_ = access;
       begin_read(path, issued);
@@ -168,6 +169,12 @@ void Dsp::complete(Time horizon) {
 
 // The word has left the board's bridge: it has reached its target, or is in a bridge between buses.
 void Dsp::landed(const Side& side, const pci::Posted& posted, pci::Clocks clock) {
+  for (const Window window : {Window::a, Window::b}) {  // where its last access went
+    const Path& last = last_path_[window == Window::a];
+    const Offset offset = posted.address - last.route.shift;
+    if (last.bridge == &side.bridge && last.route.direct && last.route.holds(offset))
+      return arrived(window, offset, posted, last.bus->at(clock));
+  }
   for (const Window window : {Window::a, Window::b}) {
     for (const BusRoute& route : window == Window::a ? context_.window_a : context_.window_b) {
       const Offset offset = posted.address - route.shift;

@@ -17,6 +17,11 @@ void Scheduler::add(Processor& processor) {
   processors_.push_back(&processor);
 }
 
+void Scheduler::enter(const Actor& actor, Time next) {
+  calendar_.set(actor.place_, next);
+  others_ = std::min(others_, next);
+}
+
 void Scheduler::all_changed() {
   for (Actor* actor : actors_) actor->changed();
 }

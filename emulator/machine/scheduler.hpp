@@ -7,7 +7,6 @@
 /// which a run is divided changes anything. A seed shuffles the order, and tests compare.
 ///
 /// When an actor's next event changes, the actor reports it; the scheduler does not ask all actors again and again.
-#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -32,7 +31,8 @@ class Scheduler {
     /// be left out, provided act() then finds nothing to do (the plant, which a reader may advance to its latch before
     /// its turn).
     void changed() {
-      if (scheduler_ != nullptr && scheduler_->acting_ != this) scheduler_->enter(*this, next());
+      if (scheduler_ == nullptr || scheduler_->acting_ == this) return;
+      if (const Time now = next(); now != planned()) scheduler_->enter(*this, now);
     }
 
    protected:
@@ -97,10 +97,7 @@ class Scheduler {
     std::uint64_t state_;
   };
 
-  void enter(const Actor& actor, Time next) {
-    calendar_.set(actor.place_, next);
-    others_ = std::min(others_, next);
-  }
+  void enter(const Actor& actor, Time next);
 
   /// While an actor acts, its own next event is entered only once, at the end.
   struct Acting {
