@@ -35,22 +35,19 @@ class Clock {
 
   /// The instant of a tick.
   constexpr Time at(Ticks tick) const {
-    if (per_ == 1) return Time{phase_ + tick * period_};
-    return Time{phase_ + floor_divide(Wide{tick} * period_, per_)};
+    return per_ == 1 ? Time{phase_ + tick * period_} : at_in_fractions(tick);
   }
 
   /// The last tick at or before an instant.
   constexpr Ticks tick_at_or_before(Time time) const {
     const std::int64_t since = time.count() - phase_;
-    if (per_ == 1 && since >= 0) return since / period_;
-    return floor_divide((Wide{since} + 1) * per_ - 1, period_);
+    return per_ == 1 && since >= 0 ? since / period_ : before_in_fractions(since);
   }
 
   /// The first tick at or after an instant.
   constexpr Ticks tick_at_or_after(Time time) const {
     const std::int64_t since = time.count() - phase_;
-    if (per_ == 1 && since >= 0) return (since + period_ - 1) / period_;
-    return -floor_divide(-(Wide{since} * per_), period_);
+    return per_ == 1 && since >= 0 ? (since + period_ - 1) / period_ : after_in_fractions(since);
   }
 
   constexpr double hertz() const { return 1e12 * static_cast<double>(per_) / static_cast<double>(period_); }
@@ -64,6 +61,17 @@ class Clock {
  private:
   __extension__ using Wide = __int128;
   static constexpr std::int64_t picoseconds_per_second = 1'000'000'000'000;
+
+  // The general cases. Not inline, for most clocks have a period of whole picoseconds.
+  [[gnu::noinline]] constexpr Time at_in_fractions(Ticks tick) const {
+    return Time{phase_ + floor_divide(Wide{tick} * period_, per_)};
+  }
+  [[gnu::noinline]] constexpr Ticks before_in_fractions(std::int64_t since) const {
+    return floor_divide((Wide{since} + 1) * per_ - 1, period_);
+  }
+  [[gnu::noinline]] constexpr Ticks after_in_fractions(std::int64_t since) const {
+    return -floor_divide(-(Wide{since} * per_), period_);
+  }
 
   static constexpr std::int64_t floor_divide(Wide above, std::int64_t below) {
     const Wide quotient = above / below;

@@ -6,21 +6,6 @@
 
 namespace machine {
 
-StopMeaning meaning(c40::StopInfo::Reason reason) {
-  using enum c40::StopInfo::Reason;
-  switch (reason) {
-    case limit: return StopMeaning::limit;
-    case horizon: return StopMeaning::asks_anew;
-    case breakpoint: return StopMeaning::breakpoint;
-    case external_access: return StopMeaning::window_access;
-    case port_access: return StopMeaning::port_access;
-    case port_wait: return StopMeaning::port_wait;
-    case software_interrupt:
-    case fault: return StopMeaning::fault;
-  }
-  throw std::logic_error("a stop without a meaning");
-}
-
 std::string_view name(StopMeaning meaning) {
   using enum StopMeaning;
   switch (meaning) {

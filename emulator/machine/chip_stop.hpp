@@ -1,5 +1,7 @@
 #pragma once
 // The meaning of a chip's stop for a driver that is not a debugger: defined once, for exec, networks and the dock.
+#include <stdexcept>
+
 #include "c40/chip.hpp"
 
 namespace machine {
@@ -17,7 +19,20 @@ enum class StopMeaning : std::uint8_t {
 std::string_view name(StopMeaning meaning);
 
 /// Every reason has a meaning; a new reason does not compile without one.
-StopMeaning meaning(c40::StopInfo::Reason reason);
+inline StopMeaning meaning(c40::StopInfo::Reason reason) {
+  using enum c40::StopInfo::Reason;
+  switch (reason) {
+    case limit: return StopMeaning::limit;
+    case horizon: return StopMeaning::asks_anew;
+    case breakpoint: return StopMeaning::breakpoint;
+    case external_access: return StopMeaning::window_access;
+    case port_access: return StopMeaning::port_access;
+    case port_wait: return StopMeaning::port_wait;
+    case software_interrupt:
+    case fault: return StopMeaning::fault;
+  }
+  throw std::logic_error("a stop without a meaning");
+}
 
 /// Why a chip that stopped like this cannot continue. \throws std::logic_error if the stop is not a fault.
 c40::Fault fault_of(const c40::Chip& chip, const c40::StopInfo& stop);
