@@ -80,11 +80,11 @@ struct CodeBlock {
   bool only_nop = false;
   bool in_one_go =
       false;  ///< runs from its first instruction to an exit in one go: it does not repeat and has no window access
-  bool uses_cache = false;    ///< fetched while the cache was on
-  bool all_hits = false;      ///< `words` are all in the cache already
-  std::uint32_t own_words = 0;  ///< If it uses the cache: the bits of key.hits that are its own words.
-  std::uint64_t checked = 0;  ///< the version of the cache at which its hits were last compared with its key
-  std::vector<Word> words;    ///< if it uses the cache
+  bool uses_cache = false;      ///< fetched while the cache was on
+  bool all_hits = false;        ///< `words` are all in the cache already
+  std::uint32_t own_words = 0;  ///< the bits of key.hits that are its own words; 0 without the cache
+  std::uint64_t checked = 0;    ///< the version of the cache at which its hits were last compared with its key
+  std::vector<Word> words;      ///< if it uses the cache
 
   const WindowAccess* window(std::size_t instruction) const {
     const auto found = std::ranges::find(windows, instruction, &WindowAccess::at);

@@ -124,7 +124,7 @@ std::unique_ptr<CodeBlock> BlockRecording::finish(const BoundInstruction& last) 
   block.uses_cache = cached();
   if (!block.repeats && !block.uses_cache) block.plain_start = block.last_start;
   block.in_one_go = !block.repeats || (!block.windows.empty());
-  block.own_words = block.size < longest_cached_block ? (1u << block.size) - 1 : ~0u;
+  if (cached()) block.own_words = block.size < longest_cached_block ? (1u << block.size) - 1 : ~0u;
   block.all_hits = (~key.hits & block.own_words) == 0;
   const bool same_fetches = !block.uses_cache || block.all_hits || (key.mode & CodeBlockKey::frozen) != 0;
   const bool first_of_single = (key.mode >> CodeBlockKey::repeat_single & 3) == 1;

@@ -34,9 +34,7 @@ class Clock {
   }
 
   /// The instant of a tick.
-  constexpr Time at(Ticks tick) const {
-    return per_ == 1 ? Time{phase_ + tick * period_} : at_in_fractions(tick);
-  }
+  constexpr Time at(Ticks tick) const { return per_ == 1 ? Time{phase_ + tick * period_} : at_in_fractions(tick); }
 
   /// The last tick at or before an instant.
   constexpr Ticks tick_at_or_before(Time time) const {

@@ -54,9 +54,7 @@ class Engine {
   void watch_pins(PinListener* listener, unsigned outputs, unsigned inputs);
   void hold(bool held);
   void stand_until(Cycles cycle);
-  bool waits_in_idle() const {
-    return state_.core.idle && may_interrupt() && interrupts::pending(state_) == 0;
-  }
+  bool waits_in_idle() const { return state_.core.idle && may_interrupt() && interrupts::pending(state_) == 0; }
   void settle_counts();
   /// After this call the state may be changed from outside.
   State& touch();
@@ -251,7 +249,7 @@ class Engine {
   DmaSide dma_side_;
   DmaEffect dma_effect_ = DmaEffect::none;  ///< on the instruction in execution
   IdleSpan idle_;
-  StopInfo stop_;  ///< of the last run
+  StopInfo stop_;         ///< of the last run
   Cycles run_limit_ = 0;  ///< of the present call: the links are known up to this cycle
 };
 

@@ -131,7 +131,8 @@ const StopInfo& Engine::run_until(Cycles limit, Cycles known) {
     const Stepped why = advance(end, false);
     if (why != Stepped::done) {
       if (peripherals_.dma_active() && (why == Stepped::port || why == Stepped::external)) {
-        if (auto earlier = run_dma(waits ? known : std::min(known, access_.cycle()), true)) return stop_ = *std::move(earlier);
+        if (auto earlier = run_dma(waits ? known : std::min(known, access_.cycle()), true))
+          return stop_ = *std::move(earlier);
       }
       access_.set_told(true);
       return stop(why);

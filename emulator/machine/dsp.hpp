@@ -241,7 +241,7 @@ class Dsp final : public Scheduler::Processor,
   DspContext& context_;
   PacedClock clock_;
   c40::Chip chip_;
-  std::deque<Side> sides_;  // by the buses of the board
+  std::deque<Side> sides_;           // by the buses of the board
   std::array<Path, 2> last_path_{};  // by on_a: where to look first
   std::vector<Underway> underway_;   // in bridges between buses
   AdapterWire adapter_wire_{*this};
