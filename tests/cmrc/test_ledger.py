@@ -180,3 +180,12 @@ def test_the_servos_jobs_have_their_ticks_and_so_a_jitter() -> None:
     for kind in ("pid", "torque_compensation"):
         assert tasks[kind]["start_jitter_ps"]["count"] == tasks[kind]["on_time"] - 1 > 20
     assert tasks["inverse_kinematics.crane"]["start_jitter_ps"]["count"] == 0
+
+
+def test_misses_by_robot_are_those_of_the_kind_late_or_skipped() -> None:
+    report = cmrc.run(dsps=1, duration_s=0.12).report
+    tasks, demand = report["tasks"], report["errors"]["demand"]
+    assert tasks["pid"]["dropped"] > 0 and tasks["pid"]["late"] > 0
+    for kind, one in demand.items():
+        assert (one["misses"], one["released"]) == (tasks[kind]["misses"], tasks[kind]["released"]), kind
+        assert one["missed_share"] is None or one["missed_share"] == one["misses"] / one["released"]
