@@ -114,6 +114,6 @@ def test_a_task_that_hangs_once_in_a_while_is_not_stopped() -> None:
     ],
 )
 def test_the_status_of_a_run_that_ends_or_is_ended(events: list[dict[str, object]], stop_at_s: float, reason: str, status: int) -> None:
-    simulation = cmrc.Simulation(cmrc.config(settings={"machine.dsps": 2, "run.duration_s": 0.12, "report.reference": "none"}, events=events))
+    simulation = cmrc.Simulation(cmrc.config(settings={"machine.dsps": 2, "run.duration_s": 0.4, "report.reference": "none"}, events=events))
     simulation.run(lambda simulated_s, _: simulated_s < stop_at_s)
     assert (json.loads(simulation.report_json())["stop_reason"], simulation.exit_status) == (reason, status)
