@@ -4,7 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <ranges>
+#include <iterator>
 #include <stdexcept>
 #include <string_view>
 #include <vector>
@@ -13,12 +13,19 @@ namespace c40 {
 namespace {
 
 /// The causes with a letter, last ones first.
-auto drawn_causes() {
-  return cause_rows | std::views::reverse | std::views::filter([](const CauseRow& row) { return !row.letter.empty(); });
+std::vector<CauseRow> drawn_causes() {
+  std::vector<CauseRow> rows;
+  std::copy_if(cause_rows.rbegin(), cause_rows.rend(), std::back_inserter(rows),
+               [](const CauseRow& row) { return !row.letter.empty(); });
+  return rows;
 }
 
-/// These cycles pass between read and execute: the access waits for something outside the chip.
-bool waits_outside(const CauseRow& row) { return static_cast<std::size_t>(row.cause) >= pipeline_cause_count; }
+/// Of these, the causes whose cycles pass between read and execute: the access waits for something outside the chip.
+std::vector<CauseRow> drawn_waits_outside() {
+  std::vector<CauseRow> rows = drawn_causes();
+  std::erase_if(rows, [](const CauseRow& row) { return static_cast<std::size_t>(row.cause) < pipeline_cause_count; });
+  return rows;
+}
 
 /// "p port, b shared bus, d DMA"
 std::string legend_of_causes() {
@@ -48,7 +55,7 @@ void PipelineDiagram::instruction(const TraceRecord& record) {
   if (next_ != nullptr) next_->instruction(record);
   const PipelineStages& at = record.stages;
   const auto cycles_of = [&](const CauseRow& row) { return record.causes[static_cast<std::size_t>(row.cause)]; };
-  auto outside = drawn_causes() | std::views::filter(waits_outside);
+  static const std::vector<CauseRow> outside = drawn_waits_outside();
   Cycles waited = 0;
   for (const CauseRow& row : outside) waited += cycles_of(row);
   const Cycles fetched = record.cycle + at.fetch + at.fetch_cycles, decode = record.cycle + at.decode,

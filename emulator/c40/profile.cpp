@@ -1,17 +1,16 @@
 #include "c40/profile.hpp"
 
-#include <algorithm>
-#include <ranges>
-
 #include "isa/decode.hpp"
 
 namespace c40 {
-
-static_assert(std::ranges::equal(cause_rows, std::views::iota(std::size_t{0}, std::size_t{cause_count}), {},
-                                 [](const CauseRow& row) { return static_cast<std::size_t>(row.cause); }) &&
-                  cause_count == static_cast<std::size_t>(Cause::halted) + 1,
-              "each cause has one row, in the order of Cause");
 namespace {
+
+constexpr bool rows_are_in_order() {
+  for (std::size_t n = 0; n < cause_count; ++n)
+    if (static_cast<std::size_t>(cause_rows[n].cause) != n) return false;
+  return cause_count == static_cast<std::size_t>(Cause::halted) + 1;
+}
+static_assert(rows_are_in_order(), "each cause has one row, in the order of Cause");
 
 /// The number of instructions from this one to the first instruction of the routine that it calls; 0 if it calls none.
 int instructions_to_arrival(Word word) {

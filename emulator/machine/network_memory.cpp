@@ -40,10 +40,11 @@ void Network::add_memories() {
         throw NetworkError(
             fmt::format("memory {}: there is no chip {}; the network has {}", given.name, chip, nodes_.size()));
       const auto& regions = nodes_[chip]->description.board.board.regions;
-      const bool inside = std::any_of(regions.begin(), regions.end(), [&, at = base](const c40::Region& r) {
-        return r.kind == c40::Region::Kind::external_window && at >= r.base && !nodes_[chip]->ignored.contains(at) &&
-               std::uint64_t{at} + given.words <= r.base + r.words;
-      });
+      const bool inside =
+          std::any_of(regions.begin(), regions.end(), [&, node = chip, at = base](const c40::Region& r) {
+            return r.kind == c40::Region::Kind::external_window && at >= r.base &&
+                   !nodes_[node]->ignored.contains(at) && std::uint64_t{at} + given.words <= r.base + r.words;
+          });
       if (!inside)
         throw NetworkError(
             fmt::format("memory {}: the board of chip {} has no window that holds {} words from {:08X}h; a region with "

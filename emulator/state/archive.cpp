@@ -48,6 +48,7 @@ void Loader::refuse_here(const std::string& what) const { refuse(fmt::format("{}
 
 void Loader::bytes(void* data, std::size_t size) {
   if (rest_.size() < size) refuse_here("the state ends here");
+  if (size == 0) return;  // an empty vector has no address to copy to
   std::memcpy(data, rest_.data(), size);
   rest_.remove_prefix(size);
 }

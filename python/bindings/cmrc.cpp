@@ -63,6 +63,12 @@ cmrc::TimedEvent event_of(const py::dict& fields) {
 
 namespace {
 
+std::string text_of(const std::string& argument, const py::object& given) {
+  if (py::isinstance<py::str>(given)) return given.cast<std::string>();
+  throw py::type_error(argument + ": " + std::string(py::repr(given)) + " (" +
+                       std::string(py::str(py::type::of(given).attr("__name__"))) + "); a str is expected");
+}
+
 void bind_config(py::module_& m) {
   m.attr("emulator_version") = report::emulator_version;
   python::register_error<cmrc::ConfigError>(m, "ConfigError", PyExc_ValueError);
@@ -108,8 +114,8 @@ void bind_config(py::module_& m) {
          const py::dict& settings, const std::vector<py::dict>& events) {
         cmrc::ConfigBuilder builder;
         if (!file.is_none()) builder.file(py::str(file));
-        if (!toml.is_none()) builder.text(toml.cast<std::string>(), name);
-        if (!preset.is_none()) builder.preset(preset.cast<std::string>(), {});
+        if (!toml.is_none()) builder.text(text_of("toml", toml), name);
+        if (!preset.is_none()) builder.preset(text_of("preset", preset), {});
         add_settings(builder, settings, "");
         for (const py::dict& event : events) builder.event(event_of(event));
         return builder.build();

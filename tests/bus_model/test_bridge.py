@@ -110,6 +110,22 @@ def test_the_cost_of_a_read_by_hand() -> None:
     assert [a.words for a in bus.attempts] == [6]
 
 
+def test_words_of_a_slow_target_come_at_its_pace() -> None:
+    """Each further word takes two clocks more: read_step wait states and its own."""
+    bus = pci.Bus()
+    config = pci.BridgeConfig()
+    config.prefetch_words, config.prefetch_limit = 4, LINE_LIMIT
+    bridge = bus.add_bridge(pci.MasterConfig(), config)
+    slow = pci.TargetConfig.sram()
+    slow.read_step = 2
+    memory = bus.add_memory(slow, 0, LINE_LIMIT)
+    for i in range(4):
+        memory[i] = 7 * i
+    bridge.read(0, 10)
+    _, ready, _ = finish_read(bus, bridge)
+    assert [bridge.look_up(a) for a in range(5)] == [(0, ready), (7, ready + 3), (14, ready + 6), (21, ready + 9), None]
+
+
 def test_the_line_goes_with_a_write_and_with_a_register_read() -> None:
     for drop, register in (("write", 0), ("register", 0), ("register", 3)):
         bus, (bridge,), _ = make()

@@ -167,6 +167,15 @@ def test_refreshes_are_those_of_the_host(busy: Drawn) -> None:
     assert (min(durations), max(durations)) == (told["best"], told["worst"])
 
 
+def test_the_length_of_the_list_is_told_when_it_changes(busy: Drawn) -> None:
+    track = busy.timeline.track("host", "list length")
+    lengths = [length for _, length in busy.timeline.values[track]]
+    assert max(lengths) == busy.report["host"]["list_length"]["worst"]
+    assert all(one != after for one, after in itertools.pairwise(lengths))
+    ends = {one.end for one in busy.timeline.slices[busy.timeline.track("host", "refreshes")]}
+    assert {at for at, _ in busy.timeline.values[track]} <= {end // 1000 for end in ends}
+
+
 def by_millisecond(values: list[tuple[int, float]], end: int) -> dict[int, float]:
     """A counter's value in each millisecond; it holds until the next one."""
     steps = [*values, (end * 10**6, 0.0)]

@@ -103,3 +103,17 @@ def test_a_task_that_hangs_once_in_a_while_is_not_stopped() -> None:
     report = run(events, duration_s=0.4, dsps=2, retries_max=0)
     assert not failures(report, "stopped")
     assert report["host"]["recomputed"] == 4
+
+
+@pytest.mark.parametrize(
+    ("events", "stop_at_s", "reason", "status"),
+    [
+        ([], 1.0, "completed", 0),
+        ([], 0.06, "interrupted", 0),  # who interrupts it knows
+        ([{"at_s": 0.05, "action": "fail", "dsp": 0}, {"at_s": 0.05, "action": "fail", "dsp": 1}], 1.0, "completed", 1),  # no DSP is left
+    ],
+)
+def test_the_status_of_a_run_that_ends_or_is_ended(events: list[dict[str, object]], stop_at_s: float, reason: str, status: int) -> None:
+    simulation = cmrc.Simulation(cmrc.config(settings={"machine.dsps": 2, "run.duration_s": 0.4, "report.reference": "none"}, events=events))
+    simulation.run(lambda simulated_s, _: simulated_s < stop_at_s)
+    assert (json.loads(simulation.report_json())["stop_reason"], simulation.exit_status) == (reason, status)

@@ -2,6 +2,7 @@
 
 import json
 
+import cmrc
 import hypothesis.strategies as st
 import pytest
 from cmrc import _core
@@ -172,3 +173,19 @@ def test_a_block_that_leaves_its_life_is_noticed(steps: str, message: str | None
         else:
             getattr(jobs, {"back": "put_back", "drop": "dropped"}[name])(0, at)
     assert [violation.split(": ")[1] for violation in jobs.violations()] == ([] if message is None else [message])
+
+
+def test_the_servos_jobs_have_their_ticks_and_so_a_jitter() -> None:
+    tasks = cmrc.run(dsps=2, duration_s=0.06, settings={"report.reference": "none"}).report["tasks"]
+    for kind in ("pid", "torque_compensation"):
+        assert tasks[kind]["start_jitter_ps"]["count"] == tasks[kind]["on_time"] - 1 > 20
+    assert tasks["inverse_kinematics.crane"]["start_jitter_ps"]["count"] == 0
+
+
+def test_misses_by_robot_are_those_of_the_kind_late_or_skipped() -> None:
+    report = cmrc.run(dsps=1, duration_s=0.12).report
+    tasks, demand = report["tasks"], report["errors"]["demand"]
+    assert tasks["pid"]["dropped"] > 0 and tasks["pid"]["late"] > 0
+    for kind, one in demand.items():
+        assert (one["misses"], one["released"]) == (tasks[kind]["misses"], tasks[kind]["released"]), kind
+        assert one["missed_share"] is None or one["missed_share"] == one["misses"] / one["released"]

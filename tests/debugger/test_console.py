@@ -38,6 +38,15 @@ def test_a_firmware_test_is_ten_lines(program: Path, tmp_path: Path) -> None:
     assert "1 (00000001h)" not in bad.stdout  # the script has ended there
 
 
+def test_a_place_may_be_a_line_of_a_file(program: Path, tmp_path: Path) -> None:
+    line = 1 + next(n for n, text in enumerate(TEXT.splitlines()) if text.startswith("add:"))
+    done = debug(program, "-x", script(tmp_path, f"break sums.asm:{line}", "continue", "assert pc == add", f"break *sums.asm:{line + 1}", "continue", "assert pc == add + 1"))
+    assert done.returncode == 0, done.stdout
+    for place, message in (("sums.asm:", "LINE a number"), ("sums.asm:1x", "LINE a number"), ("sums.asm:0123456789", "LINE a number"), ("sums.asm:999999999", "no instruction in that line"), ("other.asm:3", "files with lines: sums.asm")):
+        done = debug(program, "-x", script(tmp_path, f"break {place}"))
+        assert done.returncode != 0 and message in done.stdout + done.stderr, (place, done.stdout, done.stderr)
+
+
 @pytest.mark.parametrize(
     ("command", "message"),
     [

@@ -215,3 +215,4 @@ def test_the_warehouse_takes_what_stands_within_its_radius_for_its_time(radius, 
     assert set(times) == ({"agv_arrived", "delivered"} if takes else set())
     assert not takes or times["delivered"] - times["agv_arrived"] == 250_000_000_000
     assert dock.containers[0].state == ("delivered" if takes else "on_agv")
+    assert dock.delivered == int(takes)

@@ -60,6 +60,18 @@ def test_a_moving_vehicle_shares_its_momentum_with_the_one_ahead():
     assert d.agv(1).speed < -0.1 and len(collisions(d)) == 1
 
 
+@pytest.mark.parametrize(("begin", "end", "along"), [((35, 8), (28, 8), 2), ((9, 8), (16, 8), 2), ((22, 3), (22, 7), 3), ((24, 14), (24, 9), 3)])
+def test_a_mover_hits_a_standing_vehicle_with_its_own_speed_from_any_side(begin, end, along):
+    config = plant.default_dock(1)
+    mover = plant.Mover(0.5, 2.0, [plant.Waypoint(0, *begin), plant.Waypoint(4, *end)])
+    config.layout.movers = [mover]
+    d = plant.Dock(config)
+    d.advance_to(4 * SECOND)
+    (hit,) = collisions(d)
+    speed = plant.mover_place(mover, hit.time * 1e-12)[along]
+    assert hit.values[0] == pytest.approx(abs(speed), rel=1e-6) and abs(speed) > 1
+
+
 def test_without_collisions_vehicles_go_through_each_other():
     config = plant.default_dock(2)
     config.collisions = False
@@ -224,11 +236,12 @@ def test_differential_drive_turns_on_the_spot_and_on_its_circle():
         dock().agv_push_wheels(0, 1, 1, 0)
 
 
-def test_differential_drive_takes_the_steered_set_points_too():
+@pytest.mark.parametrize(("front", "rear"), [(0.1, -0.1), (0.5, 0.0), (0.0, 0.5), (0.5, 0.3)])
+def test_differential_drive_takes_the_steered_set_points_too(front, rear):
     d = dock(drive=plant.AgvDrive.differential)
-    run(d, 8.0, (0, 1000, 100000, -100000))
+    run(d, 8.0, (0, 1000, round(1e6 * front), round(1e6 * rear)))
     signal = d.agv(0)
-    assert signal.speed / signal.yaw_rate == pytest.approx(4.5 / math.tan(0.1), rel=0.03)
+    assert signal.yaw_rate / signal.speed == pytest.approx((math.tan(front) - math.tan(rear)) / 9.0, rel=0.03)
 
 
 def test_wheels_slip_when_more_is_asked_than_the_ground_gives():

@@ -7,7 +7,7 @@ from typing import Any
 
 import cmrc
 import pytest
-from cmrc import c40, network
+from cmrc import _core, c40, network
 
 LOOP = c40.assemble("_start: addi 1,r0\n        b _start\n")
 LONGEST = 200
@@ -152,6 +152,8 @@ CALLS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     "fields": (lambda: processor().fields(None), W, "name: None"),
     "complete_read": (lambda: processor().complete_read("x"), W, "a word: 'x' (str)"),
     "complete_read waits": (lambda: processor().complete_read(1, transfer=-1), V, "transfer: -1"),
+    "config toml": (lambda: _core.cmrc.config({"run.seed": 1}), W, "toml: {'run.seed': 1} (dict)"),
+    "config preset": (lambda: _core.cmrc.config(preset=3), W, "preset: 3 (int)"),
     "Network": (lambda: network.Network(3), W, "programs: 3 (int)"),
     "Network program": (lambda: network.Network([3]), W, "programs: 3 (int)"),
     "Network links": (lambda: network.Network([LOOP], links=3), W, "links: 3 (int)"),

@@ -53,7 +53,10 @@ def test_mutants_are_those_of_the_seed_and_of_every_room() -> None:
 
 
 def test_every_room_has_tests_that_are_put_first() -> None:
-    assert list(mutants.AIMED) == mutants.ROOMS
+    assert [place for place in mutants.AIMED if place in mutants.ROOMS] == mutants.ROOMS
+    for room in mutants.ROOMS:  # a folder of a room stands before the room
+        assert mutants.aimed_at(f"{room}/some.cpp") == mutants.AIMED[room]
+    assert mutants.aimed_at("emulator/cmrc/timelines/some.cpp") != mutants.AIMED["emulator/cmrc"]
     folders = {folder for aimed in mutants.AIMED.values() for folder in aimed} | set(mutants.LAST)
     assert all((ROOT / "tests" / folder).is_dir() for folder in folders)
 

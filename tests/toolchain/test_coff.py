@@ -172,6 +172,13 @@ def test_a_file_cut_anywhere_is_refused_with_a_reason(name: str) -> None:
             toolchain.read_coff_bytes(good[:length])
 
 
+def test_a_file_cut_short_says_what_should_be_where() -> None:
+    good = (HERE / "coff" / "p_crc.O2.out").read_bytes()
+    for length, part in ((21, "the target should be at bytes 20 to 22"), (30, "the optional header should be at bytes 22 to 50"), (3146, "the string table should be at bytes 3122 to 3151")):
+        with pytest.raises(toolchain.CoffError, match=f"cut short: {part}, but the file has {length}"):
+            toolchain.read_coff_bytes(good[:length])
+
+
 def test_damaged_files_are_read_or_refused_but_harm_nothing() -> None:
     rng = random.Random(93)
     good = (HERE / "coff" / "p_sort.O2.out").read_bytes()

@@ -42,6 +42,10 @@ each    .macro  items
     assert words(source) == [5, 2, 0, 0xFFFFFFFF, 2, 5, 0, 1, 0, 1, 0, 1, 0, 1, 0, 2, 4, 6]
 
 
+def test_a_function_may_look_for_a_comma() -> None:
+    assert words("\t.asg \"ab,c,d\",s\n\t.word $firstch(s,','),$lastch(s,','),$firstch(s,'d'),$symlen(s)\n") == [3, 5, 6, 6]
+
+
 def test_local_labels_last_until_the_block_ends() -> None:
     source = """
         b       $1

@@ -1,7 +1,6 @@
 #include "cmrc/tasks/job_kinds.hpp"
 
 #include <algorithm>
-#include <ranges>
 #include <stdexcept>
 
 #include "cmrc/configuration/config.hpp"
@@ -9,10 +8,17 @@
 #include "cmrc/tasks/words.hpp"
 
 namespace cmrc {
+namespace {
 
-static_assert(std::ranges::equal(kind_rows, std::views::iota(std::size_t{0}, static_cast<std::size_t>(JobKind::user)),
-                                 {}, [](const KindRow& row) { return static_cast<std::size_t>(row.kind); }),
-              "each built-in kind has one row, in the order of JobKind");
+constexpr bool rows_are_in_order() {
+  for (std::size_t n = 0; n < kind_rows.size(); ++n)
+    if (static_cast<std::size_t>(kind_rows[n].kind) != n) return false;
+  return kind_rows.size() == static_cast<std::size_t>(JobKind::user);
+}
+
+}  // namespace
+
+static_assert(rows_are_in_order(), "each built-in kind has one row, in the order of JobKind");
 static_assert(std::ranges::none_of(kind_rows,
                                    [](const KindRow& row) {
                                      return row.name.empty() || row.x == 0 ||

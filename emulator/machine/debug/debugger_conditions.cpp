@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <ranges>
 #include <utility>
 
 #include "c40/self_check.hpp"
@@ -31,9 +30,11 @@ void Debugger::check(const Trigger& trigger) {
   if (trigger.kind == happening) {
     const auto kinds = happenings();
     if (trigger.name != "any" &&
-        std::ranges::none_of(kinds, [&](const auto& row) { return row.first == trigger.name; }))
-      throw DebugError(fmt::format("{} is not an event; any, {} are possible", trigger.name,
-                                   fmt::join(std::views::keys(kinds), ", ")));
+        std::ranges::none_of(kinds, [&](const auto& row) { return row.first == trigger.name; })) {
+      std::vector<std::string_view> names;
+      for (const auto& [name, meaning] : kinds) names.push_back(name);
+      throw DebugError(fmt::format("{} is not an event; any, {} are possible", trigger.name, fmt::join(names, ", ")));
+    }
     const std::vector<std::string_view> rules = c40::rule_names();
     if (const auto rule = trigger.fields.find("rule");
         trigger.of_rules() && rule != trigger.fields.end() && std::ranges::find(rules, rule->second) == rules.end())

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <numeric>
 #include <set>
 #include <span>
 #include <utility>
 
+#include "io/nearest.hpp"
 #include "toolchain/syntax/parser.hpp"
 
 namespace toolchain {
@@ -69,7 +69,8 @@ class Catalogue {
     std::size_t least = 2;
     for (const auto& [known, unused] : map_) {
       if (known.find('|') != std::string::npos) continue;
-      const std::size_t distance = edit_distance(name, known);
+      if (known.size() > name.size() + 1 || name.size() > known.size() + 1) continue;
+      const std::size_t distance = io::edit_distance(name, known);
       if (distance < least) least = distance, best = known;
     }
     return best;
@@ -109,21 +110,6 @@ class Catalogue {
         add_pair(a, b, {&row});
         add_pair(b, a, {.row = &row, .exchanged = true});
       }
-  }
-
-  static std::size_t edit_distance(std::string_view a, std::string_view b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t{0});
-    for (std::size_t i = 1; i <= a.size(); ++i) {
-      std::size_t diagonal = row[0];
-      row[0] = i;
-      for (std::size_t k = 1; k <= b.size(); ++k) {
-        const std::size_t above = row[k];
-        row[k] = std::min({above + 1, row[k - 1] + 1, diagonal + (a[i - 1] == b[k - 1] ? 0 : 1)});
-        diagonal = above;
-      }
-    }
-    return row[b.size()];
   }
 
   std::map<std::string, std::vector<Candidate>, std::less<>> map_;
