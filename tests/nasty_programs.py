@@ -1,8 +1,8 @@
-"""Random programs of what is nasty in the chip's time, written from the manual's rules: code that changes itself, the cache's control, wait states written in
-flight, DMA of all priorities, timers from four cycles up, IDLE, repeats under interrupts, annulled slots, traps, stack and vectors off chip, pins.
+"""Random programs of what makes the chip's timing difficult, written from the manual's rules: code that changes itself, the cache's control, wait states that change
+while accesses are under way, DMA of all priorities, timers from four cycles up, IDLE, repeats under interrupts, annulled slots, traps, stack and vectors off chip, pins.
 
-A program is a list of fragments and a setting, so that one that fails can be shrunk: `shrink`. `disagreement` runs one in every way and says where the ways
-part. Nothing here knows how the chip is emulated: the only oracle is that a run does not depend on how it is looked at.
+A program is a list of fragments and a setting, so that one that fails can be shrunk: `shrink`. `disagreement` runs a program in every way and says where two runs
+differ. Nothing here knows how the chip is emulated. The only oracle: a run does not depend on how it is cut or observed.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def constant(value: int, register: str = "r9") -> str:
     return f"        ldhi 0{value >> 16 & 0xFFFF:x}h,{register}\n        or 0{value & 0xFFFF:x}h,{register}\n"
 
 
-# Straight instructions that may stand anywhere, in slots and under RPTS too. AR4 and AR5 walk round sixteen words each.
+# Straight instructions that may stand anywhere, in slots and under RPTS too. AR4 and AR5 each go round a circle of sixteen words.
 PLAIN = [
     "nop", "addi 1,r0", "addi3 r0,r1,r2", "mpyi3 r2,r1,r3", "ldi *ar4++(1)%,r0", "ldi *ar5,r1", "sti r1,*ar5++(1)%", "sti r0,*ar4", "sti r2,*+ar4(1)",
     "xor r3,r2", "cmpi r0,r1", "ldigt r0,r2", "lsh -3,r2", "ldf *ar4,r4", "addf3 r4,r6,r5", "stf r5,*+ar5(1)", "ldi r2,r8", "addc r8,r1", "nop *ar4++(1)%",
@@ -100,7 +100,7 @@ def repeat_around_branch(rng: random.Random, n: int) -> str:
 
 
 def modify(rng: random.Random, n: int) -> str:
-    """A store into code: into the routine far away, or so many words ahead; the word stored is an instruction."""
+    """A store into code: into the distant routine, or a given number of words ahead. The stored word is an instruction."""
     word = f"        ldi @words+{rng.randrange(4)},r10\n"
     if rng.random() < 0.5:
         return word + f"        sti r10,@patch+{rng.randrange(3)}\n" + rng.choice(["        call patch\n", plain(rng, 3) + "        call patch\n"])
@@ -318,7 +318,7 @@ Outcome = tuple[dict[str, Any], tuple[bytes, int], list[Any]]
 
 
 class Pins:
-    """Raised in the first cycle at or after theirs between two instructions."""
+    """Pins that are raised between two instructions, in the first such cycle at or after the time of each."""
 
     def __init__(self, program: Program) -> None:
         self._left = list(program.pins)
@@ -336,7 +336,7 @@ class Pins:
 
 
 def drive(chip: Any, program: Program, advance: Callable[[Any, int], dict[str, Any]], seen: Callable[[Any], None] | None = None) -> Outcome:
-    """`advance(chip, cycle)` runs at most to that cycle; only the last instruction may cross it."""
+    """Drives a chip. `advance(chip, cycle)` runs to that cycle at most; only the last instruction may end after it."""
     pins = Pins(program)
     stop: dict[str, Any] = {}
     while chip.cycle < CYCLES:
@@ -362,7 +362,7 @@ def difference(program: Program, way: str, chip: Any, other: Any) -> str:
 
 
 def disagreement(program: Program, bench: Bench) -> str | None:
-    """Runs it by single steps, uncut by blocks, uncut exactly, cut at random cycles both ways, with the self-checks, and as a member of a network."""
+    """Runs the program by single steps; in one piece by blocks, and with every instruction timed; cut at random cycles in both ways; with the self-checks; in a network."""
     board, image = bench.board(program), assembled(program)
     rng = random.Random(program.seed)
     instants: dict[int, tuple[bytes, int]] = {}
@@ -413,7 +413,7 @@ def disagreement(program: Program, bench: Bench) -> str | None:
 
 
 def in_network(program: Program, board: str, image: Any, instants: dict[int, tuple[bytes, int]]) -> str | None:
-    """With a neighbour that does not affect the chip, whole and in slices: always the same as alone."""
+    """In a network with a neighbour that does not affect the chip, in one piece and in slices: always as the chip alone."""
     rng = random.Random(program.seed)
     neighbour = package.assemble("        .text\nstart:  bu start\n")
     for slices in (False, True):
@@ -460,7 +460,7 @@ def shrink(program: Program, fails: Callable[[Program], bool]) -> Program:
             try:
                 failing = fails(candidate)
             except ValueError:
-                continue  # a label went, and is missed
+                continue  # a removed fragment had a label that another one needs
             if failing:
                 program, changed = candidate, True
                 break

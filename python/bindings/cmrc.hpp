@@ -24,3 +24,4 @@ report::Time to_time(const char* argument, double seconds);
 py::dict signals_of(const plant::Dock& dock, const std::shared_ptr<const cmrc::Reference>& reference);
 
 void bind_simulation(py::module_& m);
+void bind_run_snapshots(py::module_& m);

@@ -204,19 +204,7 @@ DspOf dsp_of(const std::shared_ptr<Run>& run, std::int64_t slot) {
 void bind_simulation(py::module_& m) {
   using cmrc::Simulation;
   bind_dsp(m);
-  py::class_<cmrc::Reference, std::shared_ptr<cmrc::Reference>>(
-      m, "Reference", "An ideal run, for the runs that are measured against it.")
-      .def_readonly("elapsed_s", &cmrc::Reference::elapsed_s);
-  py::class_<cmrc::Snapshot>(m, "Snapshot", "A run at an instant; opaque.")
-      .def_property_readonly("time_s", [](const cmrc::Snapshot& s) { return report::seconds(s.time()); })
-      .def_property_readonly("configuration", &cmrc::Snapshot::configuration)
-      .def_property_readonly("state", [](const cmrc::Snapshot& s) { return py::bytes(s.state()); })
-      .def("to_bytes", [](const cmrc::Snapshot& s) { return py::bytes(s.to_bytes()); })
-      .def_static(
-          "from_bytes", [](const py::bytes& bytes) { return cmrc::Snapshot::from_bytes(std::string_view(bytes)); },
-          py::arg("bytes"))
-      .def(py::pickle([](const cmrc::Snapshot& s) { return py::bytes(s.to_bytes()); },
-                      [](const py::bytes& bytes) { return cmrc::Snapshot::from_bytes(std::string_view(bytes)); }));
+  bind_run_snapshots(m);
   py::class_<Run, std::shared_ptr<Run>>(m, "Simulation", "One run, used by one thread at a time. Times in seconds.")
       .def(py::init<const cmrc::Config&>(), py::arg("config"))
       .def(py::init<const cmrc::Config&, std::shared_ptr<const cmrc::Reference>>(), py::arg("config"),

@@ -15,7 +15,7 @@ ORDERS = (0, 1, 2, 3, 7, 99)
 
 
 class Supervisor:
-    """A write of n acts on chip 1, n microseconds later. A read gives how often it was written."""
+    """A write of n acts on chip 1 n microseconds later. A read gives the number of writes."""
 
     words = 4
     acts_on_others = True
@@ -136,7 +136,7 @@ def test_one_device_at_two_chips_is_one_in_every_order(tmp_path: Path, taker: st
 
 
 class Watchdog:
-    """Resets chip 1 when chip 0 has not written for so many cycles; once."""
+    """Resets chip 1 once, when chip 0 has not written for a given number of cycles."""
 
     words = 1
     acts_on_others = True

@@ -33,7 +33,7 @@ def test_standard_input_is_recorded_and_replayed(shout: list[object], tmp_path: 
 
 
 def test_a_live_run_replays_from_its_recording(shout: list[object], tmp_path: Path) -> None:
-    """What is typed comes when it comes: the recording has the cycles."""
+    """Typed input arrives at any time: the recording has the cycles."""
     record = tmp_path / "record"
     command = [str(word) for word in (BUILD / "bin" / "emulator", *shout, "--console-input", "live", "--console-record", record, "--max-cycles", 10**10)]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as running:
@@ -48,7 +48,7 @@ def test_a_live_run_replays_from_its_recording(shout: list[object], tmp_path: Pa
 
 
 def test_a_script_answers_what_the_program_sends(tmp_path: Path) -> None:
-    """Each step waits for what it says, in this order."""
+    """Each step of the script waits for its condition, in this order."""
     (tmp_path / "host").write_text('# a host\non 3Eh "ok\\n"\nafter 3 2 3\nat 2000 4\nwait 100 0x5, 6h\n')
     text = "        ldi 0,r4\n"
     for sent in (0x3E, 1, 2):

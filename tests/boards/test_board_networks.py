@@ -13,7 +13,7 @@ from cmrc.network import Network, NetworkError, SharedMemory
 
 
 class Alarm:
-    """Goes off so many cycles after each write, and keeps count. Its state is one number each."""
+    """Interrupts a given number of cycles after each write, and counts the interrupts. Each part of its state is one number."""
 
     words = 2
     pin = "IIOF2"

@@ -1,4 +1,4 @@
-"""What a stranger gives, over the front ends: ROMs, words before the start, ends, sources of any form. What is right runs alike by each; what is wrong each refuses, with the place."""
+"""Inputs of users, by every front end: ROMs, words before the start, conditions of the end, sources of any form. Correct input runs alike; each front end refuses wrong input, and names the place."""
 
 from __future__ import annotations
 

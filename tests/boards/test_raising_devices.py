@@ -1,4 +1,4 @@
-"""A device of Python that raises, in each of its members: what it raised comes out with the place, nothing is half done, and a mended device goes on."""
+"""A device of Python that raises in each of its members: the exception comes out with its place, nothing is half done, and after a repair the device goes on."""
 
 from __future__ import annotations
 

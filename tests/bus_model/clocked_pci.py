@@ -1,6 +1,6 @@
 """A second PCI bus, written clock by clock from plant-and-bus.md 3.1: REQ#, GNT#, FRAME#, data phases, STOP#.
 
-It knows nothing of events: at every clock each party looks at the lines as they stood one clock before and moves one step.
+It has no events: at every clock each party reads the lines as they were one clock before, and takes one step.
 """
 
 from __future__ import annotations
@@ -172,7 +172,7 @@ class Bus:
             elif stopped:
                 master.asks = free + self.board.off
             else:
-                master.asks = clock if full else clock + 1  # who ends by himself and has more keeps REQ#
+                master.asks = clock if full else clock + 1  # a master that ends its transaction itself, and has more words, keeps REQ#
             stay = None
             winner = self.choose(clock)
             if winner is not None:

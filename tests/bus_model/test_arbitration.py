@@ -13,7 +13,7 @@ TARGETS = [Timing(2, (3, 0), (1, 0)), Timing(1, (8, 1), (2, 1), 4), Timing(3, (0
 
 
 def event_driven(board: Board, jobs: list[list[Job]], clocks: int) -> tuple[pci.Bus, list[tuple[int, int, int, int]]]:
-    """The model's own stays on the bus under the same traffic."""
+    """When each master of the event-driven model holds the bus, under the same traffic."""
     config = pci.BusConfig()
     config.arbitration = getattr(pci.Arbitration, board.rule)
     config.parking = getattr(pci.Parking, board.parking)
@@ -75,7 +75,7 @@ def test_random_traffic_as_on_a_bus_that_steps_clock_by_clock(rule: str, seed: i
 
 
 def crowd(rule: pci.Arbitration, first_level: list[bool], turns: int, **bus_fields: object) -> list[int]:
-    """Who owns the bus when everybody asks again at once, one word each."""
+    """The order of owners when every master asks again at once, for one word each."""
     board = pci.BusConfig()
     board.arbitration = rule
     for name, value in bus_fields.items():
@@ -165,7 +165,7 @@ def test_memory_write_invalidate_goes_on_to_the_end_of_its_line(command: pci.Com
 
 
 def test_a_delayed_read_brings_what_its_command_says() -> None:
-    """Memory Read one word, Read Line four, Read Multiple eight; the rest is asked for again."""
+    """Memory Read brings one word, Read Line four, Read Multiple eight; the master asks again for the rest."""
     for words, stays in ((1, [1]), (5, [4, 1]), (20, [8, 8, 4])):
         bus = pci.Bus()
         bus.add_master()

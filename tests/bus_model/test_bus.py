@@ -1,4 +1,4 @@
-"""PCI's rules as counted in plant-and-bus.md 3.1 and 3.6, held against the bus model."""
+"""The bus model compared with the rules of PCI as plant-and-bus.md 3.1 and 3.6 count them."""
 
 import random
 from itertools import pairwise
@@ -264,7 +264,7 @@ def test_a_delayed_read_is_fetched_while_the_bus_is_free() -> None:
 
 
 def test_a_delayed_read_is_answered_from_the_clock_on_in_which_its_word_is_there() -> None:
-    """The target fetches for `fetch` clocks from the first attempt on, and refuses those before."""
+    """The target fetches for `fetch` clocks from the first attempt on, and refuses attempts before the end of that time."""
     just_in_time = 0
     for fetch in range(1, 40):
         bus = pci.Bus()

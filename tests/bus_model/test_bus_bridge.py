@@ -1,4 +1,4 @@
-"""Bridges between buses: posting, delayed reads, PCI 2.1's ordering, and no way to lock up."""
+"""Bridges between buses: posting, delayed reads, the ordering of PCI 2.1, and no deadlock."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def agent(number: int) -> pci.MasterConfig:
 
 @dataclass
 class Processor:
-    """One access after the other, as `think` says: (write?, address, words), from the answer of the last one."""
+    """Makes one access after the other. `think` chooses each from the answer of the last one: (write?, address, words)."""
 
     bus: int
     master: int

@@ -1,4 +1,4 @@
-"""Order inside parallel instructions, slots, repeats, traps and interrupts between all of these. Expected values by hand from c40-isa.md 3.9, 3.10 and 8."""
+"""Order inside parallel instructions, delay slots, repeats, traps; interrupts between all of these. Expected values by hand from c40-isa.md 3.9, 3.10 and 8."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def processor(text: str) -> c40.Processor:
 
 @dataclass
 class Case:
-    """A program up to `stop`; what stands in memory from DATA on (AR0 points there) and in registers before; what must stand there after."""
+    """A program up to `stop`, with memory from DATA on (AR0 points there) and registers before it and after it."""
 
     name: str
     text: str

@@ -31,7 +31,7 @@ def run(text: str, registers: dict[str, int], pokes: dict[int, int], board: str 
 
 
 def test_the_known_control_words_are_made_of_the_fields() -> None:
-    """The decoded values of 1.4, put together again: the layout these tests rest on."""
+    """The decoded values of 1.4, encoded again: these tests rest on that layout."""
     assert fields(sww0=3, sww1=3, wtcnt0=7, wtcnt1=7, page0=7, page1=7, active=30, switch=1) == 0x3E39FFF0
     assert fields(page0=9, page1=29, active=29) == 0x1DEA4000
     assert fields(sww0=1, wtcnt0=7, page0=17, page1=25, active=25) == 0x19CC4710

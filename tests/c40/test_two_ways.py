@@ -251,7 +251,7 @@ def test_repeated_nop_is_advanced_in_closed_form() -> None:
 
 
 def test_the_boot_loader_looking_for_a_word_takes_as_long_however_its_run_is_cut() -> None:
-    """Blocks that end before a read of a peripheral register: what follows meets the pipeline as it was before that read."""
+    """Blocks that end before a read of a peripheral register: the next instruction meets the same pipeline as before that read."""
     whole, pieces, exact = (c40.Processor.bootable() for _ in range(3))
     exact.set_exact(True)
     for processor in (whole, pieces, exact):

@@ -1,4 +1,4 @@
-"""exec --profile, --pipeline and board files: every cycle of a program that was counted by hand finds its place."""
+"""exec --profile, --pipeline and board files: each cycle of a program that is counted by hand appears at its place."""
 
 import json
 import re
@@ -140,7 +140,7 @@ def test_a_wait_for_a_port_stands_in_the_row_of_the_read(run, tmp_path) -> None:
 
 
 def test_what_the_dma_holds_up_is_drawn_so(run) -> None:
-    """In the row of the instruction that waits, as many cycles as it has been charged with."""
+    """In the row of the waiting instruction: as many cycles as the account charges it."""
     faults = Path(__file__).parents[1] / "peripherals" / "data" / "faults"
     arguments = ("exec", faults / "fetch_dma_first.asm", "--board", faults / "timing-board.toml", "--until", "done", "--pipeline", "0:199")
     text = run(*arguments).stdout

@@ -55,7 +55,7 @@ def test_a_program_boots_from_its_image(program: Path, tmp_path: Path, form: str
     done = emulator("exec", "--rom", f"{rom}@{source}", "--boot", source, "--dump", "2FFA00h:2")
     assert done.returncode == 0, done.stderr
     assert "branch to itself at 002FF908h" in done.stdout and "002FFA00: 12345678 0000000F" in done.stdout
-    # With the program beside it, its names are there; what runs is the ROM.
+    # With the program file given too, its symbols are known; the chip runs the ROM.
     named = emulator("exec", program, "--rom", f"{rom}@{source}", "--boot", source, "--dump", "total:1")
     assert named.stdout.count("0000000F") == done.stdout.count("0000000F")
 

@@ -1,4 +1,4 @@
-"""Outputs appear whole or not at all, take the place of nothing that is read, and are not lost without a word."""
+"""Output files appear whole or not at all, never replace an input, and are never lost without a message."""
 
 import os
 import resource

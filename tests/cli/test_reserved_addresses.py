@@ -1,5 +1,5 @@
-"""Addresses at which a board has nothing: a fault, or an access that is ignored and reported (docs/boards.md); the loader's
-messages about them."""
+"""Addresses at which a board has no device: a fault, or an access that is ignored and reported (docs/boards.md); the
+loader's messages about them."""
 
 import json
 import subprocess

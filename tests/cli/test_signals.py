@@ -1,7 +1,7 @@
 """SIGINT, SIGTERM and SIGHUP: the work ends at its next slice and writes what it has, a second signal ends the program at once.
 
-A signal is sent when the program has shown that it works: by what comes through a pipe that it writes or reads, by a line, by its child.
-No test waits for a time; timeouts only end what hangs.
+A signal is sent after the program has shown that it works: by data through a pipe that it writes or reads, by a line, or by its child process.
+No test depends on the clock; timeouts only end a process that hangs.
 """
 
 import array
@@ -64,7 +64,7 @@ class Running:
                 self.came[name] += part
 
     def until(self, ready: Callable[[], bool]) -> None:
-        """Polls; fails when the program has ended before."""
+        """Polls until the condition holds; fails if the program ends before."""
         while not ready():
             assert self.process.poll() is None, self.stderr()
             threading.Event().wait(0.005)

@@ -1,7 +1,7 @@
 """Why jobs were late, computed a second time from the event trace alone (docs/report.md, Why late; docs/trace.md): each
-wait with its cause, to the picosecond.
+wait with its cause, exact to the picosecond.
 
-Brute force: the wait of a job is cut at every instant at which anything changed, and each piece is judged by itself. Shares no code with the emulator."""
+Brute force: the wait of a job is cut at every instant at which anything changed, and each piece is judged by itself. The replay shares no code with the emulator."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""The scheduling rule once more, from the event trace alone: equation (7) as plant-and-bus.md 4.3 restores it, the order of the list (ruling 19), refreshes
-(ruling 20) and claims (ruling 21). Shares no code with the emulator; reads nothing but the trace and the parameters of the rule."""
+"""A second implementation of the scheduling rule, from the event trace alone: equation (7) as plant-and-bus.md 4.3 restores it, the order of the list (ruling 19), refreshes
+(ruling 20) and claims (ruling 21). It shares no code with the emulator, and reads only the trace and the parameters of the rule."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ class Block:
 
 @dataclass
 class Replay:
-    """Follows a trace; `faults` are sentences on what the rule does not allow. Begins anywhere: it checks once it knows every block of the list."""
+    """Follows a trace from any instant on. `faults` are sentences on what the rule does not allow. Checks begin when every block of the list is known."""
 
     rule: Rule
     doorbells: bool = True  # idle policy "doorbell": one DSP that has announced itself idle is rung for each block with J > 0
@@ -165,7 +165,7 @@ class Replay:
             self.order.remove(offset)
 
     def rings(self, idle: set[int]) -> int:
-        """How many are rung for what is offered, if these are idle (docs/controller.md, A refresh)."""
+        """How many DSPs the host rings for these waiting blocks, if these DSPs are idle (docs/controller.md, A refresh)."""
         own = {self.rule.tasks[kind].dsp for kind in self.offered if kind in self.rule.tasks}
         left = set(idle)
         for kind in self.offered:

@@ -1,4 +1,4 @@
-"""Chains of causes of small scenes that are reckoned by hand (docs/report.md, Why late)."""
+"""Chains of causes in small scenes, computed by hand (docs/report.md, Why late)."""
 
 import json
 from typing import Any

@@ -1,4 +1,4 @@
-"""The servo's loops in the scene: what deadlines are worth with tight ones, changes while a run is on, and settings that cannot work."""
+"""The servo's loops in the scene: the value of deadlines with tight loops, changes during a run, and settings that cannot work."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def test_left_out_ticks_are_dropped_ones(settings: dict[str, Any], share: float,
     given = {**{k.replace("__", "."): v for k, v in settings.items()}, "report.reference": "none"}
     results = [cmrc.run(dsps=dsps, duration_s=2.0, settings=given) for dsps in (2, 3)]
     lost = [sorted(m["number"] for m in result.report["misses"] if m["kind"] == "pid") for result in results]
-    assert lost[0] == lost[1]  # the same ticks whatever the machine
+    assert lost[0] == lost[1]  # the same ticks on every machine
     task = results[0].report["tasks"]["pid"]
     assert task["dropped"] == task["misses"] and task["dropped"] / task["released"] == pytest.approx(share, abs=0.05)
     if run:
@@ -99,7 +99,7 @@ def test_left_out_ticks_are_dropped_ones(settings: dict[str, Any], share: float,
 
 
 def test_a_delay_shifts_what_the_drives_take() -> None:
-    """The codes of the latches, against those of the same run without: the first ones are the same, later by the delay."""
+    """The codes at the latches, compared with the same run without delay: the first codes are equal, later by the delay."""
     codes = []
     for delay in (0.0, 1000.0):
         settings = {"report.reference": "none", "report.signal_decimation": 1, "dock.drive_delay_us": delay}

@@ -37,7 +37,7 @@ def test_a_lift_off_costs_less_than_two_millimetres(tmp_path: Path, with_the_loa
 
 
 def test_that_is_the_load_cells_doing(tmp_path: Path, with_the_load_cell: float) -> None:
-    """It sticks at the spreader's weight: the hoist gives way by what 24 t do to its loop, m g / (M w^2), as far as the integral is too slow."""
+    """The load cell is stuck at the spreader's weight: 24 t displace the hoist by m g / (M w^2), as far as the integral is too slow."""
     without, report = lift(tmp_path, 8.0, at(11, "stick_load_cell"))
     static = 24e3 * 9.81 / (283e3 * 8.0**2)
     assert 0.5 * static < without < 1.5 * static and without > 4 * with_the_load_cell

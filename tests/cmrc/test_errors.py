@@ -1,4 +1,4 @@
-"""Errors in the scene: each origin with each response that the table of docs/controller.md has for it, what the report says, and the exit status (ruling 36)."""
+"""Errors in the scene: each origin with each response that docs/controller.md lists for it, what the report says, and the exit status (ruling 36)."""
 
 import json
 from pathlib import Path
@@ -31,7 +31,7 @@ def clear(at_s: float) -> dict[str, Any]:
     return at(at_s, "set", key="errors.clear", value=True)
 
 
-# m/s of the hoist where the path has stopped: what damping the swing pays out. On the path it is 0.1 and more.
+# m/s of the hoist after the path has stopped: damping the swing pays out rope at this speed. On the path it is 0.1 and more.
 STILL = 5e-3
 
 
@@ -67,14 +67,14 @@ def test_a_dead_luff_drive_stops_the_crane_along_its_path() -> None:
     error = only(report)
     assert (error["origin"], error["robot"], error["of"], error["response"]) == ("drive fault", "crane", ["luff"], "stop")
     assert (error["happened_s"], error["because"]) == (LEG, "fail_drive luff")
-    # PID sees it at its next tick, the host at the refresh after; one more for the error block.
+    # PID sees the fault at its next tick, the host at the refresh after that. The error block takes one refresh more.
     assert LEG < error["noticed_s"] < LEG + 2 * SERVO
     assert error["noticed_s"] < error["decided_s"] < error["noticed_s"] + 2 * SERVO
     assert error["done_s"] == pytest.approx(error["decided_s"] + 1.0, abs=2 * SERVO)
     assert error["stands"] and error["cleared_s"] is None and simulation.exit_status == 1
     before, half, after = (rates(simulation, LEG + dt) for dt in (-0.05, 0.55, 1.3))
     assert after["phi"] == 0  # braked
-    assert 0.3 * before["l"] < half["l"] < 0.8 * before["l"]  # the hoist, which no sway damping moves; undisturbed it would gather speed
+    assert 0.3 * before["l"] < half["l"] < 0.8 * before["l"]  # the hoist, which no sway damping moves; without the fault it would gain speed
     assert after["l"] < 0.02 * before["l"]
     assert not report["braked"]  # the others are held by the servo
     assert report["tasks"]["error"]["on_time"] == 1
@@ -104,7 +104,7 @@ def test_a_repaired_and_cleared_drive_goes_on_and_the_status_is_0_but_not_with_s
     assert rates(simulation, 7.9)["phi"] == 0  # repaired, and off until the operator says so
     assert rates(simulation, 13.5)["phi"] > 2e-4 and rates(simulation, 13.5)["l"] > 0.02
     assert "Errors: 1" in simulation.report_text() and "cleared by the operator at 8.0" in simulation.report_text()
-    # The joint comes back without a jerk: the drive never needs its full torque.
+    # The joint comes back smoothly: the drive never needs its full torque.
     assert np.abs(simulation.signals()["phi_code"][simulation.signals()["time_s"] > 8]).max() < 2047
     _, strict = run(8, at(LEG, "fail_drive", joint="luff"), at(3.5, "repair_drive", joint="luff"), clear(7), **{"run.strict": True})
     assert strict.exit_status == 1
@@ -148,7 +148,7 @@ def test_a_lying_status_leaves_the_following_error_which_is_cleared() -> None:
     assert (error["origin"], error["of"], error["response"], error["because"]) == ("following error", ["slew"], "stop", "fail_drive slew")
     assert LEG + 0.05 < error["noticed_s"] < LEG + 0.5
     assert rates(simulation, error["done_s"] + 0.3)["l"] < STILL
-    # Repaired, the drive pushes back with its full torque to where the path has stopped, until it trips after half a second.
+    # After the repair the drive returns with full torque to the place at which the path has stopped, and trips after half a second.
     assert (trip["origin"], trip["of"], trip["cleared_s"]) == ("drive saturated", ["slew"], error["cleared_s"])
     assert 5.5 < trip["noticed_s"] < 6
     assert error["cleared_s"] is not None and simulation.exit_status == 0 and rates(simulation, 8.9)["l"] > 0.05
@@ -179,7 +179,7 @@ def test_drives_that_have_timed_out_come_back_by_themselves_so_often() -> None:
 
 
 def test_a_pid_that_does_not_come_any_more_leaves_an_error_that_stands() -> None:
-    # Four vehicles' avoidance keeps the only DSP from the servo: today's least flattering run.
+    # The avoidance of four vehicles keeps the only DSP from the servo: the worst run of today.
     settings = {"dsps": 1, "boot": "preloaded", "duration_s": 1.5, "load.avoidance_cycles": 330_000, "agvs": 4,
                 "load.parked": True, "scheduling.agv_phase": "together", "report.reference": "none"}
     simulation = cmrc.Simulation(cmrc.config(settings=settings))
@@ -195,7 +195,7 @@ def test_a_pid_that_does_not_come_any_more_leaves_an_error_that_stands() -> None
 def test_a_stuck_sway_sensor_is_replaced_and_the_run_is_a_success() -> None:
     report, simulation = run(6, at(LEG, "stick_sway", axis="beta"))
     error = only(report)
-    # 64 samples, looked at with each third run of PID.
+    # 64 samples; PID checks them in every third run.
     assert (error["origin"], error["of"], error["response"], error["because"]) == ("sway sensor", ["beta"], "second sensor", "stick_sway beta")
     assert LEG + 0.63 < error["noticed_s"] < LEG + 0.79 and not error["stands"] and simulation.exit_status == 0
     assert rates(simulation, 5.9)["l"] > 0.1  # the leg goes on
@@ -207,7 +207,7 @@ def test_without_another_sensor_the_crane_stops(sensors: int) -> None:
     report, simulation = run(20, at(LEG, "stick_sway", axis="alpha"), *second, **{"dock.sway_sensors": sensors})
     assert [error["response"] for error in report["errors_handled"]] == ["second sensor", "stop"][2 - sensors:]
     assert report["errors_handled"][-1]["stands"] and simulation.exit_status == 1
-    # The path stops within a second. What the observer of the wind took the stuck angle for fades with some 5 s.
+    # The path stops within a second. The observer took the stuck angle for wind; that estimate fades with a time constant of some 5 s.
     assert rates(simulation, 19.9)["l"] < STILL
 
 
@@ -247,7 +247,7 @@ def test_work_of_a_block_that_was_given_up_is_retried_then_stopped(tmp_path: Pat
     report, simulation = run(0.6, clear(0.4), **settings)
     told = [(error["origin"], error["of"], error["response"], error["stands"]) for error in report["errors_handled"]]
     given_up = ("block given up", ["grab_path"])
-    # Cleared, the work is asked for again as often.
+    # After the error is cleared, the work is tried again as often.
     assert told[:4] == [(*given_up, "retry", False), (*given_up, "stop", False), (*given_up, "retry", False), (*given_up, "stop", True)]
     assert simulation.exit_status == 1
 

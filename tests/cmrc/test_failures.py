@@ -1,4 +1,4 @@
-"""A DSP that hangs in real code, one that dies idle, a block that kills every DSP it meets: found, bounded, survived."""
+"""A DSP that hangs in its code, one that fails while idle, a block that stops every DSP that runs it: each is found, and the run survives it."""
 
 import json
 from pathlib import Path
@@ -31,7 +31,7 @@ def test_a_dsp_that_hangs_runs_on_in_a_loop() -> None:
 def test_a_dsp_that_dies_idle_is_found_by_its_silence(action: str, works_again: bool) -> None:
     report = run([{"at_s": 0.1006, "action": action, "dsp": 0}], duration_s=0.3, dsps=2)
     [silent, *more] = failures(report, "silent")
-    # Rung in vain at 101 ms; its last sign was at 100 ms (or when the ring found its idle bit, 101 ms).
+    # The ring at 101 ms has no effect. The DSP's last sign was at 100 ms (or at 101 ms, when the ring found its idle bit).
     assert silent["dsp"] == 0 and 0.150 < silent["time_s"] < 0.153
     assert len(more) == (0 if works_again else 1)
     if not works_again:

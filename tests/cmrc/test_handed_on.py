@@ -13,7 +13,7 @@ from locations import AT_ONCE
 cmrc = _core.cmrc
 REFRESH_HZ = 8000
 ERRORS: list[dict[str, Any]] = [
-    # Whichever joints rest take them at once, and again.
+    # Joints at rest take the changes at once, and once more later.
     *({"at_s": at_s, "action": "set", "key": f"control.{joint}_damping", "value": damping}
       for at_s, damping in ((0.2, 1.2), (0.5, 1.1)) for joint in ("travel", "slew", "luff", "hoist", "rotator")),
     {"at_s": 0.4, "action": "set", "key": "control.hoist_bandwidth_rad_s", "value": 30.0},
@@ -35,7 +35,7 @@ def told(simulation: Any) -> dict[str, Any]:
 
 
 def instants(draw: random.Random, count: int, duration_s: float) -> list[float]:
-    """Half of them while the host is at work in a refresh: it is for a few microseconds of each 125."""
+    """Half of the instants lie within the host's work on a refresh, which takes a few microseconds of each 125."""
     at = [draw.uniform(0, duration_s) for _ in range(count)]
     return sorted(t if n % 2 else int(t * REFRESH_HZ) / REFRESH_HZ + draw.uniform(0, 12e-6) for n, t in enumerate(at))
 
@@ -67,7 +67,7 @@ def test_errors_are_handled_as_in_one_run(seed: int) -> None:
 
 
 def test_changes_of_the_loops_wait_for_rest_in_whatever_simulation() -> None:
-    """The first leg lasts from 0.05 to 18 s: what is asked for on the way comes at its end, and what is asked for then builds on it."""
+    """The first leg lasts from 0.05 to 18 s. Changes that are requested on the way take effect at its end; later requests build on them."""
     settings = {"dsps": 1, "boot": "preloaded", "refresh_frequency_hz": 2000, "servo_frequency_hz": 250, "alpha_refreshes": 6, "beta_refreshes": 3,
                 "report.reference": "none", "report.signal_decimation": 32, "duration_s": 25.0}  # fmt: skip
     events = [{"at_s": at_s, "action": "set", "key": f"control.{key}", "value": value} for at_s, key, value in
@@ -82,13 +82,13 @@ def test_changes_of_the_loops_wait_for_rest_in_whatever_simulation() -> None:
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(1, 4))])
 def test_a_busy_host_is_handed_on_in_the_middle_of_its_refreshes(seed: int) -> None:
-    """With boards that die and hang, so that blocks are put back and given up; with the semaphore, the doorbells and the boot under way."""
+    """Boards fail and hang, so the host puts blocks back and gives blocks up, while the semaphore, the doorbells and the boot are under way."""
     events = [{"at_s": 0.03 + 0.011 * n, "action": action, "dsp": n % 3} for n, action in enumerate(["hang", "fail", "reset", "hang", "reset", "hang"])]
     config = cmrc.config(preset="heavy", settings={"dsps": 3, "duration_s": 0.12, "report.reference": "none", "agvs": 3}, events=events)
     whole = cmrc.Simulation(config)
     whole.run()
     expected, draw = told(whole), random.Random(seed)
-    # The host is at work on a failure for a few microseconds before it tells of it.
+    # The host works on a failure for a few microseconds before it reports the failure.
     before = [failure["time_s"] - draw.uniform(0, 8e-6) for failure in expected["failures"] for _ in range(4)]
     assert {failure["kind"] for failure in expected["failures"]} >= {"dropped block", "watchdog"}
     cuts = sorted([*instants(draw, 80 if seed else 40, 0.12), *before])

@@ -1,4 +1,4 @@
-"""Errors, lag, demand and rates (docs/report.md, Errors): recomputed from signals and traces, and what must not flatter a starving controller."""
+"""Errors, lag, demand and rates (docs/report.md, Errors): recomputed from signals and traces. A controller without enough processor time must not look better."""
 
 import itertools
 import json
@@ -13,7 +13,7 @@ from locations import BUILD
 
 EMULATOR = BUILD / "bin" / "emulator"
 EVERY_LATCH = {"report.signal_decimation": 1}
-# The hoist and the gains of 22 November 2026, with which measures.md 3 was measured. That hoist holds no 24 t; within 5 s none is lifted.
+# The hoist and the gains of 22 November 2026: the figures of measures.md 3 are measured with them. That hoist cannot hold 24 t, but within 5 s it lifts nothing.
 NOVEMBER = {
     "slewing.hoist.rated_torque_n_m": 3185.0, "slewing.hoist.rotor_inertia_kg_m2": 16.0, "slewing.rated_load_kg": 19_500, "dock.container_mass_kg": 19_000,
     "control.travel_bandwidth_rad_s": 3.0, "control.slew_bandwidth_rad_s": 5.0, "control.luff_bandwidth_rad_s": 5.0, "control.hoist_bandwidth_rad_s": 8.0,
@@ -29,7 +29,7 @@ def starved(factor: float, duration_s: float = 5.0, **more: Any) -> cmrc.Result:
 
 
 def as_recorded(values: np.ndarray) -> np.ndarray:
-    """Places as a course has them: to the nearest 2^-30 m or rad (docs/report.md, Errors)."""
+    """Positions as a course records them: rounded to the nearest 2^-30 m or rad (docs/report.md, Errors)."""
     return np.asarray(np.floor(values * 2.0**30 + 0.5) / 2.0**30)
 
 
@@ -38,7 +38,7 @@ def loads(signals: Any) -> np.ndarray:
 
 
 def test_a_slower_machine_never_looks_better() -> None:
-    """The property of measures.md 3: the same scene on ever slower instruction cycles."""
+    """The property of measures.md 3: the same scene with slower and slower instruction cycles."""
     first = cmrc.Simulation(dsps=1, duration_s=5.0, settings={**NOVEMBER, "report.misses_max": 0})
     runs = [first.run()]
     reference = first.reference()
@@ -52,9 +52,9 @@ def test_a_slower_machine_never_looks_better() -> None:
     for run in runs[5:]:
         assert 0.95 <= run.errors["load_of_doing_nothing"] <= 1.05
         assert run.rates["f_t"]["finished"] == 0 and run.rates["f_t"]["missed_share"] == 1
-    # Regression figures of this controller. measures.md 3 has 0.0006, 0.0081, 0.034, 0.205, measured independently with a PID that did not look for errors
-    # yet: its ticks took 75 us where they take 93 now, for it observes the wind, and torque compensation reads the load cell besides. Near the loss of the servo some per
-    # cent of a task's time change what it comes to: at 15 there is hardly any left for planning.
+    # Regression figures of this controller. measures.md 3 has 0.0006, 0.0081, 0.034, 0.205, measured independently with an earlier PID
+    # that did not detect errors: its ticks took 75 us. They take 93 us now, since PID observes the wind; and torque compensation reads the load cell. Where the servo is
+    # almost lost, a few per cent of a task's time change the result: at factor 15 hardly any time is left for planning.
     assert rms[:4] == pytest.approx([0.0006, 0.0102, 0.1245, 0.3234], rel=0.05)
 
 
@@ -207,7 +207,7 @@ def test_what_the_operator_sets_happens_in_the_ideal_run_too() -> None:
     assert result.errors["load_m"]["peak"] < 1e-3  # the ideal run's crane lost the same drive
 
 
-# ---- to the end -------------------------------------------------------------------------------------------------------------
+# ---- how runs end -------------------------------------------------------------------------------------------------------------
 
 
 def test_when_the_last_dsp_is_gone_the_plant_goes_on_braked() -> None:
@@ -221,7 +221,7 @@ def test_when_the_last_dsp_is_gone_the_plant_goes_on_braked() -> None:
     assert np.ptp(result.signals["psi_rad"][late]) == pytest.approx(0, abs=1e-6)  # braked
     assert np.abs(result.signals["sway_beta_rad"][late]).max() > 0.01  # and the load swings
     assert result.signals["time_s"][-1] == pytest.approx(report["simulated_s"], abs=0.02)
-    assert result.errors["window_s"][1] == 16.0  # whatever the run's end
+    assert result.errors["window_s"][1] == 16.0  # not the end of the run
     assert result.errors["load_m"]["end"] > 1.0
     assert "After the stop, braked" in result.text
     assert not any("drive_resumed" in failure["message"] for failure in report["failures"])

@@ -1,4 +1,4 @@
-"""Options of plant-and-bus.md 4.6 and 4.4, each seen in what a run's own trace says."""
+"""Options of plant-and-bus.md 4.6 and 4.4: the trace of a run shows the effect of each."""
 
 import json
 import re

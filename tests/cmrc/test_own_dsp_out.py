@@ -1,4 +1,4 @@
-"""Tasks with a DSP of their own when that one fails, hangs, is pulled or never there: from the trace and the report."""
+"""Tasks with a DSP of their own, when that DSP fails, hangs, is pulled out or is never there: from the trace and the report."""
 
 from pathlib import Path
 
@@ -79,7 +79,7 @@ def test_a_board_that_is_pulled_and_put_in_again_finds_its_block(tmp_path: Path,
 
 
 def test_a_slot_that_is_empty_from_the_start(tmp_path: Path, programs: Path) -> None:
-    """The servo and others do as if the block were not there."""
+    """The servo and other tasks work as if the block were not there."""
     options = ["--dsps", "2", "--duration", "0.2", "--set", "machine.slots=3"]
     run = Run(tmp_path, programs, [row("own", 2), row("anybody", None)], *options)
     assert run.claims("own") == [] and run.task("own")["never_started"] == run.task("own")["misses"] == 1
@@ -97,7 +97,7 @@ def test_a_slot_that_is_empty_from_the_start(tmp_path: Path, programs: Path) -> 
 
 
 def test_a_block_that_waits_for_ever_holds_back_no_long_ones(tmp_path: Path, programs: Path) -> None:
-    """scheduling.long_blocks_max is for what anybody may run."""
+    """scheduling.long_blocks_max counts only blocks that any DSP may run."""
     rows = [row("own", 2, argument=100_000), row("long", None, argument=40_000, importance=0x6000)]
     run = Run(
         tmp_path,
@@ -115,7 +115,7 @@ def test_a_block_that_waits_for_ever_holds_back_no_long_ones(tmp_path: Path, pro
     assert len(run.claims("long")) >= 18
 
 
-# ---- rough treatment
+# ---- failures at any instant
 
 
 @pytest.mark.parametrize("policy", ["doorbell", "spin"])

@@ -208,7 +208,7 @@ def test_the_drives_latch_stays_on_its_grid() -> None:
 
 
 def test_the_ideal_run_keeps_the_clocks_of_what_is_released_and_sampled() -> None:
-    """Chips and buses have none to differ: their time costs nothing."""
+    """Chips and buses have no clocks of their own there: their work takes no time."""
     drawn, ideal = clocks(5, agvs=2), clocks(5, agvs=2, ideal=True)
     for name, one in ideal.items():
         if name.startswith(("DSP", "PCI")):

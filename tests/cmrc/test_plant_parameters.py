@@ -15,7 +15,7 @@ LOW_RATES: dict[str, Any] = {
     "dsps": 1, "boot": "preloaded", "refresh_frequency_hz": 2000, "servo_frequency_hz": 250, "alpha_refreshes": 6, "beta_refreshes": 3,
     "report.reference": "none", "report.signal_decimation": 4,
 }  # fmt: skip
-# Soft loops that do not answer the sway sensor's noise: they give way to what feed-forward does not know.
+# Soft loops that hardly react to the sway sensor's noise: a torque that the feed-forward does not know moves them.
 SOFT = {"control.sway_gain_m_s_rad": 0.0, **{f"control.{joint}_bandwidth_rad_s": 5.0 for joint in ("travel", "slew", "luff", "trolley", "hoist", "rotator")}}
 
 
@@ -122,7 +122,7 @@ def drift(machine: str, **settings: Any) -> np.ndarray:
 
 @pytest.mark.parametrize("machine", ["slewing", "gantry"])
 def test_no_parameter_leaves_an_offset_at_rest(machine: str) -> None:
-    """A tenth more of each: what the kernels do not know of it would move a joint as soon as the brakes open, or with the first set-point."""
+    """A tenth more of each parameter. If a kernel did not know of it, a joint would move as soon as the brakes open, or with the first set-point."""
     usual = drift(machine)
     tables = (machine,) if machine == "gantry" else ("slewing", "agv", "landing")
     offsets = {}
@@ -139,7 +139,7 @@ def test_no_parameter_leaves_an_offset_at_rest(machine: str) -> None:
 
 @pytest.mark.parametrize(("key", "joint"), [("control.hoist_feed_forward", 3), ("control.luff_feed_forward", 2)])
 def test_such_an_offset_would_be_seen(key: str, joint: int) -> None:
-    """A tenth less of the torque that holds load and jib is what a tenth more mass would be that no kernel knows of."""
+    """A tenth less torque on load and jib acts like a tenth more mass that no kernel knows of."""
     assert drift("slewing", **{key: 0.9})[joint] > 1.5 * drift("slewing")[joint] + 4
 
 

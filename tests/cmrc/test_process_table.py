@@ -1,4 +1,4 @@
-"""The table of processes: what is built in is the paper's, rows of a user's own change what runs, and nonsense is refused with its place."""
+"""The table of processes: the built-in table is the paper's, a user's own rows change what runs, and bad rows are refused with their place."""
 
 import json
 import re

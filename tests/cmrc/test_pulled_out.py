@@ -1,4 +1,4 @@
-"""A board pulled out in the middle of what it does on the buses: reading and writing on either bus, with words in its bridge, holding the list."""
+"""A board is pulled out in the middle of its work on the buses: while it reads or writes on either bus, has words in its bridge, or holds the list."""
 
 import json
 import subprocess

@@ -1,4 +1,4 @@
-"""Ruling 39: when sub-process 5 runs, at which refreshes it is released, by interval and by what an AGV's range sensor sees."""
+"""Ruling 39: when sub-process 5 runs, and at which refreshes it is released: by interval, and by what an AGV's range sensor sees."""
 
 import itertools
 import json
@@ -26,13 +26,13 @@ def rows(release: str, more: str = "on_legs = true") -> str:
 
 
 def run(tmp_path: Path, toml: str = "", **settings: Any) -> tuple[dict[int, list[int]], list[tuple[int, int]], dict[str, Any]]:
-    """Refreshes at which avoidance was loaded by AGV, refreshes at which a release of it was dropped with the block in its way, and the report."""
+    """By AGV: the refreshes at which avoidance was loaded, and those at which a release was dropped, with the block in its way. And the report."""
     config, trace, report = tmp_path / "run.toml", tmp_path / "trace", tmp_path / "report.json"
     config.write_text(toml)
     options = [part for key, value in settings.items() for part in ("--set", f"{key}={value}")]
     finished = subprocess.run([EMULATOR, "--quiet", "--config", config, "--trace", trace, "--report", report, "--set", "report.reference=none", *options], capture_output=True, text=True, check=False)
     braked = json.loads(report.read_text())["braked"]
-    assert finished.returncode == (1 if braked else 0), finished.stderr  # a crane that nobody servoes any more stands with an error
+    assert finished.returncode == (1 if braked else 0), finished.stderr  # a crane without its servo stands with an error
     loads: dict[int, list[int]] = {}
     drops = []
     with trace.open() as lines:
@@ -48,7 +48,7 @@ def run(tmp_path: Path, toml: str = "", **settings: Any) -> tuple[dict[int, list
     return loads, drops, found
 
 
-# ---- who runs it
+# ---- which processes run it
 
 
 def test_a_parked_vehicle_has_no_avoidance_but_under_the_parked_load(tmp_path: Path) -> None:
@@ -82,7 +82,7 @@ def test_releases_by_interval_fall_on_refreshes_of_their_own(tmp_path: Path, agv
 
 
 def test_the_demand_does_not_fall_when_the_dsps_cannot_follow(tmp_path: Path) -> None:
-    """Late blocks push no release back: what cannot be released is dropped, and counts as missed."""
+    """Late blocks do not postpone a release. A release that is not possible is dropped, and counts as missed."""
     counted = []
     for dsps in (1, 6):
         options = {"machine.dsps": dsps, "dock.agvs": 4, "load.driving": "true", "load.avoidance_cycles": 330000, "run.duration_s": 0.3}
@@ -96,7 +96,7 @@ def test_the_demand_does_not_fall_when_the_dsps_cannot_follow(tmp_path: Path) ->
 
 
 def steps(release: str, ticks: list[tuple[int, int]], number: int = 1, count: int = 4, ends: set[int] | None = None, objects: set[int] | None = None, rests: set[int] | None = None) -> list[tuple[bool, list[int]]]:
-    """ticks: (refresh, interval). Blocks end at the refreshes of `ends` (none: before the next refresh)."""
+    """Steps by `ticks`, pairs of refresh and interval. Blocks end at the refreshes of `ends` (without: before the next refresh)."""
     table = [(tick, interval, tick not in (rests or set()), tick in (objects or set()), ends is None or tick in ends) for tick, interval in ticks]
     return list(scheduling.release_steps(release, number, count, True, table))
 
@@ -163,7 +163,7 @@ path = [[0.0, 36.0, 14.0], [0.06, 36.0, 14.0], [0.07, 36.0, 8.0]]
 
 @pytest.mark.parametrize("topology", ["host_on_both", "sensors_with_host", "single"])
 def test_what_comes_into_the_field_releases_avoidance(tmp_path: Path, topology: str) -> None:
-    """A post that jumps into the lane 6.6 m before the vehicle between 60 and 70 ms. The vehicle starts at 20 ms, and its way is 1.8 m wide to either side."""
+    """A post appears in the lane 6.6 m before the vehicle, between 60 and 70 ms. The vehicle starts at 20 ms, and its way reaches 1.8 m to either side."""
     layout = tmp_path / "layout.toml"
     layout.write_text(SUDDEN)
     options = {"bus.topology": topology, "dock.layout": str(layout), "load.driving": "true", "load.avoidance_cycles": 1000, "run.duration_s": 0.101}

@@ -1,4 +1,4 @@
-"""Snapshots of runs: going on from one is the same as never having stopped (docs/snapshots.md)."""
+"""Snapshots of runs: a run that goes on from a snapshot is the same as a run that never stopped (docs/snapshots.md)."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def to_the_end(simulation: Any) -> Any:
 
 
 def instants(scene: str, count: int) -> list[float]:
-    """In turn anywhere, in the traffic behind a refresh of the list, and soon after one of the scene's events."""
+    """In turn: any instant; one in the traffic after a refresh of the list; one soon after an event of the scene."""
     rng = random.Random(scene)
     end = SCENES[scene]["duration_s"]
     events = [event["at_s"] for event in EVENTS.get(scene, [])]
@@ -91,7 +91,7 @@ def test_a_run_goes_on_from_any_instant_as_if_never_stopped(scene: str) -> None:
         assert resumed.difference(first) is None, instant
         assert seen(resumed) == seen(first), instant
         assert to_the_end(resumed) == whole, instant
-        assert to_the_end(first) == whole, instant  # to be looked at changed nothing
+        assert to_the_end(first) == whole, instant  # looking at the run changed nothing
 
 
 @pytest.mark.parametrize("scene", SCENES)
@@ -109,7 +109,7 @@ def test_the_state_at_an_instant_does_not_depend_on_how_the_run_came_there(scene
 
 
 def test_a_boot_that_was_given_up_is_told_however_the_run_is_parted_there() -> None:
-    """The host tells it where it rests next: here after an access to another DSP's port, 50 to 54 us after power-on."""
+    """The host reports it at its next rest: here after an access to another DSP's port, 50 to 54 us after power-on."""
     settings = {"machine.dsps": 4, "machine.boot": "link", "watchdog.boot_limit_ms": 0.05, "report.reference": "none", "duration_s": 0.03}
     config = core.config(settings=settings, events=[{"at_s": 0.0, "action": "unplug", "dsp": 1}])
     first = core.Simulation(config)
@@ -248,7 +248,7 @@ def test_a_snapshot_is_refused_by_name_and_nothing_has_changed(tmp_path: Path) -
 
 
 def test_a_file_has_room_for_what_a_second_adds() -> None:
-    """10 MB for 180 s of the default dock with 4 DSPs (issue 18): 55 kB a second, and what each run begins with."""
+    """10 MB for 180 s of the default dock with 4 DSPs (issue 18): 55 kB per second, and the fixed part with which each run begins."""
     simulation = core.Simulation(core.config(settings={"dsps": 4, "duration_s": 180.0}))
     sizes = []
     for instant in (2.0, 5.0):

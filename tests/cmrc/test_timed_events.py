@@ -1,4 +1,4 @@
-"""Failures, hot-plug and changes of parameters at given instants: what they do, that nothing is lost, that nonsense is refused."""
+"""Failures, hot-plug and changes of parameters at given instants: their effects, that nothing is lost, and that bad input is refused."""
 
 import json
 import random
@@ -74,7 +74,7 @@ def test_a_stalled_bus_moves_no_word_while_it_lasts() -> None:
 
 @pytest.mark.parametrize("bus", ["A", "B"])
 def test_a_wait_for_a_stalled_bus_has_its_name_before_it_is_over(bus: str) -> None:
-    """The run ends while a block waits: it has waited for most of the time, and executed a few instructions."""
+    """The run ends while a block waits. The block has waited for most of the time, and executed a few instructions."""
     stall = {"at_s": 0.05503, "action": "stall_bus", "bus": bus, "lasts_ms": 20}
     report = run([stall], duration_s=0.0565, dsps=1, **{"machine.boot": "preloaded", "host.start_ms": 0, "report.reference": "none"})
     (dsp,) = report["dsps"]
@@ -140,7 +140,7 @@ def test_a_board_plugged_into_an_empty_slot_works() -> None:
 
 
 def test_an_operator_changes_a_parameter() -> None:
-    # With as_printed a pid block waits with J = FFECh instead of FFEFh (paper table); the trace tells J only by its order, so look at shared memory.
+    # With as_printed a waiting pid block has J = FFECh instead of FFEFh (paper table). The trace shows only the order by J, so the test reads shared memory.
     simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 0.2, "dsps": 1}))
     simulation.at({"at_s": 0.1, "action": "set", "key": "scheduling.equation", "value": "as_printed"})
     symbol = simulation.symbol
@@ -246,7 +246,7 @@ def survives(seed: int) -> None:
     dsps = 2 + seed % 3
     report = run(failures(seed, dsps, 0.3), duration_s=0.3, dsps=dsps, agvs=1 + seed % 2)
     assert report["stop_reason"] == "completed"
-    # What was lost is lost to a DSP that had just died: by the end everything but the last few blocks has been done.
+    # A block is lost only with a DSP that has just failed: at the end all but the last few blocks are done.
     assert sum(task["lost"] + task["unfinished"] + task["never_started"] for task in report["tasks"].values()) <= 2 * dsps + 4
 
 

@@ -1,4 +1,4 @@
-"""Which agent stands on which bus: the presets of plant-and-bus.md 3.4, others as data, and those that cannot be."""
+"""Which agent is on which bus: the presets of plant-and-bus.md 3.4, other topologies as data, and topologies that are refused."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The watchdog: long blocks by their heartbeat (measures.md 4), and no healthy DSP for what the host has not looked at (ruling 37)."""
+"""The watchdog: long blocks by their heartbeat (measures.md 4), and no healthy DSP is reset for time in which the host did not look (ruling 37)."""
 
 import json
 import re
@@ -34,7 +34,7 @@ def test_a_failure_in_identify_is_noticed_within_3_ms(action: str, at_ms: float)
 
 
 def test_a_dsp_that_hangs_in_the_same_block_again_is_reset_again(tmp_path: Path) -> None:
-    """The block was claimed again within the refresh of the reset, and the host took the DSP for one that worked on something else."""
+    """The block was claimed again within the refresh of the reset. The host took this for work on another block."""
     programs = tmp_path / "programs"
     shutil.copytree(ROOT / "c40_programs", programs)
     (programs / "kernels" / "user.asm").write_text("kernel_hangs:\n        br      kernel_hangs\n")
@@ -98,7 +98,7 @@ def test_a_failure_in_avoidance_is_noticed_within_3_ms() -> None:
 
 @pytest.mark.parametrize("pause_ms", [3, 20, 60])
 def test_a_pause_of_the_host_has_no_healthy_dsp_reset(pause_ms: float) -> None:
-    # Blocks claimed, and DSPs idle, while the host was away: it has not looked, so it knows nothing against them.
+    # Blocks were claimed and DSPs idle during the host's pause. The host did not look, so it must not blame them.
     report = run([{"at_s": 0.1, "action": "pause_host", "lasts_ms": pause_ms}], duration_s=0.22, dsps=4, agvs=8, **LONG)
     assert report["host"]["skipped_refreshes"] >= pause_ms * 8 - 2
     assert report["failures"] == [] and [dsp["resets"] for dsp in report["dsps"]] == [0] * 4

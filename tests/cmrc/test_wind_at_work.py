@@ -1,4 +1,4 @@
-"""The crane at work in wind: landings, no lift in too much of it, and what docs/wind.md says."""
+"""The crane at work in wind: landings, no lift in too strong a wind, and the figures of docs/wind.md."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def test_in_a_breeze_the_spreader_lands_at_the_first_try(tmp_path: Path) -> None
 
 
 def means_of_three_seconds(duration_s: float) -> tuple[Any, Any]:
-    """The mean of 3 s of the wind of SEED, made from the wind itself, m/s, and when each ends, s."""
+    """Means of 3 s of the wind of SEED (m/s), computed from the wind itself, and the end of each interval (s)."""
     parameters = plant.WindParameters()
     parameters.mean, parameters.gust, parameters.seed = 19.0, 2.47, SEED
     times = np.arange(-3.0, duration_s, 0.05) + 0.025
@@ -100,7 +100,7 @@ def test_no_lift_begins_in_too_much_wind_and_work_goes_on_when_it_falls(tmp_path
 def test_the_limit_is_a_setting(tmp_path: Path) -> None:
     settings: dict[str, Any] = {"dock__wind_mean_m_s": 14.0, "dock__wind_limit_m_s": 13.9}
     waiting = simulate(5.0, tmp_path, OVER_A_CONTAINER, **settings)
-    assert np.abs(waiting.signals()["payload_z_m"][-1] - 7.2) < 0.1  # it stays where it hung
+    assert np.abs(waiting.signals()["payload_z_m"][-1] - 7.2) < 0.1  # the load stays where it hung
     report = json.loads(waiting.report_json())["wind"]
     assert report["above_share"] == pytest.approx(1.0, abs=0.01) and report["waits"] == 1
     assert report["waited_s"] == pytest.approx(5.0, abs=0.1)
@@ -175,7 +175,7 @@ def test_wind_on_a_rigid_crane_is_for_its_drives(tmp_path: Path) -> None:
     """dock.crane_model = "rigid": the load hangs plumb, and its drag pushes on the jib's tip. Wind along x, the load at (0, 24): all on the slew."""
     of = {"dock__crane_model": "rigid", "dock__wind_mean_m_s": 15.0, "dock__wind_limit_m_s": 10.0}
     signals = {}
-    for direction in (0.0, 180.0):  # that it waits is what the limit is for
+    for direction in (0.0, 180.0):  # the limit makes it wait
         simulation = simulate(5.0, tmp_path, OVER_A_CONTAINER, **of, dock__wind_direction_deg=direction)
         assert json.loads(simulation.report_json())["failures"] == []
         signals[direction] = {name: values[-1000:] for name, values in simulation.signals().items()}

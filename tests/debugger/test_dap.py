@@ -1,4 +1,4 @@
-"""The Debug Adapter Protocol, by a client that is not ours: a program, a network, the dock; and what is no message."""
+"""The Debug Adapter Protocol with a client that is not ours: a program, a network, the dock; and input that is no message."""
 
 import base64
 import json

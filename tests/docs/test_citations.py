@@ -58,7 +58,7 @@ def read(name: str) -> str:
 def test_every_citation_leads_somewhere() -> None:
     texts = {name: read(name) for name in sources()}
     assert not [message for name, text in texts.items() for message in broken(name, text)]
-    # Words that a change of the patterns would no longer find make the line above hold for nothing.
+    # If a change of the patterns found nothing any more, the line above would hold for an empty list.
     assert sum(1 for text in texts.values() for _ in citations(text)) > 500
 
 

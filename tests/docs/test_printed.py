@@ -4,9 +4,9 @@ A block of output stands under a comment that names its command:
 
     <!-- printed by: emulator --dsps 4 --duration 2 | from "Deadlines" to "grab_path" -->
 
-Commands are ``emulator ...``, ``python -m cmrc ...`` and ``python FILE ...`` of a script in the tree. ``from ... to ...`` takes the
-lines from the first one that begins so to the next one that begins so; several, separated by a comma, stand with a blank line
-between; ``cut N`` at the end of the parts leaves out what stands beyond column N. ``table``: the output is a table that stands below as it is. In prose, ``says "..."`` names what the output and the
+Commands are ``emulator ...``, ``python -m cmrc ...`` and ``python FILE ...`` of a script in the tree. ``from "A" to "B"`` takes the
+lines from the first one that begins with A to the next one that begins with B. Several such parts, separated by commas, are shown with a
+blank line between them. ``cut N`` at the end leaves out all beyond column N. ``table``: the whole output is a table, which the page has below. In prose, ``says "..."`` names what the output and the
 paragraph (or table) below both say; runs of blanks count as one. ``campaign`` at the end keeps long runs out of the suite.
 ``pytest tests/docs --update-golden`` (with ``-m campaign`` for the long ones) writes blocks and tables anew.
 

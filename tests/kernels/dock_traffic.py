@@ -1,9 +1,9 @@
 """Docks full of traffic, and which side could have prevented a collision: judged from the true courses of vehicles and
 obstacles alone.
 
-A collision could have been prevented when a vehicle that moved at the contact had, at the last instant from which its brakes would still have brought it to
-rest in time, what it then hit within its sensor's reach, or had had it there and it went on as it was going. What runs into a standing vehicle, or comes from
-behind the sensor, or turns aside at the last moment, could not.
+A vehicle could have prevented a collision if it moved at the contact, and if its sensor had the obstacle within reach in time. In time: at the last instant from
+which its brakes could still stop it; or earlier, if the obstacle then kept its course. It could not prevent a collision with something that runs into the standing
+vehicle, comes from behind the sensor, or turns at the last moment.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """A fleet on the plant's own dock, driven by the kernels on one emulated DSP: planning, inverse kinematics and avoidance of every AGV.
 
-No host and no crane: each AGV goes round the default loop again and again, to the warehouse and back to the loading spot, and stands there for a while. Nobody tells
-it to queue: what stands before it only its range sensor shows.
+No host and no crane: each AGV goes round the default loop again and again, to the warehouse and back to the loading spot, and stands there for a while. No host
+tells it to queue: only its range sensor shows what stands before it.
 """
 
 from __future__ import annotations

@@ -23,8 +23,8 @@ HALF_LENGTH = 7.4
 
 @dataclass
 class Look:
-    """What is kept of a look: what blocks the way and what is close to it, m along the leg, and per bin of the leg the lateral place nearest to the lane, to the
-    left and (negated) to the right."""
+    """What is kept of a look: the distances along the leg (m) to what blocks the way and to what is close to it; and for each bin of the leg the lateral place
+    nearest to the lane, to the left and (negated) to the right."""
 
     count: int
     block: float
@@ -80,7 +80,7 @@ def pieces(view: View) -> list[tuple[float, Segment]]:
 
 
 def swing(view: View, n: int, along: float) -> float:
-    """By how much the ends swing out, to the left, where piece n is `along` from the leg's start."""
+    """How far the vehicle's ends swing out to the left, where piece n is `along` from the leg's start."""
     path = pieces(view)
     start, g = path[n]
     if g.curvature:
@@ -152,7 +152,7 @@ class Lane:
 
 
 def feasible(lane: Lane, shift: float, first: float) -> float:
-    """The shift by which the group of things that begins `first` ahead can be passed; 0 if by none."""
+    """The shift with which the group of obstacles that begins `first` ahead can be passed; 0 if there is none."""
     sides = {+1: [-math.inf, SHIFT_MOST], -1: [-math.inf, SHIFT_MOST]}  # needed, possible; to the right all signs are turned
     for e in lane.echoes:
         if e.along - first >= GROUP:
@@ -198,7 +198,7 @@ def way(lane: Lane, shift: float, along: float) -> float:
 
 
 def block(lane: Lane, shift: float) -> tuple[float, float, float]:
-    """Metres before the front to what blocks the way, to what is close to it, and to what blocks near it and must stay in view."""
+    """Distances from the front, in m: to what blocks the way, to what is close to it, and to what blocks nearby and must stay in view."""
     free, close, seen = math.inf, math.inf, math.inf
     for e in lane.echoes:
         gap = clear(e, way(lane, shift, e.along))
@@ -216,14 +216,14 @@ def block(lane: Lane, shift: float) -> tuple[float, float, float]:
 
 
 def remember(lane: Lane, ahead: float, way: float, speed: float) -> None:
-    """What has `way` metres to go until it is out of the way is soon out of sight."""
+    """Keeps an obstacle that the sensor soon loses: its place, and the number of the look at which the vehicle has gone `way` m and passed it."""
     place = lane.s + lane.view.mount + ahead
     if lane.wait <= lane.view.count or place <= lane.place:
         lane.wait, lane.place = lane.view.count + math.floor(way / speed / lane.view.period), place
 
 
 def motion(lane: Lane, shift: float, free: float, close: float) -> tuple[float, Look]:
-    """The free distance, shortened by what comes into the way, along it or past the vehicle; this look."""
+    """The free distance, shortened by what moves into the way, along it or past the vehicle; and this look."""
     view, then = lane.view, lane.view.then
     rate = 0.0
     if then is not None and 16 <= view.count - then.count < 48:
@@ -288,7 +288,7 @@ def decide(lane: Lane, shift: float, speed: float) -> Said:
 
 
 def nearest(lane: Lane) -> list[Echo]:
-    """Of each four sectors the nearest."""
+    """The nearest echo of each four sectors."""
     groups: dict[int, Echo] = {}
     for e in lane.echoes:
         if abs(e.lateral) >= STANDS:

@@ -66,7 +66,7 @@ def stands(s: float, lateral: float, radius: float = 0.3) -> Mover:
 
 @pytest.mark.parametrize(("kernel", "s"), [("avoidance_vfh", 30.0), ("avoidance_vfh", 36.0), ("avoidance_potential", 36.0)])
 def test_who_comes_from_the_inner_side_of_a_bend_is_remembered(kernel: str, s: float) -> None:
-    """At 1.2 m/s from 11 m beside the lane: seen for 3 s, then beside the front until the flank is reached, 5 s later."""
+    """A person walks at 1.2 m/s from 11 m beside the lane. The sensor sees the person for 3 s; the person reaches the flank 5 s later."""
     fleet = among(kernel, Mover(0.4, 1.8, [Waypoint(5.0, *on_lane(s, -11, 1)), Waypoint(5.0 + 22 / 1.2, *on_lane(s, 11, 1))]))
     fleet.run(25.0)
     assert not fleet.collisions()

@@ -1,4 +1,4 @@
-"""The executive from `_start` on: claims in list order, runs by kind, writes FFh last, idles by policy.
+"""The executive from `_start` on: it claims in the order of the list, runs the kernel of the kind, writes FFh last, and idles by its policy.
 
 The shared memory is RAM, so a semaphore's word is written by hand: 0 free (as after a release), 1 taken.
 """

@@ -1,6 +1,6 @@
 """The programs of a ship-to-shore gantry: against the plant's own equations (which MuJoCo checks, tests/plant/test_gantry.py) and closed forms.
 
-What a gantry shares with the slewing crane is tested there; here is what differs, and that the constants put into the image are the plant's.
+What a gantry shares with the slewing crane is tested with that crane. Tests here cover what differs, and that the image has the plant's constants.
 """
 
 from __future__ import annotations
@@ -77,9 +77,9 @@ def test_a_leg_is_as_slow_as_its_slowest_axis(dsp: Dsp, seed: int) -> None:
     r = random.Random(seed)
     home, vias = pose(r), [pose(r) for _ in range([1, 2, 3, 8, 1, 1][seed])]
     if seed == 4:
-        vias[0][0] = home[0]  # no travel at all: one pass
+        vias[0][0] = home[0]  # no travel: one pass is enough
     if seed == 5:
-        vias[0] = [single(home[0] + 2.0), *home[1:]]  # so short that the acceleration counts
+        vias[0] = [single(home[0] + 2.0), *home[1:]]  # so short that the limit of acceleration decides
     stretch = 1.5 if seed == 1 else 1.0
     dsp.put("CR_STRETCH", stretch)
     dsp.put("CR_HOME", *home)
@@ -103,7 +103,7 @@ def test_no_axis_passes_its_limit() -> None:
 
 
 def test_a_block_that_is_run_again_or_was_cut_short_leaves_the_same_words(dsp: Dsp) -> None:
-    """After the first pass of a leg's first point a DSP may die: the next one finds a leg that is too fast, and corrects it."""
+    """A DSP may fail after the first pass of a leg's first point. The next DSP finds a leg that is too fast, and corrects it."""
     home, vias = [0.0, -8.0, 14.0, 0.0], [[3.0, 0.0, 16.0, 0.0], [9.0, 10.0, 9.0, 0.0]]
     dsp.put("CR_HOME", *home)
     dsp.put("CR_LEG", 1)

@@ -49,7 +49,7 @@ def route(dsp: Dsp, number: int) -> list[list[float]]:
 
 
 def deepest(box: Box, hang: float, chain: list[np.ndarray]) -> float:
-    """How deep the load, drawn as an upright box along x, gets into a box anywhere on the way (m, negative: clear)."""
+    """How deep the load, an upright box along x, enters a box anywhere on the way (m; negative: it is clear of all)."""
     worst = -math.inf
     for p, q in pairwise(chain):
         for t in STATIONS:

@@ -12,7 +12,7 @@ HEIGHT, DECK = 2.591, 3.909
 X0, DX = -25.6, 0.4
 # Four heights floored to 8 mm make an edge's place uncertain by 8 mm / H of a cell each, half of it for the middle of two edges; H is a tier or more.
 EDGES = 4 * 0.008 / HEIGHT * DX / 2 + 1e-4
-Stack = tuple[float, int]  # x of the middle, containers on each other
+Stack = tuple[float, int]  # x of the middle; number of containers in the stack
 
 
 class Bay(Dsp):

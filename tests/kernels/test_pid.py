@@ -131,7 +131,7 @@ def test_one_tick_is_the_reference(seeds: range = range(12)) -> None:
             dsp.put("CR_LOAD", 0.75 * ref.M_SPREADER)
         measured = [m / c for m, c in zip(moved, ref.COUNTS, strict=True)]
         shift = ref.sway_update(state, [c * math.radians(10) / 2048 for c in codes], sway[:2], H, measured[3], stands=stands, moves=True)
-        # The load stays at its height and in its direction, whatever luff and slew do.
+        # The load keeps its height and its direction while luff and slew move.
         reference[3] += ref.JIB * math.cos(measured[2]) * sway[2] * shift[0]
         reference[2] += sway[2] * shift[0]
         reference[1] += sway[3] * shift[1]

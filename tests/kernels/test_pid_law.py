@@ -68,7 +68,7 @@ def test_parameters_are_kept_on_chip_until_their_generation_changes() -> None:
 
 
 def test_a_change_moves_no_drive() -> None:
-    """Gains by a factor of four, feed-forward from all to a quarter: with an error that stands, the torque goes on as it did."""
+    """The gains change by a factor of four, the feed-forward to a quarter. With a constant error, the torque continues without a jump."""
     servo = resting()
     servo.encoders([c - 2 for c in servo.total])
     for _ in range(300):  # the derivative has died away, the integral goes on
@@ -88,7 +88,7 @@ def test_a_change_moves_no_drive() -> None:
     servo.run()
     for j, (old, now) in enumerate(zip(codes[-1], servo.codes(), strict=True)):
         assert abs(now - old) <= 2 + 4 * ordinary[j], j
-    # It counts all the same: the next change of the feed-forward comes through with a quarter.
+    # The gain counts all the same: a quarter of the next change of the feed-forward comes through.
     before = servo.codes()
     servo.dsp.put("CR_FEED_FORWARD", *[-40.0] * 5)
     servo.run()

@@ -16,7 +16,7 @@ from test_torque_builds import BOUND, CLOSED_FORM, NEWTON_EULER
 
 cmrc, plant = _core.cmrc, _core.plant
 KEYS = {key["name"]: key for key in cmrc.config_keys()}
-# What no kernel computes with: what the plant does by itself, what is checked before the run, what a drive does to protect itself.
+# No kernel computes with these: what the plant does by itself, what is checked before the run, the drives' own protection.
 NOT_THEIRS = {
     "rated_load_kg", "sway_damping", "portal_along_m", "portal_landside_m", "portal_waterside_m", "portal_leg_m", "portal_height_m",
     "torque_lag_s", "stribeck", "stribeck_speed", "brake", "overspeed", "overspeed_time_s", "saturation_time_s", "saturation_swings", "thermal_time_s", "thermal_trip",

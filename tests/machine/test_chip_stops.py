@@ -86,7 +86,7 @@ def test_network(program: Callable[[str], Path], reason: str) -> None:
 
 @pytest.mark.parametrize("reason", TABLE)
 def test_processor(program: Callable[[str], Path], reason: str) -> None:
-    """Which is a debugger: it says what the chip says."""
+    """Python's Processor acts as a debugger: it reports the chip's own reason."""
     _, body, _, _, expected, _ = TABLE[reason]
     if expected is None:
         pytest.skip("without breakpoint and link it does not come to it")

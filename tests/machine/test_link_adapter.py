@@ -24,7 +24,7 @@ again:  addi    1, r1
 
 
 def feed(stream: list[int], slot: int, start: int, every: int, at_once: int = 8) -> list[tuple[int, int, list[int], int]]:
-    """Host steps: the request cleared, some words every so often, then, 20 us later, the answer."""
+    """Steps of the host: it clears the request, sends words at intervals, and 20 us later reads the answer."""
     steps = [(start - US, REQUEST, [1 << slot], 0)]
     steps += [(start + i // at_once * every, DATA + SLOT * slot, stream[i : i + at_once], 0) for i in range(0, len(stream), at_once)]
     return [*steps, (steps[-1][0] + 20 * US, DATA + SLOT * slot, [], 1)]

@@ -83,7 +83,7 @@ def wrote(m: machine.Machine, slot: int, since: int) -> bool:
     return any(what == "write" and values[0] == slot and time > since for time, what, values in m.events)
 
 
-# What is seen of a DSP's board 50 us later; the others go on.
+# The state of a DSP's board 50 us later; the other boards go on.
 SEEN: dict[str, Callable[[machine.Machine, int], bool]] = {
     "fail": lambda m, n: m.standing(n),
     "freeze": lambda m, n: m.standing(n),

@@ -88,7 +88,7 @@ def test_the_semaphore_lets_one_dsp_at_a_time(dsps: int) -> None:
 
 
 def test_without_the_semaphore_counts_are_lost() -> None:
-    """The race is real: what the test above shows is the semaphore's doing."""
+    """Without the semaphore the DSPs do race: so the test above shows an effect of the semaphore."""
     m = machine.Machine(assemble(COUNTER.replace("bnz     again", "nop")), config(dsps=4))
     m.run_until(3 * MS)
     assert m.peek(8) < 4 * ROUNDS
@@ -184,7 +184,7 @@ def test_the_host_resets_a_dsp_that_stands_still_and_none_that_is_broken() -> No
 
 @pytest.mark.parametrize(("repeat", "body"), [("rpts 60000", "addi 1, r5"), ("ldi 10000, rc", "rptb last\nlast:   addi 1, r5"), ("br d", "d:  b d"), ("bd e", "nop\n nop\n nop\ne: bd e\n nop\n nop\n nop")])
 def test_a_program_hangs_wherever_it_is(repeat: str, body: str) -> None:
-    # In a repeat of one instruction, of a block, at a branch, among the delay slots of one: it executes, and nothing but a reset ends it.
+    # In the repeat of one instruction, of a block, at a branch, in its delay slots: the DSP executes, and only a reset ends that.
     for moment in range(0, 400, 37):
         setup = config(dsps=1)
         setup.script(100 * US + moment * 1000, machine.Action.hang, 0)

@@ -28,7 +28,7 @@ COMPARE = """([one, other]) => {
 
 
 def shoot(tab: Tab, name: str) -> None:
-    """Keeps the dock's picture as it is."""
+    """Takes the dock's picture, and keeps it."""
     tab.page.evaluate(SHOOT, name)
 
 
@@ -37,7 +37,7 @@ def dots_that_differ(tab: Tab, one: str, other: str) -> int:
 
 
 def layer(tab: Tab, option: str, key: str) -> None:
-    """It is drawn, its key leaves it out, its box brings it back."""
+    """The layer is drawn; its key hides it; its box shows it again."""
     shoot(tab, "shown")
     tab.page.keyboard.press(key)
     assert tab.page.locator(f"#{option}").is_checked() is False

@@ -1,4 +1,4 @@
-"""What a page carries of its run: the same as the report and the signals say, and the run is the same with and without."""
+"""The recording of a run in its page: it agrees with report and signals, and the run is the same with and without it."""
 
 import base64
 import hashlib

@@ -115,7 +115,7 @@ def test_sixteen_stores_against_a_peer_that_does_not_read() -> None:
 
 
 def test_one_word_over_an_idle_link() -> None:
-    """Readable seven cycles after the store with the token here, thirteen with the token there."""
+    """The word is readable seven cycles after the store if the sender has the token, thirteen if the receiver has it."""
     for port, latency in ((0, 7), (3, 13)):
         network = Network([processor(stores(port, 1)), processor(receiver(3 - port, 1))])
         network.join(0, port, 1, 3 - port)
@@ -250,7 +250,7 @@ def test_a_link_cut_in_mid_word_loses_that_word_and_says_so(cycles_into_word: in
     assert [(event["word"], event["bytes"]) for event in lost] == [(lost_word, cycles_into_word * 4 // 5)]
     network.run(start + 100 * PERIOD)
     network.balance()
-    assert network.waiting[1]["port"] == 3  # waits for what does not come
+    assert network.waiting[1]["port"] == 3  # waits for a word that never comes
     link.restore(start + 100 * PERIOD)
     network.run(start + 300 * PERIOD)
     network.balance()

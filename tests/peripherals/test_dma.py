@@ -1,4 +1,4 @@
-"""The DMA coprocessor (c40-hardware.md 3, 11.5): by hand, and against the document's words."""
+"""The DMA coprocessor: sequences counted by hand, and the statements of c40-hardware.md 3 and 11.5."""
 
 from __future__ import annotations
 
@@ -154,7 +154,7 @@ def served(chip: Any, cycles: int) -> list[int]:
 
 @pytest.mark.parametrize("channels", [(0, 2, 5), (1, 4), (5, 0), (3,), (0, 1, 2, 3, 4, 5)])
 def test_the_channel_served_last_comes_last_over_gaps_too(channels: tuple[int, ...]) -> None:
-    """Rotating: cyclic in the order 0, 1, ... 5, with any channels left out (c40-hardware.md 3.4)."""
+    """Rotating priority is cyclic in the order 0, 1, ... 5, also with some channels left out (c40-hardware.md 3.4)."""
     chip, _ = idle_chip()
     chip.run(20)
     for n in channels:
@@ -166,7 +166,7 @@ def test_the_channel_served_last_comes_last_over_gaps_too(channels: tuple[int, .
     ("first", "then"), [(2, [2, 5, 0, 2, 5, 0, 2]), (0, [0, 2, 5, 0, 2, 5, 0]), (5, [5, 0, 2, 5, 0, 2, 5])]
 )
 def test_who_comes_in_behind_the_channel_at_work(first: int, then: list[int]) -> None:
-    """Channel `first` is in its first word when the two others start: the next higher one follows, from 5 on to 0."""
+    """Channel `first` moves its first word when the two others start. The next higher channel follows; after 5 comes 0."""
     chip, _ = idle_chip()
     chip.run(20)
     settings = {"source": BLOCK0, "destination_index": 1}
@@ -345,7 +345,7 @@ READS = "        ldf *ar0,r0\n     || ldf *ar1,r1\n" * 200 + "end:    bu end\n"
 
 
 def test_priority_against_the_processor_at_a_full_block() -> None:
-    """200 pairs of loads fill both ports of block 0 in each cycle, code elsewhere; the DMA wants 40 words out of block 0."""
+    """200 pairs of loads use both ports of block 0 in each cycle; the code is elsewhere. The DMA reads 40 words from block 0."""
     cycles = {}
     for priority in (0, 1, 3):
         chip, image = chip_with(READS, at=0x300000)

@@ -1,5 +1,5 @@
-"""Nets between pins of chips. What is expected is counted by hand from docs/networks.md, Pins: an edge travels in no time, a receiver
-looks at the begin of each of its cycles, and what it sees acts one cycle later."""
+"""Nets between pins of chips. Expected values are counted by hand from docs/networks.md, Pins: an edge needs no time, a receiver
+samples its pins at the start of each of its cycles, and the sample takes effect one cycle later."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def low(network: Network, chip: int, register: str = "R2") -> int:
 
 
 def run(programs: list[Any], nets: list[str], until_us: float | None = None, script: Callable[[Network], None] = lambda network: None, **how: Any) -> Network:
-    """The run, which is the same in every order of turns and wherever it is cut, also by a snapshot."""
+    """The run. It must be the same in every order of turns, and wherever it is cut, also by a snapshot."""
     outcomes = []
     for order in (0, 5, 6):
         network = Network(programs, nets=nets, record_words=True, record_peripherals=True, turn_order=order, **how)
@@ -81,7 +81,7 @@ def run(programs: list[Any], nets: list[str], until_us: float | None = None, scr
     return network
 
 
-# ---- when ----
+# ---- timing ----
 
 
 def test_an_edge_interrupts_a_sleeping_chip_one_cycle_later() -> None:
@@ -89,7 +89,7 @@ def test_an_edge_interrupts_a_sleeping_chip_one_cycle_later() -> None:
     falls = [at for at, kind in edges(network) if kind == "fall"]
     assert all(later - earlier == 400 * CYCLE for earlier, later in pairwise(falls)) and len(falls) == 5
     assert [at for at, kind in edges(network) if kind == "rise"] == [at + 200 * CYCLE for at in falls]
-    assert interrupts(network, 1)[1:] == [at + CYCLE for at in falls[1:]]  # at the first, it does not sleep yet
+    assert interrupts(network, 1)[1:] == [at + CYCLE for at in falls[1:]]  # at the first edge the chip does not sleep yet
     assert low(network, 1) == 5
 
 
@@ -110,7 +110,7 @@ def test_pulse_mode_gives_pulses_of_one_cycle() -> None:
     network = run([assembled(text + END), listener(4, iiof(1))], ["0.TCLK0>1.IIOF1"], 50)
     rises = [at for at, kind in edges(network) if kind == "rise"]
     falls = [at for at, kind in edges(network) if kind == "fall"]
-    assert len(rises) == 9 and falls[1:] == [at + CYCLE for at in rises]  # the first fall is where the timer takes the pin
+    assert len(rises) == 9 and falls[1:] == [at + CYCLE for at in rises]  # the first falling edge is the one at which the timer takes the pin
     assert interrupts(network, 1)[1:] == [at + CYCLE for at in falls[1:]]
 
 
@@ -118,12 +118,12 @@ def test_a_short_pulse_is_missed_by_a_slow_receiver_and_counted() -> None:
     text = clock(50).replace("3c1h", "2c1h")
     network = run([assembled(text + END), listener(4, iiof(1))], ["0.TCLK0>1.IIOF1"], 50, clocks_mhz=[50, 34.7])
     (net,) = network.nets
-    seen = sum(at > edges(network)[0][0] + CYCLE * 10 for at in interrupts(network, 1))  # not where the timer takes the pin
+    seen = sum(at > edges(network)[0][0] + CYCLE * 10 for at in interrupts(network, 1))  # none at the edge at which the timer takes the pin
     assert net.missed == sum(event.kind == "missed" for event in network.events)
     assert seen > 0 < net.missed and seen + net.missed == sum(kind == "rise" for _, kind in edges(network))
 
 
-# ---- what ----
+# ---- effects ----
 
 
 def test_a_level_interrupts_as_long_as_it_lasts() -> None:
@@ -149,7 +149,7 @@ def test_a_general_purpose_input_reads_the_level() -> None:
 
 
 def test_a_timer_counts_encoder_pulses_and_the_index_pulse_reads_it() -> None:
-    """Timer 0 counts rising edges of its pin; the service routine of IIOF1 keeps what it has counted."""
+    """Timer 0 counts rising edges of its pin; the service routine of IIOF1 stores the count."""
     text = "        ldhi 0ffffh,r0\n        sti r0,*+ar0(28h)\n        ldi 0c1h,r0\n        sti r0,*+ar0(20h)\n" + iiof(1)
     program = listener(4, text, "isr:    addi 1,r2\n        ldi *+ar0(24h),r3\n        reti\n")
 
@@ -165,7 +165,7 @@ def test_a_timer_counts_encoder_pulses_and_the_index_pulse_reads_it() -> None:
 
 
 def test_an_edge_lets_the_dma_move_a_word() -> None:
-    """DMA channel 2, synchronised by IIOF2 (DIE code 4): a word a pulse."""
+    """DMA channel 2, synchronised by IIOF2 (DIE code 4): one word per pulse."""
     start = (
         "        ldhi 10h,ar2\n        or 0c0h,ar2\n        ldhi 2fh,r0\n        or 0f800h,r0\n        sti r0,*+ar2(1)\n        ldi 1,r1\n"
         "        sti r1,*+ar2(2)\n        ldi 10,r1\n        sti r1,*+ar2(3)\n        addi 64,r0\n        sti r0,*+ar2(4)\n        ldi 1,r1\n        sti r1,*+ar2(5)\n"
@@ -218,7 +218,7 @@ def test_a_word_that_is_asked_for_by_a_pin_interrupts_its_driver_that_runs_on() 
     second = listener(4, iiof(1), "isr:    addi 1,r2\n        sti r2,*+ar0(72h)\n        reti\n")
     network = run([first, second], ["0.TCLK0>1.IIOF1"], 1100, links=["0.0:1.3"])
     asked = [at for at, kind in edges(network) if kind == "fall"]
-    # To take the interrupt, to store the word and to send it; before the first, chip 1 also has to get the token.
+    # The time to take the interrupt, to store the word and to send it. Before the first word, chip 1 also has to get the token.
     after = [answer - edge for answer, edge in zip(interrupts(network, 0), asked, strict=True)]
     assert len(after) == 6 and all(16 * CYCLE < cycles < 28 * CYCLE for cycles in after)
 
@@ -311,7 +311,7 @@ def test_the_order_of_turns_and_cuts_change_nothing_by_the_hundred(seed: int) ->
     check(seed)
 
 
-# ---- what cannot be ----
+# ---- bad input ----
 
 
 @pytest.mark.parametrize(("nets", "message"), [

@@ -1,4 +1,4 @@
-"""Networks: held against the plainest possible driver of chips and links (linked_processors), and against counts by hand."""
+"""Networks compared with the simplest possible driver of chips and links (linked_processors), and with counts by hand."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The end of a network's run: a deadlock with who waits for whom, an end, a fault."""
+"""How the run of a network ends: a deadlock, which names who waits for whom; an end; a fault."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_a_dma_that_nobody_will_ever_serve_is_a_deadlock_where_a_processor_sleep
     network = Network([program(ends)] * 2, links=["0.0:1.3"])
     stream_by_dma(network.chips[0]._core, network.chips[1]._core)
     core = network.chips[1]._core
-    core.poke(0x1000D3, len(WORDS) + 1)  # one more than comes
+    core.poke(0x1000D3, len(WORDS) + 1)  # one word more than arrives
     core.set("ST", 0x2000)
     core.set("IIE", interrupts << 28)
     stop = network.run()
@@ -58,7 +58,7 @@ def test_a_dma_that_nobody_will_ever_serve_is_a_deadlock_where_a_processor_sleep
 
 
 def test_a_processor_that_idles_beside_its_dma_has_ended_in_the_cycle_in_which_both_have() -> None:
-    """However the run is cut, and in whatever order the chips are advanced; DMA and processor end in one cycle, too."""
+    """This holds however the run is cut, and in every order of turns; also where DMA and processor end in the same cycle."""
     seen: dict[int, set[tuple[int, int]]] = {}
     for nops, order, cut_us in itertools.product(range(20), range(3), [1000.0, 0.05]):
         network = Network([program(IDLES), program("        nop\n" * nops + IDLES)], links=["0.0:1.3"], turn_order=order, record_peripherals=True)

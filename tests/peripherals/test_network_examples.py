@@ -75,7 +75,7 @@ def test_bandwidth_dma(golden: Callable[[str, str], None]) -> None:
 
 
 def thinned(network: Network, every: int) -> str:
-    """Each so-manieth word of each direction of each link, and the hash of the whole trace."""
+    """Every n-th word of each direction of each link, and the hash of the whole trace."""
     seen: dict[tuple[int, int], int] = {}
     lines = []
     for event in network.events:

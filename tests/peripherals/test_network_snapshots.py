@@ -98,7 +98,7 @@ def test_a_ring_of_nasty_programs_has_one_state_at_an_instant(seed, tmp_path):
         assert whole._core._state_difference(cut._core) is None
 
 
-# Which of several things there is, is no number; of an access that is not waited for, and of a hold that no chip is in, nothing is kept.
+# A choice between alternatives is no number. Of an access without a waiting chip, and of a hold without a held chip, the state keeps nothing.
 NO_NUMBERS = ("memory.pages.", "undisturbed", "reported_breakpoint", "looks", "waiting_access", "port_slot", ".access.", ".port_access.", "chip.held", "chip.told")
 
 
@@ -140,7 +140,7 @@ def test_locks_polls_and_actions_go_on_in_another_network():
 
 
 def test_a_network_that_deadlocks_after_a_snapshot_does_so_at_the_same_instant():
-    """The look for loops that poll is in the state: when it began, and what it has seen."""
+    """The search for polling loops is part of the state: its start, and what it has found so far."""
     program = assemble("        .text\nstart:  ldhi 10h,ar6\npoll:   ldi *+ar6(70h),r0\n        and 1E00h,r0\n        bz poll\nend:    bu end\n", sections={".text": 0x2FF800})
     whole = Network([program, program], links=["0.3:1.0"])
     stop = whole.run()

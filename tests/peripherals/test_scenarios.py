@@ -1,4 +1,4 @@
-"""Ports, DMA and interrupts together, each scenario counted by hand from c40-hardware.md 2 to 5; every one with several turn orders."""
+"""Ports, DMA and interrupts together. Each scenario is counted by hand from c40-hardware.md 2 to 5, and run with several turn orders."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def channel(chip: Any, n: int, control: int, **registers: int) -> None:
 
 
 def same_for_every_turn_order(made: Callable[[int], Network], **run: Any) -> Network:
-    """The network of seed 0, when it has run; the others ended alike."""
+    """The network after its run with seed 0. The runs with other seeds ended in the same state."""
     networks = [made(seed) for seed in SEEDS]
     ends = [network.run(**run) for network in networks]
     assert len({(end.reason, end.time_ps) for end in ends}) == 1
@@ -94,7 +94,7 @@ def balanced(network: Network) -> None:
 
 
 def test_split_channels_at_both_ends_saturate_a_link_both_ways() -> None:
-    """Each word is followed by the token's way: a direction has one word per 2 (5 + 6) = 22 cycles (2.6)."""
+    """After each word the token changes sides: each direction moves one word per 2 (5 + 6) = 22 cycles (2.6)."""
 
     def made(seed: int) -> Network:
         network = Network([program(IDLES)] * 2, links=["0.0:1.3"], turn_order=seed, record_words=True, record_peripherals=True)
@@ -183,7 +183,7 @@ def test_both_sides_queue_three_words_and_take_turns() -> None:
         expected.append(("word", turn % 2, at))
         at += 6
         expected.append(("token", 1 - turn % 2, at))
-    assert trace == expected[:-1]  # nobody asks for the token after the last word
+    assert trace == expected[:-1]  # neither side asks for the token after the last word
     balanced(network)
 
 
@@ -253,7 +253,7 @@ def test_a_timer_lets_a_channel_send_a_word_each_period() -> None:
 
 
 def test_sixty_four_chips_at_their_own_clocks_boot_one_another() -> None:
-    """The worm over a grid of 8 x 8 at 40, 50 and 60 MHz: each chip counts itself and whom it booted."""
+    """The worm over a grid of 8 x 8 at 40, 50 and 60 MHz: each chip counts itself and the chips that it booted."""
     source = c40.assemble_file(ROOT / "c40_programs" / "examples" / "networks" / "worm.asm", entry="start")
 
     def made(seed: int) -> Network:

@@ -107,7 +107,7 @@ def free_timer(control: int, period: int, counter: int | None = None) -> Any:
 
 
 def flags(chip: Any, cycles: int) -> list[int]:
-    """After how many cycles TINT0 came, each time."""
+    """The cycles after which TINT0 was set, one by one."""
     seen = []
     for cycle in range(1, cycles + 1):
         chip.run(1)

@@ -86,7 +86,7 @@ def values(thing):
 
 @pytest.mark.parametrize("machine", ["slewing", "gantry"])
 def test_the_linearisation_is_the_cranes_own_near_by(machine):
-    """Against the crane itself, stepped from states a little off: x(t) = exp(A t) x(0) + integral of exp(A s) B u."""
+    """Compared with the crane itself from states slightly off the equilibrium: x(t) = exp(A t) x(0) + integral of exp(A s) B u."""
     home = (0.0, 12.0, 16.0, 14.0, 0.0) if machine == "slewing" else (0.0, 0.0, 12.0, 14.0, 0.0)
     crane = plant.Crane(machine=machine, load_mass=20e3, home=home, tolerance=1e-12, order=5)
     q, hold = crane.state.q, np.zeros(5)

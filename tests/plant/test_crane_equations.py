@@ -259,7 +259,7 @@ def test_pinocchio_follows_the_same_trajectory():
 
 
 def mujoco_model(mujoco, c, mass):
-    """The same chain in MJCF. MuJoCo wants inertias that keep the triangle inequality, so the platform's is spread over its axes."""
+    """The same chain in MJCF. MuJoCo requires inertias that satisfy the triangle inequality, so the platform's inertia is spread over its axes."""
     tiny = "1e-4 1e-4 1e-4"
     return mujoco.MjModel.from_xml_string(f"""<mujoco><compiler angle="radian" boundinertia="1e-9" boundmass="1e-9"/>
       <option gravity="0 0 -{GRAVITY}" integrator="RK4" timestep="0.002"><flag contact="disable"/></option><worldbody>

@@ -57,7 +57,7 @@ def test_the_last_codes_of_twelve_bits(asked, taken):
 
 
 def test_an_encoder_counts_through_both_ends_of_its_24_bits():
-    """16384 counts to a turn of the motor: 1024 turns fill the counter; below 0 it shows 2^24 - 1."""
+    """One turn of the motor is 16384 counts, so 1024 turns fill the counter. Below 0 the counter shows 2^24 - 1."""
     config = quiet_dock()
     drives = config.crane.drives
     slew, jib = drives[1], 1.0  # rad
@@ -165,7 +165,7 @@ def test_locks_take_their_time_and_the_load_hangs_on_the_rope(picked):
 def test_hand_over_to_the_rigid_body_and_back_keeps_the_energy(picked):
     dock = picked[0]
     jumps = [abs(event.values[1]) for event in dock.events if event.kind in ("near_contact", "free_again")]
-    assert jumps and max(jumps) < 0.02 * 9.81 * dock.payload_mass  # two centimetres' worth of potential energy
+    assert jumps and max(jumps) < 0.02 * 9.81 * dock.payload_mass  # the potential energy of two centimetres
 
 
 def test_locks_do_not_turn_in_the_air():

@@ -1,4 +1,4 @@
-"""The drives' own protection (docs/plant.md, Trips): what trips a drive, when, what it says of itself, and what ends it."""
+"""The drives' own protection (docs/plant.md, Trips): what trips a drive and when, what its status shows, and what ends a trip."""
 
 import numpy as np
 import pytest
@@ -79,7 +79,7 @@ def test_a_break_begins_the_half_second_anew() -> None:
 
 
 def swinging(period_ms: int, swings: int) -> plant.Dock:
-    """The code goes from one end to the other so many times, each after half a period, and is 0 from then on."""
+    """The code changes from one end of its range to the other `swings` times, every half period, and is 0 afterwards."""
     it = dock(TRAVEL)
     it.enable_drives(1 << TRAVEL, 0)  # without torque the jib would fall
     for i in range(swings + 1):
@@ -134,7 +134,7 @@ def test_a_trip_ends_when_the_drive_is_switched_off_and_has_cooled() -> None:
     assert it.drive_trip(TRAVEL, 400 * MS) == HEAT
     it.enable_drives(0x1E, 400 * MS)
     assert it.drive_status(TRAVEL, 401 * MS) == READY | BRAKE
-    assert it.drive_trip(TRAVEL, 401 * MS) == HEAT  # why stays until it is on again
+    assert it.drive_trip(TRAVEL, 401 * MS) == HEAT  # the cause is shown until the drive is on again
     it.enable_drives(0x1F, 402 * MS)
     assert (it.drive_status(TRAVEL, 403 * MS), it.drive_trip(TRAVEL, 403 * MS)) == (READY, 0)
 

@@ -1,4 +1,4 @@
-"""A container's change of hands: the phases, the edges of the tolerances, retries, and what each switch does to energy and momentum."""
+"""The hand-over of a container: its phases, the limits of the tolerances, retries, and the effect of each phase on energy and momentum."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ TOP = 6.5  # m, of the container at x = 12.7
 
 
 def land(dx=0.0, dy=0.0, yaw=0.0, seconds=3.0, **landing):
-    """Straight down beside the only container by (dx, dy), turned by yaw."""
+    """Lands beside the only container's place by (dx, dy), turned by yaw."""
     config = quiet_dock(above=(12.7 + dx, 24 + dy), z=TOP + 0.3, yaw=yaw)
     config.layout.containers = [config.layout.containers[1]]
     for name, value in landing.items():
@@ -116,7 +116,7 @@ def test_every_switch_keeps_its_books(taken):
             assert entry.after.payload == pytest.approx(entry.before.payload, rel=1e-9, abs=1e-9)
     attached = next(entry for entry in books if entry.kind == "locked")
     box = dock.config.layout.containers[0]
-    middle = 9.81 * box.mass * box.z  # reckoned to the payload's underside, with the container's mass
+    middle = 9.81 * box.mass * box.z  # of the payload's underside, with the container's mass
     assert attached.energy_after - attached.energy_before > middle
 
 
@@ -148,7 +148,7 @@ def test_a_rolling_vehicle_shares_its_momentum_with_the_container_set_on_it():
         crane.hold(0.001)
     assert dock.containers[0].state == "on_agv" and speeds[-1] > 0.02
     set_down = next(entry for entry in dock.switches if entry.kind == "opened")
-    resting = set_down.before.payload[0] / 30e3  # m/s, what little the container moved itself
+    resting = set_down.before.payload[0] / 30e3  # m/s, the container's own small speed
     assert dock.agv(0).speed == pytest.approx((25e3 * speeds[-1] + 20e3 * resting) / 45e3, abs=5e-4)
 
     dock.spreader_command(1, crane.t)  # and taken off again underway: vehicle and container keep their speed, the spreader is dragged along
@@ -196,7 +196,7 @@ def test_a_container_taken_off_a_turning_vehicle_brings_its_spin(front):
 
 @pytest.mark.parametrize(("radius", "takes"), [(1.001, True), (0.999, False)])
 def test_the_warehouse_takes_what_stands_within_its_radius_for_its_time(radius, takes):
-    """A vehicle that is loaded 1 m beside its middle: what it takes is gone 0.25 s later, at a step of 1 ms."""
+    """A vehicle that is loaded 1 m beside the warehouse's middle: the container is gone 0.25 s later, at a step of 1 ms."""
     config = plant.default_dock()
     config.layout.containers = [plant.ContainerPlace(22.0, 8.0, 1.6, 0.0, 20e3)]
     config.layout.warehouse = plant.Pose(22.0, 9.0, 0.0)

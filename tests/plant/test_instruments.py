@@ -1,4 +1,4 @@
-"""Drive status and speed, load cell, second sway sensor, anemometer: what they show, what they show when they have failed, and that they are state."""
+"""Drive status and speed, load cell, second sway sensor, anemometer: what they show, also after a failure, and that snapshots keep their state."""
 
 import math
 
@@ -98,7 +98,7 @@ def test_the_anemometer_shows_the_mean_of_three_seconds() -> None:
 
 @pytest.mark.parametrize(("direction", "ends"), [(0.0, (2047, -2048)), (math.pi, (-2048, 2047))])
 def test_sway_sensors_stop_at_the_ends_of_12_bits(direction: float, ends: tuple[int, int]) -> None:
-    """A wind takes the load out of a narrow range: the code stays at the end, and does not wrap to the other."""
+    """Wind moves the load out of a narrow range: the code stays at the end of the range, and does not wrap."""
     config = plant.default_dock(1)
     config.wind.mean, config.wind.direction = 30.0, direction
     config.sensors.sway_range, config.sensors.sway_noise = 0.004, 0.0

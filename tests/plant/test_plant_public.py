@@ -1,4 +1,4 @@
-"""cmrc.plant as a user has it: every part of the dock is there and says what it is; an AGV by itself; balances of random cranes; what cannot be is refused."""
+"""cmrc.plant as a user sees it: every part of the dock is public and documented; an AGV by itself; balances of random cranes; bad values are refused."""
 
 from __future__ import annotations
 

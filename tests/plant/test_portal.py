@@ -89,7 +89,7 @@ def test_a_load_does_not_go_through_the_cranes_own_leg():
 
 
 def test_the_leg_pushes_the_crane_as_it_pushes_the_load():
-    """A wind presses the load against the leg; rolling without friction, the whole crane goes off with force over mass, as if the load were nailed to it."""
+    """Wind presses the load against the leg. The crane rolls without friction, so the whole crane accelerates by force over mass, as if the load were fixed to it."""
     config = plant.default_dock(0)
     config.crane.portal.along = 3.0
     config.home = plant.CranePose(0.0, 5.0, 9.0, 2.6, math.pi / 2)

@@ -109,7 +109,7 @@ def test_the_plant_has_the_same_bits_without_the_newer_instructions(name):
 
 
 def test_without_the_newer_instructions_this_machines_c_library_differs():
-    """Else the two tests above compare a thing with itself."""
+    """Otherwise the two tests above would compare a function with itself."""
     if "fma" not in Path("/proc/cpuinfo").read_text(encoding="ascii").split():
         pytest.skip("this CPU has no FMA")
     many = "import math; print(sum(hash(math.pow(1 + k * 1e-4, k * 1e-3)) for k in range(100000)))"

@@ -14,7 +14,7 @@ SECOND = 10**12
 
 
 class Heard:
-    """A dock of which every call of a device is noted, with its answer."""
+    """A dock that records each call of a device with its answer."""
 
     def __init__(self, config: plant.DockConfig) -> None:
         self.dock, self.calls = plant.Dock(config), []

@@ -1,4 +1,4 @@
-"""The moored ship's motion: its sizes and periods, seeded; what stands on it rides along; a draught that changes."""
+"""The motion of the moored ship: amplitudes and periods by a seed; containers that move with the ship; a draught that changes."""
 
 import math
 
@@ -148,7 +148,7 @@ def test_the_scanner_sees_the_tilted_tops():
 
 
 def landed(scale, seed=3):
-    """A spreader on container 1, near x = 12.7 m, its rope slack. Nobody steers it after the ship, so the seed is one of those where it lands."""
+    """A spreader on container 1, near x = 12.7 m, its rope slack. No controller follows the ship, so the seed is one with which the spreader lands."""
     config = moving(scale=scale, seed=seed, z=7.5)
     config.layout.containers = config.layout.containers[:2]
     config.landing.guide_window = 0.4

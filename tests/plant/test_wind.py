@@ -76,7 +76,7 @@ def test_gusts_have_their_size_and_their_seed():
     times = np.arange(0.0, 3000.0, 0.25)
     one = core.wind_speed(parameters(8.0, 2.0, 1), times)
     assert one.std() == pytest.approx(2.0, rel=0.1)
-    assert (core.wind_speed(parameters(8.0, 2.0, 1), times[::-1])[::-1] == one).all()  # whatever was asked for before
+    assert (core.wind_speed(parameters(8.0, 2.0, 1), times[::-1])[::-1] == one).all()  # whatever the calls before
     assert core.wind_speed(parameters(8.0, 2.0, 1), 100.0) == one[400]
     assert np.abs(core.wind_speed(parameters(8.0, 2.0, 2), times) - one).max() > 1.0
 

@@ -49,7 +49,7 @@ def towards_zero(a: int, b: int) -> tuple[int, int]:
 
 
 def divided(a: int, b: int, bits: int) -> dict[str, int]:
-    """Of words without sign: what each kind of division gives, as words."""
+    """What each kind of division gives for unsigned words, as words."""
     mask = (1 << bits) - 1
     if b == 0:
         sign = -1 if signed(a, bits) < 0 else 1

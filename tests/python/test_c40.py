@@ -1,4 +1,4 @@
-"""cmrc.c40: a chip in Python's hands."""
+"""cmrc.c40: a chip driven from Python."""
 
 from pathlib import Path
 

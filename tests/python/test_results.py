@@ -1,4 +1,4 @@
-"""The claims: every experiment in small, and every verdict either way from numbers made up for it; as a campaign, the page against its commands."""
+"""The claims: every experiment at a small size, and every verdict both ways from invented numbers. A campaign compares the page with its commands."""
 
 from __future__ import annotations
 
@@ -147,7 +147,7 @@ def test_failures() -> None:
     assert failures.verdict(p, [trial()] * 5 + [trial(lost=1)]).word == "fails"
     assert failures.verdict(p, [trial()] * 5 + [trial(violations=1)]).word == "fails"
     assert failures.verdict(p, [trial(recomputed=0)] * 5).word == "not tested"
-    # Of the only DSP nothing is demanded, but it is told.
+    # No demand on the only DSP, but its failure is reported.
     alone = failures.verdict(p, [trial(), trial(0, stopped=True, braked=True, lost=1), trial(0)])
     assert alone.word == "holds" and "1 ended the work, and 1 of these left the crane braked" in alone.limit
 
@@ -232,7 +232,7 @@ LONG = [60.0] * 8
             cycles("off", LONG, T_g=(85.0, 115.0))
             + cycles("proportional", [60, 60, 40, 20, 15, 12, 14, 12], T_g=(85.0, 115.0)),
             "holds in part",
-        ),  # what T_g varies by is no excuse
+        ),  # the variation of T_g does not excuse it
         (cycles("off", LONG) + cycles("proportional", LONG[:3]), "not tested"),
         (cycles("off", [1.0] * 8) + cycles("proportional", [1.0] * 8), "not tested"),
     ],

@@ -1,4 +1,4 @@
-"""Entry point x wrong value: the message names the argument, what came, and what would be right; nothing of the binding's own words."""
+"""Each entry point with a wrong value: the message names the argument, the given value, and what would be right, in our own words and not pybind11's."""
 
 import math
 from collections.abc import Callable

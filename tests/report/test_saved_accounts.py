@@ -11,7 +11,7 @@ KINDS, CAUSES = ["pid", "identify"], ["instructions", "bus_a"]
 
 
 def events(count: int, rng: random.Random) -> list[tuple[int, int, int, list[int]]]:
-    """In the order in which two chips that run ahead of each other tell them: each its own in the order of time."""
+    """Events of two chips that run ahead of each other: in order of time for each chip alone."""
     at = [0, 0]
     told = []
     for _ in range(count):

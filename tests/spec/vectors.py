@@ -104,7 +104,7 @@ def shown(code: int, value: int) -> str:
 
 
 class RejectedError(Exception):
-    """The state led somewhere that another core need not follow: the program's own words."""
+    """The drawn state leads to something that another core need not do the same: a change of the program's own words."""
 
 
 def run(machine: Machine, steps: int) -> None:

@@ -233,7 +233,7 @@ def test_long_commands_show_something_before_their_first_step_is_done(
     monkeypatch.setattr("cmrc.progress.LOG_S", 0.0)
     assert main(["limits", "--duration", "0.05", "--dsps-grid", "2"]) == 0
     said = capsys.readouterr().err.splitlines()
-    # On a crowded machine a beat comes before the command knows how many runs there are.
+    # On a busy machine a sign of life comes before the command knows the number of runs.
     assert said[0].startswith(("cmrc limits: 0 of 1 runs", "cmrc limits: no run has ended yet"))
     assert said[-1].startswith("cmrc limits: 1 of 1 runs")
     assert main(["compare", "--duration", "0.1"]) == 0

@@ -1,4 +1,4 @@
-"""The grid of a sweep: what it makes, and what it says of a bad one."""
+"""The grid of a sweep: the runs that it makes, and the messages for a bad grid."""
 
 from pathlib import Path
 from typing import Any

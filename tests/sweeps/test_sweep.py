@@ -74,7 +74,7 @@ def test_a_grid_that_has_grown_runs_what_is_new(done: Sweep, tmp_path: Path) -> 
 
 
 def test_a_run_of_an_earlier_grid_has_its_place_in_the_new_one(tmp_path: Path) -> None:
-    """What was fixed, or as it is by default, becomes an axis; and seeds come."""
+    """A setting that was fixed, or had its default, becomes an axis; seeds are added."""
     fixed = {**FIXED, "dsps": 2}
     sweep({"fixed": fixed, "axes": {"servo_frequency_hz": [500.0, 1000.0]}}, tmp_path / "s", workers=1)
     sweep({"fixed": FIXED, "axes": {"servo_frequency_hz": [500.0]}}, tmp_path / "s", workers=1)  # on 4 DSPs, by default
@@ -177,7 +177,7 @@ def test_a_run_that_ends_its_process_three_times_is_a_failure_and_no_other_run_s
 
 
 def kill_workers(stop: threading.Event, every_s: float, killed: list[int]) -> None:
-    """SIGKILL to one worker after the other, as long as there are any."""
+    """Sends SIGKILL to one worker after the other until none is left."""
     for turn in itertools.count():
         if stop.wait(every_s):
             return
@@ -290,7 +290,7 @@ def test_whoever_listens_and_does_not_answer_is_no_cluster(tmp_path: Path, monke
 
 
 def test_tls_options_are_passed_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With a cluster that wants certificates: with the right ones it runs, without it does not."""
+    """A cluster that requires certificates: with the right ones the sweep runs, without them it does not."""
     openssl = shutil.which("openssl")
     if openssl is None:
         pytest.skip("openssl is missing, which makes certificates")

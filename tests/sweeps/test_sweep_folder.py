@@ -54,7 +54,7 @@ def test_parts_are_read_in_order_and_compacted(tmp_path: Path) -> None:
 
 
 def test_a_row_in_two_parts_counts_once(tmp_path: Path) -> None:
-    """As when a compaction is killed before it has removed the old parts."""
+    """This state remains when a compaction is killed before it has removed the old parts."""
     with Folder(tmp_path / "s") as folder:
         folder.write([row(1), row(2)])
         old = folder.parts()[0].read_bytes()

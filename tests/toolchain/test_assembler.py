@@ -88,7 +88,7 @@ def test_data_directives() -> None:
 
 
 def test_numbers_take_a_word_per_character_and_strings_a_word_per_four() -> None:
-    """As GNU as has them, whose authors had TI's manual: its examples are the first and the last line."""
+    """As GNU as has them: its authors had TI's manual. The first and the last line are the manual's examples."""
     assert words("\t.byte 10,-1,\"abc\",'a'\n") == [10, 255, 97, 98, 99, 97]
     assert words('\t.int 1,"ab"\n\t.byte "x\\n",0\n') == [1, 97, 98, 120, 10, 0]
     assert words('\t.byte "a\\b""c"\n') == [97, 92, 98, 34, 99]  # only C's escapes are escapes; a quote is doubled
@@ -106,7 +106,7 @@ def test_fields_fill_words_from_bit_0() -> None:
 
 def test_floats_in_the_three_formats() -> None:
     assert words("\t.ieee 1.0,-2.5,0,1e-45\n") == [0x3F800000, 0xC0200000, 0, 1]
-    # IEEE halves to even, and what lies a decimal beside the half goes to its side.
+    # IEEE rounds halves to even; a value just above or below the half is rounded to its own side.
     assert words("\t.ieee 16777217,16777219,16777217.00000000000000001\n") == [0x4B800000, 0x4B800002, 0x4B800001]
     # Extended: the word that STF stores, then the mantissa.
     assert words("\t.ldouble 1.0,-1.0,1.000000001\n") == [0, 0, 0xFF800000, 0x80000000, 0, 2]

@@ -1,4 +1,4 @@
-"""The C3x's programs: assembled, linked, disassembled; and what refuses to run them (docs/assembler.md, The C3x)."""
+"""Programs of the C3x: assembled, linked, disassembled; and the commands that refuse to run them (docs/assembler.md, The C3x)."""
 
 import json
 import struct

@@ -189,7 +189,7 @@ far:    .word 0
 near:   .set 12h
 """
 
-# Of the source, in .text at 301000h with a table at 80123456h: the words in ti, in gnu; None: refused.
+# Source in .text at 301000h, with a table at 80123456h: its words in ti and in gnu; None: refused.
 BARE = [
     ("ldi near,ar0", 0x08680012, 0x08680012),  # a number in both
     ("ldi far,ar0", None, 0x08283456),  # 32 bits do not fit; GNU as reads the word at it

@@ -1,4 +1,4 @@
-"""Relocatable objects and the linker: against GNU as and ld, against assembling at once, and what it refuses."""
+"""Relocatable objects and the linker: compared with GNU as and ld, and with one assembly of all sources; what the linker refuses."""
 
 import random
 import subprocess
@@ -80,7 +80,7 @@ def test_one_object_linked_by_the_standard_map_is_the_program_assembled_at_once(
 
 
 def test_halves_of_addresses_carry_into_each_other() -> None:
-    """The high half of table+8000h depends on the low one: the object keeps it."""
+    """The high half of table+8000h depends on the low half, so the object keeps the low half too."""
     use = "\t.ref table\n\tldhi hi16(table+8000h),ar0\n\tor lo16(table+8000h),ar0\n\tldp @table+8000h\n\tldhi table>>16,ar1\n\tor table&0FFFFh,ar1\n"
     image = link(use, "\t.def table\n\t.data\n\t.space 5\ntable: .word table\n", map="""
 [memory]
@@ -95,7 +95,7 @@ all = { origin = 0, length = 0x100000000 }
 
 
 def test_the_high_half_of_an_address_in_the_same_object_follows_its_symbol() -> None:
-    """The symbol stood at 5 in the object, so that 5 is taken off before its place is added."""
+    """The symbol's offset in the object is 5: the linker subtracts 5 before it adds the symbol's address."""
     image = link("\tldhi hi16(table+9),ar0\n\tor lo16(table+9),ar0\n\tldhi hi16(table+10),ar1\n\t.def table\n\tldhi hi16(table+11),ar2\n\t.data\n\t.space 5\ntable: .word table\n", map="""
 [memory]
 all = { origin = 0, length = 0x100000000 }
@@ -121,7 +121,7 @@ all = {{ origin = {origin:#x}, length = 0x100000 }}
 
 
 def test_a_conditional_branch_into_a_section_of_more_than_32767_words() -> None:
-    """Referred to the section's start, 16 bits would not hold the place; a symbol at the place itself does."""
+    """An offset from the section's start would not fit into 16 bits. A reference to a symbol at the target does."""
     source = "\t.text\n\tbz target\n\t.sect \"big\"\n\t.space 40000\n\tnop\ntarget: nop\n"
     image = link(source, map='[memory]\nm = { origin = 0, length = 0x10000 }\n[sections]\n"big" = "m"\n')
     text_at, words = contents(image)[".text"]

@@ -1,0 +1,62 @@
+#pragma once
+// cmrc._core.c40.Processor: one chip with its board, as Python holds it.
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "c40/chip.hpp"
+#include "c40/peripherals/events.hpp"
+#include "c40/self_check.hpp"
+#include "machine/board_file.hpp"
+#include "machine/board_reserved.hpp"
+#include "python/bindings/devices.hpp"
+#include "state/file.hpp"
+#include "toolchain/objects/image.hpp"
+
+/// A chip that Python runs, and the devices on its board.
+class Processor : public c40::PeripheralSink {
+ public:
+  Processor(const std::string& board, bool checks, const std::vector<py::object>& own)
+      : Processor(machine::read_board(board), checks, own) {}
+  Processor(machine::BoardDescription described, bool checks, const std::vector<py::object>& own);
+
+  void load_words(c40::Address address, const std::vector<c40::Word>& words) { chip.write_block(address, words); }
+  void load_image(const toolchain::Image& image);
+  py::dict run(c40::Cycles max_cycles, std::optional<c40::Address> until);
+  void add_breakpoint(c40::Address address);
+  void remove_breakpoint(c40::Address address);
+  py::list trace(c40::Cycles max_cycles);
+
+  py::dict step();
+  py::list diagnostics() const;
+
+  void record_events() { chip.set_peripheral_sink(this); }
+  void happened(const c40::PeripheralEvent& event) override;
+
+  /// \throws StateError with checks on: what they have seen is not saved
+  state::Key configuration(const toolchain::Image* program) const;
+
+  std::string board;  ///< what has to be the same for a state to fit
+  c40::Board surroundings;
+  c40::Chip chip;
+  machine::BoardDevices devices;
+  std::optional<machine::LoneDevices> around;
+  machine::IgnoredAccesses ignored;
+  /// The chip, and what stands around it.
+  void list_state(state::Visitor& list);
+  std::optional<c40::SelfCheck> self_check;
+  py::list events;
+
+ private:
+  std::set<c40::Address> breakpoints_;  ///< those of the caller
+  std::optional<c40::Address> until_;   ///< one more, where the last run was to end
+
+  /// A change of breakpoints makes the chip forget its blocks: who calls one routine after the other, each to the same
+  /// return address, keeps them.
+  void stop_at(std::optional<c40::Address> until);
+  /// By a device, or as an access to nothing.
+  bool answered(const c40::ExternalAccess& access) { return around->serve(access) || ignored.serve(chip, access); }
+  /// In slices, so that Ctrl-C is heard.
+  c40::StopInfo run_for(c40::Cycles cycles);
+};
