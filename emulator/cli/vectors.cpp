@@ -18,7 +18,7 @@
 namespace cli {
 namespace {
 
-using Kind = Vector::Place::Kind;
+using PlaceKind = Vector::Place::Kind;
 using isa::Address;
 using isa::Word;
 
@@ -67,14 +67,14 @@ class Bench {
 
   std::uint64_t get(Vector::Place place) const {
     switch (place.kind) {
-      case Kind::pc: return chip_.pc();
-      case Kind::expansion: return chip_.expansion(static_cast<isa::Expansion>(place.code));
-      case Kind::primary: return chip_.register_value(static_cast<isa::Register>(place.code));
+      case PlaceKind::pc: return chip_.pc();
+      case PlaceKind::expansion: return chip_.expansion(static_cast<isa::Expansion>(place.code));
+      case PlaceKind::primary: return chip_.register_value(static_cast<isa::Register>(place.code));
     }
     return 0;
   }
   void set(const Vector::Setting& setting) {
-    if (setting.place.kind == Kind::expansion)
+    if (setting.place.kind == PlaceKind::expansion)
       chip_.set_expansion(static_cast<isa::Expansion>(setting.place.code), static_cast<Word>(setting.value));
     else
       chip_.set_register(static_cast<isa::Register>(setting.place.code), setting.value);
@@ -86,11 +86,11 @@ class Bench {
 
   void set_up(const Vector& vector) {
     chip_.reset();
-    for (std::uint8_t code = 0; code < isa::register_count; ++code) set({{Kind::primary, code}, 0});
+    for (std::uint8_t code = 0; code < isa::register_count; ++code) set({{PlaceKind::primary, code}, 0});
     for (std::size_t i = 0; i < vector.code.size(); ++i) poke(start + static_cast<Address>(i), vector.code[i]);
     for (const Vector::Word& word : vector.memory_before) poke(word.address, word.value);
-    constexpr Vector::Place status{Kind::primary, isa::code(isa::Register::ST)},
-        count{Kind::primary, isa::code(isa::Register::RC)};
+    constexpr Vector::Place status{PlaceKind::primary, isa::code(isa::Register::ST)},
+        count{PlaceKind::primary, isa::code(isa::Register::RC)};
     // A write of ST sets RM only together with a count; a vector's state may have RM with any RC.
     set({count, 1});
     for (const Vector::Setting& setting : vector.before)
@@ -117,9 +117,9 @@ class Bench {
 
   static const std::vector<Vector::Place>& places() {
     static const std::vector<Vector::Place> all = [] {
-      std::vector<Vector::Place> out{{Kind::pc, 0}};
-      for (std::uint8_t code = 0; code < isa::register_count; ++code) out.push_back({Kind::primary, code});
-      for (std::uint8_t code = 0; code < 2; ++code) out.push_back({Kind::expansion, code});
+      std::vector<Vector::Place> out{{PlaceKind::pc, 0}};
+      for (std::uint8_t code = 0; code < isa::register_count; ++code) out.push_back({PlaceKind::primary, code});
+      for (std::uint8_t code = 0; code < 2; ++code) out.push_back({PlaceKind::expansion, code});
       return out;
     }();
     return all;
@@ -131,13 +131,14 @@ class Bench {
       const Vector::Place place = places()[i];
       const auto after =
           std::find_if(vector.after.begin(), vector.after.end(), [&](const auto& s) { return s.place == place; });
-      if (after == vector.after.end() && place.kind == Kind::pc) continue;
+      if (after == vector.after.end() && place.kind == PlaceKind::pc) continue;
       const std::uint64_t expected = after == vector.after.end() ? initial_[i] : after->value;
-      const bool is_status = place == Vector::Place{Kind::primary, isa::code(isa::Register::ST)};
+      const bool is_status = place == Vector::Place{PlaceKind::primary, isa::code(isa::Register::ST)};
       const std::uint64_t mask = is_status ? vector.status_mask : ~std::uint64_t{0};
       const std::uint64_t actual = get(place);
       if (((actual ^ expected) & mask) == 0) continue;
-      const bool extended = place.kind == Kind::primary && isa::is_extended(static_cast<isa::Register>(place.code));
+      const bool extended =
+          place.kind == PlaceKind::primary && isa::is_extended(static_cast<isa::Register>(place.code));
       found_.push_back(fmt::format("{} is {:0{}X}, expected {:0{}X}", name(place), actual & mask, extended ? 10 : 8,
                                    expected & mask, extended ? 10 : 8));
     }
