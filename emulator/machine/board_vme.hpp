@@ -1,5 +1,6 @@
 #pragma once
-/// A stub of the VMEbus interface controller VIC068A (VTC, later Cypress), and of the address space behind it.
+/// The registers and the bus error of the VMEbus interface controller VIC068A (VTC, later Cypress), and the address
+/// space behind it.
 ///
 /// The registers hold the values written to them, 8 bits each, at the places and with the read-only fields of Wind
 /// River's vic068.h (VxWorks 5.1, 1992; public): register n at byte address 4n + 3, n = 0 to 38h. An access to the VME
