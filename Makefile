@@ -3,19 +3,23 @@ SHELL := /bin/bash
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 
-.PHONY: demo test build setup clean page golden lint vectors arithmetic oracles bench results coverage mutants fuzz trust docs docs-test check tidy wheels
+.PHONY: demo test build configured setup clean page golden lint vectors arithmetic oracles bench results coverage mutants fuzz trust docs docs-test check tidy wheels
 
-demo: build
+# Without what only tests and developers need: a seventh of the compilation.
+demo: configured
+	cmake --build --preset release --target emulator _core
 	PYTHONPATH=build/python $(PYTHON) -m cmrc demo --out build/demo
 
 test: build
 	ctest --test-dir build --output-on-failure
 	$(PYTHON) -m pytest -q -n auto --dist worksteal tests
 
-build: setup
+build: configured
+	cmake --build --preset release
+
+configured: setup
 	@cmake --preset release -DPython_EXECUTABLE=$(CURDIR)/$(PYTHON) > build-configure.log 2>&1 || (cat build-configure.log; exit 1)
 	@rm -f build-configure.log
-	cmake --build --preset release
 
 setup:
 	@scripts/setup
