@@ -94,13 +94,11 @@ inline unsigned Bus::winner(Clocks latest) const {
 // An idle bus goes to the first master that requests it. If several request it in the same clock, the master that
 // already has the grant comes first, then the arbiter's choice.
 void Bus::plan_idle() {
-  Clocks first = earliest_request(nobody);
   chosen_ = nobody;
   next_ = never;
-  if (first == never) return;
-  first = std::max(
-      first,
-      stalled_ - config_.grant_clocks);  // masters that wait through a stall are arbitrated at the end of the stall
+  if (asking_ == 0) return;
+  // Masters that wait through a stall are arbitrated at the end of the stall.
+  const Clocks first = std::max(earliest_request(nobody), stalled_ - config_.grant_clocks);
   const unsigned held = arbiter_.parked();
   chosen_at_ = first;
   if (held != nobody && requests_[held] == first && first >= stalled_) {
