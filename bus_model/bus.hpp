@@ -7,7 +7,8 @@
 // its request, or at once if the grant is parked on this master. The target cuts a transaction by disconnect or retry;
 // the latency timer cuts it once another master requests the bus. The bus repeats the rest by itself. A stopped master
 // drops REQ# for request_off_after_stop clocks. The command matters in two places: for what a target fetches ahead for
-// a delayed read, and for the latency timer, which lets Memory Write and Invalidate go on to the end of a cache line.
+// a delayed read, and for the latency timer, which lets Memory Write and Invalidate continue to the end of a cache
+// line.
 //
 // Inaccuracies: masters are always ready (no IRDY# waits). The words of a write reach the target together at the end of
 // the attempt. A single word is read at its data phase; the words of a burst read are fetched at FRAME# with the clocks
@@ -157,7 +158,7 @@ class Bus {
   /// have passed are moved. completed() is not called. Returns the number of words moved.
   unsigned withdraw(unsigned master, Clocks now);
 
-  /// From clock `now` on the arbiter grants nothing before clock `until`; a running attempt goes on to its end.
+  /// From clock `now` on the arbiter grants nothing before clock `until`; a running attempt continues to its end.
   void stall(Clocks now, Clocks until);
 
   /// The clock of the next event of this bus, or never.

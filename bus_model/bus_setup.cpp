@@ -1,4 +1,4 @@
-// What stands on a bus: cards, masters, targets.
+// What is on a bus: cards, masters, targets.
 #include <bit>
 #include <stdexcept>
 

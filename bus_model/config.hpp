@@ -33,7 +33,7 @@ enum class Command : std::uint8_t {
   read_line,      ///< Memory Read Line: more words, of one cache line
   read_multiple,  ///< Memory Read Multiple: of more than one line
   write,
-  write_invalidate,  ///< whole lines: the latency timer lets the write go on to the end of a line
+  write_invalidate,  ///< whole lines: the latency timer lets the write continue to the end of a line
 };
 constexpr bool is_write(Command command) { return command >= Command::write; }
 
@@ -42,7 +42,7 @@ struct BusConfig {
   Arbitration arbitration = Arbitration::round_robin;
   Parking parking = Parking::last_owner;
   Clocks grant_clocks = 2;         ///< REQ# to FRAME# on an idle bus whose grant is parked elsewhere
-  bool fast_back_to_back = false;  ///< no turnaround after a write if the same master goes on
+  bool fast_back_to_back = false;  ///< no turnaround after a write if the same master continues
   Clocks multi_transaction_timer =
       0;  ///< MTT of the 430TX: for so many clocks an owner that requests the bus again comes first; 0: none
   unsigned line_words = 8;  ///< words of a cache line, a power of two

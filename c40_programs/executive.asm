@@ -74,7 +74,7 @@ exec_done:
         sti     r2, *+ar0(TB_FLAG)                      ; last: from here on the block belongs to the host
         br      exec_next
 
-; This image has no kernel for the kind: result FFFFFFFFh, no notice, done. The host sees the result; the list goes on.
+; This image has no kernel for the kind: result FFFFFFFFh, no notice, done. The host sees the result; the list continues.
 exec_unknown:
         ldi     -1, r0
         ldi     0, r1

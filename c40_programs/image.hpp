@@ -10,7 +10,7 @@ namespace c40_programs {
 std::span<const std::byte> built_in_image(bool own_blocks);
 /// The source lines of it, as text (toolchain/objects/source_map.hpp reads it).
 std::span<const std::byte> built_in_source_map(bool own_blocks);
-/// The boot loader of the on-chip ROM (boot_rom.asm), as a COFF file; it stands at address 0.
+/// The boot loader of the on-chip ROM (boot_rom.asm), as a COFF file; its address is 0.
 std::span<const std::byte> built_in_boot_rom();
 std::span<const std::byte> built_in_boot_rom_source_map();
 

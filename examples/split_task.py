@@ -90,7 +90,7 @@ def main(duration_s: float = 0.5) -> None:
         line("by a link", linked.run().report, ["first_link", "second_link"], nothing)
         print("the same results:", survey(whole, symbols) == survey(halves, symbols) == survey(linked, symbols))
 
-        # In the middle of the second half: the first task waits for so long as it was told, then does it all.
+        # In the middle of the second half: the first task waits as long as its parameter says, then does all the work.
         print("when the second's DSP dies:")
         halves, linked = simulation(folder, HALVES, duration_s), simulation(folder, LINKED, duration_s, **LINK)
         for run, way, suffix in ((halves, "by shared memory", ""), (linked, "by a link", "_link")):

@@ -1,4 +1,4 @@
-"""Prints a table of docs/ that no command of the product prints, as it stands there. tests/docs/test_printed.py compares.
+"""Prints a table of docs/ that no command of the product prints, in the page's own form. tests/docs/test_printed.py compares.
 
     CMRC_BUILD_DIR=build python scripts/doc_figures.py NAME      one of those in TABLES
 

@@ -112,7 +112,7 @@ def assembled(source: bytes, name: str, options: list[str], folder: Path) -> byt
 
 
 def report(folder: Path) -> int:
-    """Status 0: every source assembles, and every object is TI's but for what has its reason."""
+    """Status 0: every source assembles, and every object is TI's except for what has its reason."""
     lib = folder / "Release" / "lib"
     sources = {name: {member: text for member, text in members((lib / name).read_bytes()) if member.endswith(".asm")} for name in SOURCES}
     count, refused, tried = Count(), [], 0

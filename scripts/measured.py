@@ -1,4 +1,4 @@
-"""Runs on the emulated chip that stand beside published figures (scripts/validation)."""
+"""Runs on the emulated chip that are compared with published figures (scripts/validation)."""
 
 from __future__ import annotations
 
@@ -338,7 +338,7 @@ def ti_library(archive: Path) -> c40.Program:
 
 
 def ti_cycles(program: c40.Program, routine: TiRoutine) -> tuple[int, int]:
-    """The fewest and the most cycles over operands of every size, from the first instruction to the return; results are checked. Before each the routine has run once, so it stands in the cache."""
+    """The fewest and the most cycles over operands of every size, from the first instruction to the return; results are checked. Before each the routine has run once, so it is in the cache."""
     chip = c40.Processor(program, board="flat")
     counts = []
     for left, right in ti_operands(routine.name):

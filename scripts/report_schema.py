@@ -115,7 +115,7 @@ def descriptions() -> dict[str, str]:
 
 
 def merged(values: list[Any], path: str) -> Schema:
-    """The schema of all these values, which stand at one place."""
+    """The schema of all these values, which are all found at one place."""
     if path in NEVER_SEEN:
         return dict(NEVER_SEEN[path])
     parts: dict[str, list[Any]] = {}

@@ -1,4 +1,4 @@
-"""Which fields of a run's state no snapshot test would miss: each listed field is left out of a load, by turns.
+"""Which fields of a run's state no snapshot test would miss: loads the state without each listed field, one after the other.
 
 For each scene of tests/cmrc/test_snapshots.py and each instant of its tests, the state goes into a new run with one
 field as that run had it before, as if its line were not in the list. A field is noticed where the run then differs: at
@@ -36,7 +36,7 @@ def parts_of(path: str) -> list[str]:
 
 
 class State:
-    """A saved state, and from where to where each field's bytes stand there, by the field's path with * for numbers."""
+    """A saved state, and the first and last byte of each field in it, by the field's path with * for numbers."""
 
     def __init__(self, simulation: Any) -> None:
         self.text: bytes = simulation._state()

@@ -57,7 +57,7 @@ SLOW = frozenset((ROOT / "tests" / "slow_tests.txt").read_text().split())
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_pycollect_makeitem(collector: pytest.Collector, name: str, obj: object) -> list[pytest.Item] | None:
-    """Campaigns have 16,000 cases: where `-m` leaves them out, they are not made only to be left out; slow tests likewise."""
+    """Campaigns have 16,000 cases: where `-m` leaves them out, they are not made only to be left out; slow tests too."""
     only = collector.config.option.markexpr
     marks = getattr(obj, "pytestmark", [])
     campaign = isinstance(marks, list) and any(mark.name == "campaign" for mark in marks)

@@ -2,7 +2,7 @@
 ; The transform replaces both, in natural order: X(k) = sum x(n) exp(-2 pi i n k/1024).
 ;
 ; To see: ten stages whose butterflies are a block repeat with two parallel stores; a sine table of three quarters of a
-; period, where the cosine stands a quarter later; bit-reversed addressing for the final order.
+; period, where the cosine is a quarter of a period later; bit-reversed addressing for the final order.
 
                 .include "examples.inc"
 

@@ -197,7 +197,7 @@ dwa_curvature:
         stf     r0, @DW_K
         rets
 
-; CLEAR, FREE of the arc of V, K. The middle of the vehicle goes on by v step along the heading in the middle of the
+; CLEAR, FREE of the arc of V, K. The middle of the vehicle continues by v step along the heading in the middle of the
 ; step; its front is MOUNT ahead.
 dwa_arc:
         call    alive

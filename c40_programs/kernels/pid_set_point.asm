@@ -93,13 +93,13 @@ pid_reference:
         subf    r4, r5
         mpyf    r3, r5                          ; R5: weight of the second point's position
         addf    1.0, r4
-        mpyf    r2, r4                          ; R4: of the former's
+        mpyf    r2, r4                          ; R4: of the first point's
         ldf     @SV_POINT_PERIOD, r6
         mpyf    r0, r2
-        mpyf    r6, r2                          ; R2: of the former's rate
+        mpyf    r6, r2                          ; R2: of the first point's rate
         mpyf    r1, r3
         mpyf    r6, r3
-        negf    r3, r3                          ; R3: of the latter's
+        negf    r3, r3                          ; R3: of the second point's
         ldi     @PD_BUILD, r7
         bz      pid_reference_weights
         ldf     r1, r4

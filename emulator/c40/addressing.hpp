@@ -98,7 +98,7 @@ struct Place {
   }
 };
 
-/// The code comes by value: the compiler would read it anew from the op after the first store.
+/// The code comes by value: the compiler would read it again from the op after the first store.
 inline void set_register(Core& core, std::uint8_t code, Float40 value) {
   core.e[code] = value.e;
   core.r[code] = value.m;

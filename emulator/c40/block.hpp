@@ -39,7 +39,7 @@ struct CodeBlockKeyHash {
   }
 };
 
-/// An access of an instruction in a block through a window: the board answers each time anew.
+/// An access of an instruction in a block through a window: the board answers each time.
 struct WindowAccess {
   std::size_t at = 0;  ///< the instruction
   std::uint8_t access = 0;

@@ -163,7 +163,7 @@ class Chip {
   const StopInfo& run_until(Cycles limit) { return run_until(limit, limit); }
   /// \param known the cycle up to which the chip's links are known. A DMA that uses a linked port, and a processor in
   /// IDLE, go no further. A running processor may: an interrupt by a port counts from the next instruction on. If
-  /// `known` is beyond `limit`, the processor stops at `limit`, and the DMA goes on to `known`.
+  /// `known` is beyond `limit`, the processor stops at `limit`, and the DMA continues to `known`.
   const StopInfo& run_until(Cycles limit, Cycles known);
   /// One instruction (or interrupt entry). In IDLE, one idle cycle. Up to some ten thousand cycles if a DMA with the
   /// higher priority keeps the processor from its bus.

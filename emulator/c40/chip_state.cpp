@@ -206,7 +206,7 @@ void Engine::list_state(state::Visitor& list) {
   list("memory", memory_);
   peripherals_.list_state(list);
 
-  if (state_.faulted) access_.set_told(false);  // nothing will answer the access any more
+  if (state_.faulted) access_.set_reported(false);  // nothing will answer the access any more
   access_.list_state(list);
   list("reported_breakpoint", reported_breakpoint_);
   Cycles idle_since = this->idle_since();

@@ -115,7 +115,7 @@ const StopInfo& Engine::run_until(Cycles limit, Cycles known) {
   }
   run_limit_ = known;
   const Word watched = watched_ports();
-  const bool waits = access_.is_told();
+  const bool waits = access_.is_reported();
   for (;;) {
     if (peripherals_.dma_active() || dma_side_.stop)
       if (auto info = run_dma(known, false)) {
@@ -134,10 +134,10 @@ const StopInfo& Engine::run_until(Cycles limit, Cycles known) {
         if (auto earlier = run_dma(waits ? known : std::min(known, access_.cycle()), true))
           return stop_ = *std::move(earlier);
       }
-      access_.set_told(true);
+      access_.set_reported(true);
       return stop(why);
     }
-    access_.set_told(false);
+    access_.set_reported(false);
     if (ports_.attached() != 0 && (watched_ports() & ~watched) != 0) return stop(Stepped::horizon);
   }
   // Events of timers keep their order with the DMA: if the DMA is behind, they wait for it.
@@ -165,7 +165,7 @@ const StopInfo& Engine::step() {
   if (peripherals_.dma_active() && (why == Stepped::port || why == Stepped::external)) {
     if (auto earlier = run_dma(access_.cycle(), true)) return stop_ = *std::move(earlier);
   }
-  access_.set_told(why != Stepped::done);
+  access_.set_reported(why != Stepped::done);
   if (why == Stepped::done && (peripherals_.dma_active() || dma_side_.stop))
     if (auto info = run_dma(waits_in_idle() ? state_.cycle : run_limit_, false)) return stop_ = *std::move(info);
   if (why == Stepped::done) reach_present();

@@ -34,7 +34,7 @@ class Memory {
     int read_waits = 0, write_waits = 0, page_waits = 0;
     Word* data = nullptr;    ///< null unless RAM or ROM
     bool made = false;       ///< a page of a flat board
-    bool set_apart = false;  ///< words of a probe: each access is resolved anew
+    bool set_apart = false;  ///< words of a probe: each access is resolved again
     bool piece = false;      ///< part of an area with words of a probe
 
     bool contains(Address address) const { return address - base < words; }

@@ -43,12 +43,12 @@ void PendingAccess::list_state(state::Visitor& list) {
   list("access", window);
   list("port_access", port);
   list("held", held);
-  bool told = is_told();
-  list("told", told);
+  bool reported = is_reported();
+  list("told", reported);
   if (!list.loads()) return;
   kind_ = window_slot < no_slot ? Kind::window : port_slot < no_slot ? Kind::port : Kind::none;
   slot_ = at_window() ? window_slot : at_port() ? port_slot : no_slot;
-  window_ = window, port_ = port, held_ = held, told_ = told;
+  window_ = window, port_ = port, held_ = held, reported_ = reported;
 }
 
 }  // namespace c40

@@ -48,8 +48,8 @@ class PendingAccess {
   void answer_port(Word value, Cycles at);
 
   /// Whether the last run ended with a stop: the caller then knows the access and limits the DMA by it.
-  void set_told(bool told) { told_ = told; }
-  bool is_told() const { return any() && told_; }
+  void set_reported(bool reported) { reported_ = reported; }
+  bool is_reported() const { return any() && reported_; }
 
   void list_state(state::Visitor& list);
 
@@ -70,7 +70,7 @@ class PendingAccess {
   ExternalAccess window_{};
   PortAccess port_{};
   Cycles held_ = 0;  ///< how long the DMA's access to a window delayed it
-  bool told_ = false;
+  bool reported_ = false;
 };
 
 }  // namespace c40

@@ -52,7 +52,7 @@ class ProbePoint {
     plan_ = probe == nullptr ? ProbePlan{} : std::move(plan);
     on_code_ = !plan_.code.empty();
     on_data_ = !plan_.data.empty();
-    told_.reset();
+    reported_.reset();
   }
   bool on_code() const { return on_code_; }
   bool on_data() const { return on_data_; }
@@ -63,12 +63,12 @@ class ProbePoint {
     return false;
   }
   void reaches(Address pc, Cycles cycle) {
-    if (told_ == cycle || !at(pc)) return;
-    told_ = cycle;
+    if (reported_ == cycle || !at(pc)) return;
+    reported_ = cycle;
     probe_->reaches(pc, cycle);
   }
   /// The chip's state was replaced: the same cycle may come again.
-  void restart() { told_.reset(), noted_.clear(); }
+  void restart() { reported_.reset(), noted_.clear(); }
   /// Drops the accesses of an instruction that may not take place.
   void forget() { noted_.clear(); }
   void note(const ProbedAccess& access) {
@@ -91,7 +91,7 @@ class ProbePoint {
   Probe* probe_ = nullptr;
   ProbePlan plan_;
   bool on_code_ = false, on_data_ = false;
-  std::optional<Cycles> told_;
+  std::optional<Cycles> reported_;
   std::vector<ProbedAccess> noted_;
 };
 

@@ -9,22 +9,12 @@
 #include <vector>
 
 #include "cli/settings.hpp"
+#include "cli/usage_errors.hpp"
 #include "cmrc/configuration/config.hpp"
 #include "report/version.hpp"
 
 namespace cli {
 namespace {
-
-/// The parser's message. Of a value that is not a number the parser says "Could not convert: --option = value" only;
-/// the numbers that it reads itself are all integers.
-std::string in_words(const std::string& message) {
-  constexpr std::string_view unconverted = "Could not convert: ", between = " = ";
-  const std::size_t end = message.find(between);
-  if (!message.starts_with(unconverted) || end == std::string::npos) return message;
-  return fmt::format("{}: \"{}\" cannot be used; an integer is expected",
-                     message.substr(unconverted.size(), end - unconverted.size()),
-                     message.substr(end + between.size()));
-}
 
 /// A number that a key of the configuration takes. The configuration checks it as it checks the key in a file.
 void declare_number(CLI::App& app, const std::string& name, std::optional<cmrc::Value>& number, const std::string& help,
@@ -35,7 +25,7 @@ void declare_number(CLI::App& app, const std::string& name, std::optional<cmrc::
 }
 
 /// "doorbell (default), pause or spin"
-std::string alternatives(const std::vector<std::string>& names, std::string_view of_default) {
+std::string with_default(const std::vector<std::string>& names, std::string_view of_default) {
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (i > 0) text += i + 1 == names.size() ? " or " : ", ";
@@ -47,13 +37,13 @@ std::string alternatives(const std::vector<std::string>& names, std::string_view
 
 std::string choices_of(std::string_view key) {
   const auto found = std::ranges::find(cmrc::keys(), key, &cmrc::Key::name);
-  return alternatives(found->choices, std::get<std::string>(found->read(cmrc::Config{})));
+  return with_default(found->choices, std::get<std::string>(found->read(cmrc::Config{})));
 }
 
 std::string preset_names() {
   std::vector<std::string> names;
   for (const cmrc::Preset& preset : cmrc::presets()) names.emplace_back(preset.name);
-  return alternatives(names, names.front());
+  return with_default(names, names.front());
 }
 
 /// The options that make a configuration, for commands that run one or several.
@@ -113,7 +103,7 @@ void declare_run(CLI::App& app, RunOptions& options) {
       ->type_name("FILE");
   app.add_option("--debug", options.debug_port,
                  "Let an editor attach to this port of this machine during the run (docs/dap.md); 0: any free port")
-      ->check(CLI::Range(0, 65535))
+      ->check(integer(0, 65535))
       ->type_name("PORT");
   app.add_flag("--debug-wait", options.debug_wait, "Wait for the editor before the run");
   app.add_flag("--strict", options.strict, "Exit with status 1 when a deadline was missed");
@@ -145,12 +135,12 @@ void declare_dialect(CLI::App& app, std::optional<std::string>& dialect) {
   app.add_option("--dialect", dialect,
                  "The assembler for which a source was written, if the source does not say so: ti (default) or gnu "
                  "(docs/assembler.md, Dialects)")
-      ->check(CLI::IsMember({"ti", "gnu"}));
+      ->check(one_of({"ti", "gnu"}));
 }
 
 void declare_cpu(CLI::App& app, std::optional<std::string>& cpu, const std::string& meaning) {
   app.add_option("--cpu", cpu, meaning + ": c40 (default) or c3x (docs/assembler.md, The C3x)")
-      ->check(CLI::IsMember({"c40", "c3x"}));
+      ->check(one_of({"c40", "c3x"}));
 }
 
 void declare_assemble(CLI::App& app, AssembleOptions& options) {
@@ -173,7 +163,7 @@ void declare_assemble(CLI::App& app, AssembleOptions& options) {
   app.add_flag("--undefined-external", options.undefined_external,
                "Leave symbols that are neither defined nor declared to other objects; --dialect gnu always does")
       ->needs(object);
-  app.add_option("--coff-version", options.version, "0, 1 or 2 (default)")->check(CLI::Range(0, 2));
+  app.add_option("--coff-version", options.version, "0, 1 or 2 (default)")->check(integer(0, 2));
 }
 
 void declare_link(CLI::App& app, LinkOptions& options) {
@@ -186,8 +176,8 @@ void declare_link(CLI::App& app, LinkOptions& options) {
       ->type_name("FILE");
   app.add_option("--c-model", options.c_model,
                  "What sets C variables' initial values: rom, the program (default); ram, the loader")
-      ->check(CLI::IsMember({"rom", "ram"}));
-  app.add_option("--coff-version", options.version, "0, 1 or 2 (default)")->check(CLI::Range(0, 2));
+      ->check(one_of({"rom", "ram"}));
+  app.add_option("--coff-version", options.version, "0, 1 or 2 (default)")->check(integer(0, 2));
 }
 
 void declare_classify(CLI::App& app, ClassifyOptions& options) {
@@ -242,7 +232,7 @@ void declare_memory(CLI::App& app, ExecOptions& options) {
       ->type_name("FILE@ADDRESS")
       ->allow_extra_args(false);
   app.add_option("--rom-width", options.rom_width, "Width of these ROMs in bits, if their first bytes do not say it")
-      ->check(CLI::IsMember({8, 16, 32}));
+      ->check(one_of({"8", "16", "32"}));
   app.add_option("--load", options.loads,
                  "Also load words from a file of bytes (lowest byte first), Intel hex or S-records")
       ->type_name("FILE@[CHIP:]ADDRESS")
@@ -261,9 +251,9 @@ void declare_exec(CLI::App& app, ExecOptions& options) {
   declare_dialect(app, options.dialect);
   CLI::Option* most = app.add_option("--max-cycles", options.max_cycles,
                                      "Stop after so many cycles with exit status 1 (default 100000000)")
-                          ->check(CLI::PositiveNumber);
+                          ->check(positive());
   app.add_option("--cycles", options.cycles, "Run so many cycles; exit status 0 when they are reached")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->excludes(most);
   app.add_option("--dump", options.dumps, "Print COUNT words of memory from ADDRESS on")
       ->type_name("[CHIP:]ADDRESS:COUNT")
@@ -276,7 +266,7 @@ void declare_exec(CLI::App& app, ExecOptions& options) {
       ->allow_extra_args(false);
   app.add_option("--memory-max", options.memory_max,
                  "How many MiB of the RAM of --board flat a program may use (default 256)")
-      ->check(CLI::Range(1, 16384))
+      ->check(integer(1, 16384))
       ->type_name("MIB");
   app.add_option("--link", options.links, "Connect two communication ports")
       ->type_name("CHIP.PORT:CHIP.PORT")
@@ -326,9 +316,9 @@ void declare_image(CLI::App& app, ImageOptions& options) {
   app.add_option("--format", options.format,
                  "boot-stream: the words for a communication port, one per line; the others: an EPROM")
       ->required()
-      ->check(CLI::IsMember({"boot-stream", "intel-hex", "srec", "binary"}));
+      ->check(one_of({"boot-stream", "intel-hex", "srec", "binary"}));
   app.add_option("--width", options.width, "Width of the memory from which the chip boots, in bits (default 32)")
-      ->check(CLI::IsMember({8, 16, 32}));
+      ->check(one_of({"8", "16", "32"}));
   app.add_option("--board", options.board,
                  "Board for whose interface control registers the stream has values: default, flat or a board file")
       ->type_name("default|flat|FILE.toml");
@@ -365,7 +355,7 @@ void declare_debug(CLI::App& app, DebugOptions& options) {
       ->allow_extra_args(false);
   app.add_option("--memory-max", exec.memory_max,
                  "How many MiB of the RAM of --board flat a program may use (default 256)")
-      ->check(CLI::Range(1, 16384))
+      ->check(integer(1, 16384))
       ->type_name("MIB");
   app.add_option("--link", exec.links, "Connect two communication ports")
       ->type_name("CHIP.PORT:CHIP.PORT")
@@ -393,7 +383,7 @@ void declare_dap(CLI::App& app, DapOptions& options) {
   app.add_option("--listen", options.port,
                  "Serve clients on this port of this machine, one after the other; 0: any free port. Without --listen: "
                  "standard input and output")
-      ->check(CLI::Range(0, 65535))
+      ->check(integer(0, 65535))
       ->type_name("PORT");
 }
 
@@ -407,7 +397,7 @@ void declare_trace_diff(CLI::App& app, TraceDiffOptions& options) {
 
 void declare_vectors(CLI::App& app, VectorOptions& options) {
   app.add_option("FILE", options.files, "Single-step vectors (docs/cli.md), plain, .gz or .xz")->required();
-  app.add_option("--show", options.show, "Print so many failing vectors (default 10)")->check(CLI::NonNegativeNumber);
+  app.add_option("--show", options.show, "Print so many failing vectors (default 10)")->check(not_negative());
   app.add_flag("--every-access", options.every_access,
                "Each line names all its bus accesses in order; a line without any makes none");
   app.add_flag("--json", options.json, "Print the result as JSON");
@@ -481,8 +471,7 @@ std::variant<Request, Help> parse_command_line(int argc, const char* const* argv
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() != 0)
-      throw InputError(in_words(error.what()) + " (emulator --help lists commands and options)");
+    if (error.get_exit_code() != 0) throw InputError(usage_error(app, error));
     std::ostringstream text;
     app.exit(error, text, text);
     return Help{text.str()};

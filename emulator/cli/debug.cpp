@@ -13,9 +13,9 @@ int debug(const DebugOptions& options) {
   const DebugTarget target = debug_target(options);
   machine::debug::Debugger debugger(*target.debuggee);
   debugger::Console console(debugger, [](const std::string& text) { io::print("{}\n", text); });
-  const bool told = options.scripts.empty();
-  if (told && isatty(STDIN_FILENO) != 0) io::print("emulator debug: help lists the commands, quit ends.\n");
-  if (told) console.show_stop();
+  const bool by_hand = options.scripts.empty();
+  if (by_hand && isatty(STDIN_FILENO) != 0) io::print("emulator debug: help lists the commands, quit ends.\n");
+  if (by_hand) console.show_stop();
   for (const std::string& command : options.commands)
     if (!console.command(command)) return console.status();
   try {

@@ -30,8 +30,8 @@ class Level {
     value_ = value;
   }
   void tell() {
-    if (told_ != value_) trace_.count(track_, changed_, value_);
-    told_ = value_;
+    if (written_ != value_) trace_.count(track_, changed_, value_);
+    written_ = value_;
   }
 
  private:
@@ -39,7 +39,7 @@ class Level {
   PerfettoTrace::Track track_;
   Time changed_{};
   std::int64_t value_ = 0;
-  std::optional<std::int64_t> told_;
+  std::optional<std::int64_t> written_;
 };
 
 class Drawing {
@@ -125,24 +125,24 @@ class Drawing {
       directions_.at(out->second).on_the_way.add(event.time, -1);
   }
 
-  void happened(const machine::ChipEvent& told) {
+  void happened(const machine::ChipEvent& happening) {
     using Kind = c40::PeripheralEvent::Kind;
-    Chip& chip = chips_.at(told.chip);
-    const c40::PeripheralEvent& event = told.event;
+    Chip& chip = chips_.at(happening.chip);
+    const c40::PeripheralEvent& event = happening.event;
     switch (event.kind) {
       case Kind::port_write:
-        if (const auto out = from_port_.find({told.chip, event.number}); out != from_port_.end())
-          directions_.at(out->second).on_the_way.add(told.time, 1);
+        if (const auto out = from_port_.find({happening.chip, event.number}); out != from_port_.end())
+          directions_.at(out->second).on_the_way.add(happening.time, 1);
         return;
-      case Kind::port_read: return fifo(told.chip, event.number).add(told.time, -1);
+      case Kind::port_read: return fifo(happening.chip, event.number).add(happening.time, -1);
       case Kind::dma_start:
-      case Kind::dma_end: return dma(chip, told.time, event);
+      case Kind::dma_end: return dma(chip, happening.time, event);
       case Kind::timer:
       case Kind::interrupt: break;
     }
     if (!chip.events) chip.events = trace_.add_slices("interrupts and timers", chip.group);
     const PerfettoTrace::Note notes[] = {{"number", static_cast<std::int64_t>(event.number)}};
-    trace_.instant(*chip.events, told.time, name(event.kind), notes);
+    trace_.instant(*chip.events, happening.time, name(event.kind), notes);
   }
 
   void dma(Chip& chip, Time at, const c40::PeripheralEvent& event) {

@@ -113,8 +113,7 @@ bool is_source_name(const std::string& path) { return is_source(std::filesystem:
 
 Address parse_address(std::string_view text, const Image* image, std::string_view what) {
   if (const auto address = toolchain::find_address(text, image)) return *address;
-  throw InputError(fmt::format("{}: \"{}\" is neither {}a 32-bit address (300000h, 0x300000 or decimal)", what, text,
-                               image ? "a symbol of the program nor " : ""));
+  throw InputError(fmt::format("{}: {}", what, toolchain::no_address(text, image)));
 }
 
 ChipText chip_text(std::string_view text, std::size_t chips, std::string_view what) {

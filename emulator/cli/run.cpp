@@ -82,7 +82,7 @@ void check(const RunOptions& options, const cmrc::Config& config) {
 void resume(cmrc::Simulation& simulation, const cmrc::Snapshot& snapshot, const std::string& file,
             const std::vector<SnapshotRequest>& requests) {
   if (!requests.empty() && requests.front().at < snapshot.time())
-    throw InputError(fmt::format("--snapshot-at: {} s has passed; {} goes on from {} s",
+    throw InputError(fmt::format("--snapshot-at: {} s has passed; {} continues from {} s",
                                  report::seconds(requests.front().at), file, report::seconds(snapshot.time())));
   try {
     simulation.restore(snapshot);

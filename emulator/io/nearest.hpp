@@ -22,14 +22,30 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
+/// The word that differs from `given` by the fewest letters, at most `most`; empty: no word is near.
+template <class Words>
+std::string_view nearest(std::string_view given, const Words& words, std::size_t most) {
+  std::string_view best;
+  for (const std::string_view word : words)
+    if (const std::size_t distance = edit_distance(given, word); distance <= most && !word.empty()) {
+      if (distance == 0) return word;
+      most = distance - 1, best = word;
+    }
+  return best;
+}
+
 /// "; did you mean \"waits\"?", or nothing if no word is near.
 template <class Words>
 std::string did_you_mean(std::string_view given, const Words& words) {
-  std::string_view best;
-  std::size_t least = std::max<std::size_t>(2, given.size() / 2) + 1;
-  for (const std::string_view word : words)
-    if (const std::size_t distance = edit_distance(given, word); distance < least) least = distance, best = word;
+  const std::string_view best = nearest(given, words, std::max<std::size_t>(2, given.size() / 2));
   return best.empty() ? std::string() : "; did you mean \"" + std::string(best) + "\"?";
+}
+
+/// The symbol of a program that a user most likely meant. Programs have many short symbols, so fewer letters may
+/// differ.
+template <class Words>
+std::string_view nearest_symbol(std::string_view given, const Words& symbols) {
+  return nearest(given, symbols, std::max<std::size_t>(1, given.size() / 3));
 }
 
 }  // namespace io

@@ -20,7 +20,7 @@ class Nesting {
         case '"':
         case '\'': skip_string(c); continue;
         case '[':
-        case '{': dots_ = 0, one_more(depth_, "brackets stand in one another"); break;
+        case '{': dots_ = 0, one_more(depth_, "brackets are nested"); break;
         case ']':
         case '}': dots_ = 0, depth_ = std::max(0, depth_ - 1); break;
         case ',':

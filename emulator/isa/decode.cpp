@@ -280,7 +280,7 @@ std::string_view describe(Reserved::Reason reason) {
   switch (reason) {
     case Reason::opcode: return "no instruction has this operation and addressing mode";
     case Reason::reserved_bits: return "bits that must be 0 are set";
-    case Reason::register_class: return "this register cannot stand in this place";
+    case Reason::register_class: return "this register is not possible in this place";
     case Reason::same_register: return "LDA cannot load a register from itself";
     case Reason::addressing_mode: return "indirect addressing modes 26 to 31 are reserved";
     case Reason::displacement: return "an index register leaves no place for a displacement";

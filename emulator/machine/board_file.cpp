@@ -94,22 +94,23 @@ class BoardReader {
     const toml::table& table = *node.as_table();
     toml_.allow(table, "region.", region_keys);
     bool whole = true;
-    for (const std::string_view key : {"name", "base", "words", "bus"})
-      if (table.get(key) == nullptr) {
-        toml_.note(node, fmt::format("region {}: {} is missing", number, key));
-        whole = false;
-      }
-    if (!whole) return;
+    // A key that is missing or wrong does not hide what is wrong in the others.
+    const auto needed = [&](std::string_view key, auto&& read) {
+      const toml::node* given = table.get(key);
+      if (given == nullptr) toml_.note(node, fmt::format("region {}: {} is missing", number, key));
+      whole &= given != nullptr && toml_.attempt([&] { read(*given); });
+    };
     Region region;
-    whole &= toml_.attempt([&] { region.name = toml_.text(*table.get("name"), "region.name"); });
-    whole &= toml_.attempt([&] { region.base = toml_.word(*table.get("base"), "region.base"); });
-    whole &= toml_.attempt([&] { region.words = words_of(*table.get("words"), region); });
+    region.name = std::to_string(number);
+    needed("name", [&](const toml::node& given) { region.name = toml_.text(given, "region.name"); });
+    needed("base", [&](const toml::node& given) { region.base = toml_.word(given, "region.base"); });
+    needed("words", [&](const toml::node& given) { region.words = words_of(given, region); });
     toml_.optional(table, "kind", [&](const toml::node& kind) { region.kind = kind_of(kind, region); });
     const bool window = region.kind == Region::Kind::external_window;
     if (whole && !window && region.words > most_words)
       toml_.note(*table.get("words"),
                  fmt::format("region.words of {}: a board has at most {} words of RAM", region.name, most_words));
-    whole &= toml_.attempt([&] { region.bus = bus_of(*table.get("bus"), region); });
+    needed("bus", [&](const toml::node& given) { region.bus = bus_of(given, region, whole); });
     waits(table, region);
     if (whole) check_place(board, region, node);
     if (const auto* file = table.get("file")) {
@@ -222,14 +223,15 @@ class BoardReader {
     const toml::table& table = *node.as_table();
     toml_.allow(table, "pins.", pin_keys);
     bool rom = false;
-    if (const auto* romen = table.get("romen")) {
-      if (!romen->is_boolean()) toml_.fail(*romen, "pins.romen: true (the boot ROM is at 0) or false is expected");
-      rom = romen->as_boolean()->get();
-    }
+    toml_.optional(table, "romen", [&](const toml::node& romen) {
+      if (!romen.is_boolean()) toml_.fail(romen, "pins.romen: true (the boot ROM is at 0) or false is expected");
+      rom = romen.as_boolean()->get();
+    });
     c40::Board::Pins tied;
-    if (const auto* location = table.get("resetloc"))
-      tied.reset_location = static_cast<int>(toml_.word(*location, "pins.resetloc", 3));
-    if (const auto* levels = table.get("iiof")) tied.iiof = levels_of(*levels);
+    toml_.optional(table, "resetloc", [&](const toml::node& location) {
+      tied.reset_location = static_cast<int>(toml_.word(location, "pins.resetloc", 3));
+    });
+    toml_.optional(table, "iiof", [&](const toml::node& levels) { tied.iiof = levels_of(levels); });
     if (rom) {
       for (const Region& region : board.regions)
         if (region.base < c40::rom_words)
@@ -258,12 +260,13 @@ class BoardReader {
   }
 
   // The address decides which bus the chip uses (c40-hardware.md 1.1).
-  Region::Bus bus_of(const toml::node& node, const Region& region) {
+  Region::Bus bus_of(const toml::node& node, const Region& region, bool has_place) {
     const std::string bus = toml_.text(node, "region.bus");
     if (bus != "local" && bus != "global")
       toml_.fail(node, fmt::format("region.bus of {}: local or global is expected", region.name));
     const bool upper = region.base >= 0x80000000u;
     const std::uint64_t end = region.base + region.words;
+    if (!has_place) return bus == "local" ? Region::Bus::local : Region::Bus::global;
     if (upper != (bus == "global") || (!upper && end > 0x80000000ull))
       toml_.fail(node, fmt::format("region.bus of {}: the local bus is below 80000000h, the global bus from there on",
                                    region.name));

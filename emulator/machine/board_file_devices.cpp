@@ -33,6 +33,7 @@ class DeviceReader {
   void read(const toml::node& node) {
     if (!node.is_table()) toml_.fail(node, "device: each is a table, [[device]]");
     const toml::table& table = *node.as_table();
+    device_.name = std::to_string(board_.devices.size() + 1);  // for errors, if it has no name
     if (const auto* name = table.get("name")) toml_.attempt([&] { device_.name = toml_.text(*name, "device.name"); });
     const DeviceKindRow& row = kind(node, table);
     device_.words = std::max<c40::Address>(row.words, 1);

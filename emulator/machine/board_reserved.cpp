@@ -118,16 +118,16 @@ bool IgnoredAccesses::serve(c40::Chip& chip, const c40::ExternalAccess& access) 
 std::string IgnoredAccesses::text() const {
   if (count_ == 0) return {};
   std::string out = fmt::format("reserved addresses: {} access{}, ignored\n", count_, count_ == 1 ? "" : "es");
-  std::uint64_t told = 0;
+  std::uint64_t listed = 0;
   for (const Note& note : notes_) {
-    told += note.reads + note.writes;
+    listed += note.reads + note.writes;
     fmt::format_to(std::back_inserter(out), "  {:08X}h: {}{} at cycle {}, {}; {} reads, {} writes\n", note.address,
                    note.write ? fmt::format("write of {:08X}h", note.value) : "read",
                    note.channel < 0 ? fmt::format(" from PC {:08X}h", note.pc) : "", note.cycle,
                    note.channel < 0 ? "the first" : fmt::format("by DMA channel {}, the first", note.channel),
                    note.reads, note.writes);
   }
-  if (told < count_) out += fmt::format("  and {} accesses to other addresses\n", count_ - told);
+  if (listed < count_) out += fmt::format("  and {} accesses to other addresses\n", count_ - listed);
   return out;
 }
 

@@ -10,7 +10,7 @@
 ///
 /// Inaccuracies: nothing that a register starts happens (block transfers, interrupts on the VMEbus, the timer of
 /// SS0CR0, a system reset), nor are interrupts of others handed on. A program that asks for it is reported
-/// (not_modelled). Values after reset are 0 but for ICR5; the header does not say them. How a board hands the bus error
+/// (not_modelled). Values after reset are 0 except ICR5; the header does not say them. How a board hands the bus error
 /// to a C40, which has no pin for it, is the board's own: the pin is a choice of this model, and so is that BESR is
 /// cleared by writing it.
 #include <array>

@@ -144,7 +144,7 @@ void Dsp::resume_at(const Side& side, pci::Clocks ready, pci::Clocks arbitration
   state_ = State::resuming;
   own_next_ = clock_.at(resumes);
   if (chip_.dma_active()) return plan();
-  // The chip goes on at once if nothing can act on the board before: its turn would find the same.
+  // The chip continues at once if nothing can act on the board before: its turn would find the same.
   const Time until = horizon();
   if (own_next_ >= std::min({until, edge_, reset_})) return plan();
   complete(until);

@@ -203,7 +203,12 @@ ChipPin parse_pin(std::string_view text, const std::vector<std::string>& chips) 
     for (std::size_t n = 0; n < chips.size(); ++n)
       if (fmt::format("{}", n) == chip) named = chips.begin() + static_cast<std::ptrdiff_t>(n);
   }
-  if (named == chips.end()) throw unclear(fmt::format("there is no {}; {} is expected", chip, fmt::join(chips, ", ")));
+  if (named == chips.end()) {
+    std::string known = chips.empty() ? "a chip" : chips.back();
+    for (std::size_t n = chips.size(); n-- > 1;)
+      known.insert(0, chips[n - 1] + (n + 1 == chips.size() ? " or " : ", "));
+    throw unclear(fmt::format("there is no chip {}; {} is expected", chip, known));
+  }
   found.chip = static_cast<std::size_t>(named - chips.begin());
   for (std::size_t n = 0; n < c40::pin_count; ++n) {
     found.pin = static_cast<Pin>(n);

@@ -373,7 +373,7 @@ class Network {
   Time changed_{0};  ///< the last thing on a link that was no mere exchange of the token, change of a pin, or action
   std::size_t moving_ = 0;  ///< a chip that was not at rest when last looked at
   Time ends_at_ = never;    ///< of a network that is quiet: when all have come to rest
-  bool made_ = false;       ///< The constructor is through: its chips may go on.
+  bool made_ = false;       ///< The constructor has ended: its chips may run.
   bool records_words_ = false;
   MemoryListener memory_listener_;
 };

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "io/nearest.hpp"
 #include "machine/network.hpp"
 
 namespace machine {
@@ -67,7 +68,8 @@ NetworkAction::Kind action_named(std::string_view text) {
     if (row.name == text) return row.kind;
     names.push_back(row.name);
   }
-  throw NetworkError(fmt::format("there is no action \"{}\"; {} is expected", text, fmt::join(names, ", ")));
+  throw NetworkError(fmt::format("there is no action \"{}\"; {} is expected{}", text, fmt::join(names, ", "),
+                                 io::did_you_mean(text, names)));
 }
 
 std::size_t action_target_named(NetworkAction::Kind kind, std::string_view text, const NetworkDescription& network) {

@@ -4,17 +4,21 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <vector>
 
+#include "io/nearest.hpp"
 #include "io/text_form.hpp"
 #include "io/toml.hpp"
 
 namespace machine {
 namespace {
 
-constexpr auto chip_keys = {"number", "name", "program", "board", "clock_mhz", "entry", "until", "boot"};
+constexpr std::array<std::string_view, 8> chip_keys{"number",    "name",  "program", "board",
+                                                    "clock_mhz", "entry", "until",   "boot"};
 
 class NetworkReader {
  public:
@@ -59,10 +63,11 @@ class NetworkReader {
     }
   }
 
-  void allow(const toml::table& table, std::initializer_list<const char*> keys, const std::string& prefix) const {
+  void allow(const toml::table& table, const std::vector<std::string_view>& keys, const std::string& prefix) const {
     for (const auto& [key, node] : table)
-      if (std::none_of(keys.begin(), keys.end(), [&, &k = key](const char* known) { return k.str() == known; }))
-        fail(node, fmt::format("no such key {}{}; known are {}", prefix, key.str(), fmt::join(keys, ", ")));
+      if (std::find(keys.begin(), keys.end(), key.str()) == keys.end())
+        fail(node, fmt::format("no such key {}{}; known are {}{}", prefix, key.str(), fmt::join(keys, ", "),
+                               io::did_you_mean(key.str(), keys)));
   }
 
   template <class Do>
@@ -108,11 +113,7 @@ class NetworkReader {
   toolchain::Address address(const toml::node& node, const char* key, const NetworkChip& chip) const {
     const std::string given = text(node, key);
     const auto found = toolchain::find_address(given, chip.program.get());
-    if (!found)
-      fail(node,
-           fmt::format(
-               "{}: \"{}\" is neither a symbol of the program nor a 32-bit address (300000h, 0x300000 or decimal)", key,
-               given));
+    if (!found) fail(node, fmt::format("{}: {}", key, toolchain::no_address(given, chip.program.get())));
     return *found;
   }
 
@@ -126,7 +127,12 @@ class NetworkReader {
     }
     if (const auto* node = table.get("board")) {
       const std::string board = text(*node, "board");
-      chip.board = read_board(board.ends_with(".toml") ? beside(board) : board);
+      try {
+        chip.board = read_board(board.ends_with(".toml") ? beside(board) : board);
+      } catch (const BoardError& error) {
+        if (board.ends_with(".toml")) throw;  // it names the board file and its lines
+        fail(*node, error.what());
+      }
     }
     if (const auto* node = table.get("clock_mhz")) chip.clock_mhz = real(*node, "clock_mhz", 1000);
     if (const auto* node = table.get("boot")) {
@@ -148,7 +154,7 @@ class NetworkReader {
   }
 
   void chip(const toml::table& table, const toml::node& node, bool generated) {
-    allow(table, chip_keys, "chip.");
+    allow(table, {chip_keys.begin(), chip_keys.end()}, "chip.");
     if (!generated) {
       if (const auto* given = table.get("number"))
         fail(*given,

@@ -35,7 +35,13 @@ std::size_t link_named(std::string_view text, const std::vector<std::string>& ch
     return (link.a == wanted.a && link.b == wanted.b) || (link.a == wanted.b && link.b == wanted.a);
   };
   const auto found = std::find_if(links.begin(), links.end(), joins);
-  if (found == links.end()) throw NetworkError(fmt::format("there is no link {}", text));
+  if (found == links.end()) {
+    std::vector<std::string> names;
+    for (const NetworkLink& link : links) names.push_back(to_text(link));
+    throw NetworkError(names.empty()
+                           ? fmt::format("there is no link {}; the network has no links", text)
+                           : fmt::format("there is no link {}; {} is expected", text, fmt::join(names, ", ")));
+  }
   return static_cast<std::size_t>(found - links.begin());
 }
 
@@ -133,7 +139,7 @@ std::size_t set_topology(NetworkDescription& network, std::string_view text) {
   try {
     if (kind == "hypercube") {
       if (!std::has_single_bit(size[0]) || size[0] > most_chips)
-        throw NetworkError(fmt::format("{}: a hypercube has 1, 2, 4, 8, 16, 32 or 64 chips", text));
+        throw NetworkError("a hypercube has 1, 2, 4, 8, 16, 32 or 64 chips");
       network.links = hypercube_links(static_cast<unsigned>(std::countr_zero(size[0])));
       return size[0];
     }

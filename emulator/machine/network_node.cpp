@@ -1,4 +1,4 @@
-// How a chip of a network goes on: its runs, and why each ends.
+// The runs of a chip of a network, and why each ends.
 #include <algorithm>
 #include <utility>
 

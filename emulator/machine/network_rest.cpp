@@ -1,4 +1,4 @@
-// How a chip of a network stands: what it waits for, since when it rests, whether it has ended.
+// The status of a chip of a network: what it waits for, since when it rests, whether it has ended.
 #include <algorithm>
 
 #include "isa/types.hpp"

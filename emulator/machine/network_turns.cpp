@@ -42,7 +42,7 @@ bool Network::Node::only_drives_unheard() const {
 Time Network::Node::horizon() const { return follows() ? horizon_of_follower() : horizon_on_its_own(); }
 
 Time Network::Node::horizon_on_its_own() const {
-  // One that polls goes on to where others could see it, wherever it has stopped before.
+  // A chip that polls runs to where others could see it, wherever it has stopped before.
   const Time limit =
       patience.loop ? network.scheduler_.limit() : std::min(network.scheduler_.limit(), network.ends_at_);
   const Cycles action = network.next_action_on(*this);

@@ -22,9 +22,9 @@ using Event = ScriptedEvent;
 
 Dsp& dsp_of(const Stage& on, const Event& event) { return on.dsps.at(event.number); }
 
-template <auto befall>
-void befalls_dsp(const Stage& on, const Event& event, Time now) {
-  (dsp_of(on, event).*befall)(now);
+template <auto act>
+void acts_dsp(const Stage& on, const Event& event, Time now) {
+  (dsp_of(on, event).*act)(now);
 }
 
 void unplug(const Stage& on, const Event& event, Time now) {
@@ -69,11 +69,11 @@ using Target = ScriptTarget;
 using Amount = ScriptAmount;
 
 constexpr ScriptedAction actions[] = {
-    {Action::fail, Target::dsp, Amount::none, befalls_dsp<&Dsp::fail>, "fail",
+    {Action::fail, Target::dsp, Amount::none, acts_dsp<&Dsp::fail>, "fail",
      "the chip fails until its board is replaced (unplug, plug)"},
-    {Action::hang, Target::dsp, Amount::none, befalls_dsp<&Dsp::hang>, "hang",
+    {Action::hang, Target::dsp, Amount::none, acts_dsp<&Dsp::hang>, "hang",
      "its program loops forever with interrupts masked, until it is reset"},
-    {Action::freeze, Target::dsp, Amount::none, befalls_dsp<&Dsp::freeze>, "freeze",
+    {Action::freeze, Target::dsp, Amount::none, acts_dsp<&Dsp::freeze>, "freeze",
      "the chip is halted until it is reset"},
     {Action::unplug, Target::dsp, Amount::none, unplug, "unplug",
      "the board is pulled out: transactions break off, posted words are lost"},

@@ -180,7 +180,7 @@ void Recorder::put_lanes(Columns& columns) {
     const auto value = static_cast<std::int64_t>(of >> 16);
     return value - std::exchange(before[of & 0xFFFF], value);
   };
-  const auto told = [&](auto value, std::int64_t unknown) {
+  const auto of_job = [&](auto value, std::int64_t unknown) {
     return values_of(runs, [&, value, unknown](const Lane& lane) {
       const auto found = by_key.find(lane.job);
       if (found == by_key.end()) return unknown;
@@ -192,10 +192,10 @@ void Recorder::put_lanes(Columns& columns) {
   columns.whole("run.robot", values_of(runs, [](const Lane& lane) { return lane.job >> 8 & 0xFF; }));
   columns.whole("run.end", values_of(runs, [](const Lane& lane) { return lane.end; }));
   columns.whole("run.waited",
-                told([](const Lane& lane, const Job& of) { return tick(lane.from) - tick(of.released); }, 0));
-  columns.whole("run.allowed", told([](const Lane&, const Job& of) { return of.allowed; }, 0));
-  columns.whole("run.outcome", told([](const Lane&, const Job& of) { return of.outcome; }, 2));
-  columns.whole("run.missed", told([](const Lane&, const Job& of) { return of.missed; }, 0));
+                of_job([](const Lane& lane, const Job& of) { return tick(lane.from) - tick(of.released); }, 0));
+  columns.whole("run.allowed", of_job([](const Lane&, const Job& of) { return of.allowed; }, 0));
+  columns.whole("run.outcome", of_job([](const Lane&, const Job& of) { return of.outcome; }, 2));
+  columns.whole("run.missed", of_job([](const Lane&, const Job& of) { return of.missed; }, 0));
   std::vector<Job> never;
   std::ranges::copy_if(jobs_, std::back_inserter(never), [](const Job& one) { return !one.has_run; });
   std::ranges::stable_sort(never, {}, &Job::released);

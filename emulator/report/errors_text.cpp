@@ -9,7 +9,7 @@ namespace {
 
 std::string at(const Time& time) { return fmt::format("{:.4f} s", seconds(time)); }
 
-std::string told(const HandledError& error) {
+std::string in_words(const HandledError& error) {
   std::string text =
       fmt::format("  {}: {}{} {}\n", error.robot, error.origin, error.of.empty() ? "" : ",", fmt::join(error.of, ", "));
   if (text.ends_with(" \n")) text.erase(text.size() - 2, 1);
@@ -37,7 +37,7 @@ std::string told(const HandledError& error) {
 std::string errors_text(const std::vector<HandledError>& errors) {
   if (errors.empty()) return "";
   std::string text = fmt::format("\nErrors: {}\n", errors.size());
-  for (const HandledError& error : errors) text += told(error);
+  for (const HandledError& error : errors) text += in_words(error);
   return text;
 }
 

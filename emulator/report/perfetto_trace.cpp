@@ -81,14 +81,14 @@ PerfettoTrace::Track PerfettoTrace::add(std::string_view name, Track parent, std
   pbf_writer packet(packet_);
   packet.add_uint32(packet::sequence, 1);
   {
-    pbf_writer told(packet, packet::track_descriptor);
-    told.add_uint64(descriptor::uuid, track);
-    told.add_string(descriptor::name, name.data(), name.size());
-    if (parent != 0) told.add_uint64(descriptor::parent, parent);
-    told.add_enum(descriptor::child_ordering, descriptor::by_rank);
-    told.add_int32(descriptor::rank, static_cast<std::int32_t>(++children_.at(parent)));
-    if (!description.empty()) told.add_string(descriptor::description, description.data(), description.size());
-    if (unit != nullptr) pbf_writer(told, descriptor::counter).add_string(descriptor::unit_name, *unit);
+    pbf_writer body(packet, packet::track_descriptor);
+    body.add_uint64(descriptor::uuid, track);
+    body.add_string(descriptor::name, name.data(), name.size());
+    if (parent != 0) body.add_uint64(descriptor::parent, parent);
+    body.add_enum(descriptor::child_ordering, descriptor::by_rank);
+    body.add_int32(descriptor::rank, static_cast<std::int32_t>(++children_.at(parent)));
+    if (!description.empty()) body.add_string(descriptor::description, description.data(), description.size());
+    if (unit != nullptr) pbf_writer(body, descriptor::counter).add_string(descriptor::unit_name, *unit);
   }
   put(packet_);
   return track;
@@ -121,14 +121,14 @@ PerfettoTrace::State& PerfettoTrace::introduce(Track track) {
   packet.add_uint64(packet::timestamp, 0);
   packet.add_uint32(packet::timestamp_clock, boot_time);
   {
-    pbf_writer told(packet, packet::defaults);
-    told.add_uint32(defaults::timestamp_clock, track_clock);
-    pbf_writer(told, defaults::track_event).add_uint64(defaults::track, track);
+    pbf_writer body(packet, packet::defaults);
+    body.add_uint32(defaults::timestamp_clock, track_clock);
+    pbf_writer(body, defaults::track_event).add_uint64(defaults::track, track);
   }
   {
-    pbf_writer told(packet, packet::clock_snapshot);
+    pbf_writer body(packet, packet::clock_snapshot);
     for (const unsigned id : {boot_time, track_clock}) {
-      pbf_writer clock(told, snapshot::clocks);
+      pbf_writer clock(body, snapshot::clocks);
       clock.add_uint32(snapshot::id, id);
       clock.add_uint64(snapshot::timestamp, 0);
       if (id == track_clock) clock.add_bool(snapshot::is_incremental, true);
@@ -162,11 +162,11 @@ void PerfettoTrace::write(Track track, const Event& event) {
     return id;
   };
   {
-    pbf_writer told(packet, packet::track_event);
-    told.add_enum(track_event::type, static_cast<std::int32_t>(event.type));
-    if (!event.name.empty()) told.add_uint64(track_event::name, id_of(state.names, event.name, interned::event_name));
+    pbf_writer body(packet, packet::track_event);
+    body.add_enum(track_event::type, static_cast<std::int32_t>(event.type));
+    if (!event.name.empty()) body.add_uint64(track_event::name, id_of(state.names, event.name, interned::event_name));
     const auto note = [&](std::string_view name, const auto& value) {
-      pbf_writer row(told, track_event::note);
+      pbf_writer row(body, track_event::note);
       row.add_uint64(note::name, id_of(state.note_names, name, interned::note_name));
       if (const auto* number = std::get_if<std::int64_t>(&value))
         row.add_int64(note::integer, *number);
@@ -176,10 +176,10 @@ void PerfettoTrace::write(Track track, const Event& event) {
     for (const Note& one : event.notes) note(one.name, one.value);
     if (!event.exact.empty() && event.at.count() % 1000 != 0)
       note(event.exact, decltype(Note::value)(event.at.count()));
-    if (const auto* whole = std::get_if<std::int64_t>(&event.value)) told.add_int64(track_event::counter, *whole);
-    if (const auto* real = std::get_if<double>(&event.value)) told.add_double(track_event::double_counter, *real);
-    for (const Flow flow : event.from) told.add_fixed64(track_event::flow, flow);
-    for (const Flow flow : event.to) told.add_fixed64(track_event::last_of_flow, flow);
+    if (const auto* whole = std::get_if<std::int64_t>(&event.value)) body.add_int64(track_event::counter, *whole);
+    if (const auto* real = std::get_if<double>(&event.value)) body.add_double(track_event::double_counter, *real);
+    for (const Flow flow : event.from) body.add_fixed64(track_event::flow, flow);
+    for (const Flow flow : event.to) body.add_fixed64(track_event::last_of_flow, flow);
   }
   if (!new_names.empty()) packet.add_message(packet::interned_data, new_names);
   put(packet_);

@@ -111,13 +111,13 @@ std::string chain(const WhyLate& why) {
   std::ranges::stable_sort(longer, std::greater{}, &Share::amount);
   const auto mean = [&](double ps) { return duration(ps / static_cast<double>(why.chains)); };
   std::string text;
-  double told = 0;
+  double listed = 0;
   for (const Share& part : longer) {
-    if (told >= 0.9 * whole) break;
-    told += static_cast<double>(part.amount);
+    if (listed >= 0.9 * whole) break;
+    listed += static_cast<double>(part.amount);
     text += fmt::format("    {:>10}  {}\n", mean(static_cast<double>(part.amount)), explained(part.name));
   }
-  if (whole - told >= 0.5) text += fmt::format("    {:>10}  all else\n", mean(whole - told));
+  if (whole - listed >= 0.5) text += fmt::format("    {:>10}  all else\n", mean(whole - listed));
   if (shorter < 0) text += fmt::format("  - {:>10}  ran shorter, or not to the end\n", mean(-shorter));
   for (const Share& part : why.parts)
     if (part.name == "slack" && part.amount < 0)

@@ -148,7 +148,7 @@ std::string TraceDifference::message() const {
   std::string text =
       timed ? fmt::format("time {} s, {}", line.when, line.who) : fmt::format("cycle {}, {}", line.when, line.who);
   if (!left || !right) {
-    text += fmt::format(": the {} trace has ended, the other goes on at its line {}\n", left ? "second" : "first",
+    text += fmt::format(": the {} trace has ended, the other continues at its line {}\n", left ? "second" : "first",
                         line.number);
   } else {
     text += fmt::format(", field {}: {} (line {}) and {} (line {})\n", field, left_value, left->number, right_value,

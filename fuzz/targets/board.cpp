@@ -1,4 +1,4 @@
-// Board files. A chip can stand on one that is accepted, if that is small.
+// Board files. A chip can be put on a board that is accepted, if the board is small.
 #include "machine/board_file.hpp"
 
 #include "c40/chip.hpp"

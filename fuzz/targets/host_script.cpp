@@ -90,7 +90,7 @@ void touch(const std::vector<HostStep>& steps, fuzz::Input input) {
     fuzz::expect(before + loaded.told() == whole.told(), "devices that are loaded do something else");
 }
 
-/// Words come in the order in which they stand, however long the program lets them wait.
+/// Words come in the order of the script, however long the program lets them wait.
 void take(const std::vector<HostStep>& steps) {
   constexpr c40::Cycles far = c40::Cycles{1} << 40;
   std::vector<c40::Word> expected, taken;

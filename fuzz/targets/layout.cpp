@@ -1,4 +1,4 @@
-// Layouts of the dock in TOML. One that is accepted is one that the plant can stand in.
+// Layouts of the dock in TOML. The plant can be built with each layout that is accepted.
 #include "plant/parameters/layout_file.hpp"
 
 #include "fuzz/target.hpp"

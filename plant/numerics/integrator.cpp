@@ -18,7 +18,7 @@ namespace {
 constexpr double most_growth = 25.0;
 
 // Parameters may ask for a motion that is a billion times faster than a crane's. Explicit methods then take steps of
-// nanoseconds, and a simulated second would take hours: that is an error of the parameters, and is told as one.
+// nanoseconds, and a simulated second would take hours: that is an error of the parameters, and is reported as one.
 long steps_max(double interval) {
   constexpr double shortest_mean_step = 125e-9;
   return 1000 + static_cast<long>(interval / shortest_mean_step);

@@ -8,6 +8,6 @@
 /// \throws py::value_error for another name.
 inline isa::Cpu cpu_called(const std::string& name) {
   const auto found = isa::cpu_named(name);
-  if (!found) throw py::value_error("cpu: \"" + name + "\" is none; \"c40\" and \"c3x\" are");
+  if (!found) throw py::value_error("cpu: \"" + name + "\" is unknown; \"c40\" or \"c3x\" is expected");
   return *found;
 }

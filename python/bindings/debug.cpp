@@ -46,8 +46,9 @@ Step step_named(const std::string& name) {
         std::pair{"next_line", Step::next_line}, std::pair{"out", Step::out}, std::pair{"claim", Step::claim},
         std::pair{"refresh", Step::refresh}, std::pair{"happening", Step::happening}})
     if (name == text) return step;
-  throw py::value_error("step: " + name +
-                        " is none; instruction, over, line, next_line, out, claim, refresh or happening is expected");
+  throw py::value_error(
+      "step: \"" + name + "\"" +
+      " is unknown; instruction, over, line, next_line, out, claim, refresh or happening is expected");
 }
 
 Trigger trigger_of(const py::dict& given) {

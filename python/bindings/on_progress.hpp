@@ -9,7 +9,7 @@
 #include "cmrc/run/simulation.hpp"
 #include "python/bindings/bindings.hpp"
 
-/// What is called from a run that goes on without the GIL. What the Python function raises, be it Ctrl-C that Python
+/// What is called during a run without the GIL. What the Python function raises, also the Ctrl-C that Python
 /// has heard in it, ends the run and is raised by `raise`.
 class OnProgress {
  public:

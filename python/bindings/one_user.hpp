@@ -7,7 +7,7 @@
 #include <thread>
 
 /// The thread that is in a long call of an object. Callers have the GIL, which separates short calls from each other;
-/// a short call only checks that no long call goes on.
+/// a short call only checks that no long call is running.
 class OneUser {
  public:
   explicit OneUser(const char* what) : what_(what) {}

@@ -29,7 +29,7 @@ void run(CraneAlone& crane, const py::object& torques, double dt, long steps) {
 
 void bind_crane_alone(py::module_& m) {
   py::class_<CraneAlone::State>(m, "CraneAloneState",
-                                "Everything that the crane's future depends on; opaque but for reading.")
+                                "Everything that the crane's future depends on; opaque: to be read only.")
       .def_property_readonly("time", [](const CraneAlone::State& s) { return s.time; })
       .def("__copy__", [](const CraneAlone::State& s) { return s; })
       .def("__deepcopy__", [](const CraneAlone::State& s, const py::dict&) { return s; })

@@ -44,7 +44,7 @@ void bind_plant_records(py::module_& m) {
       .def_readonly("yaw", &ContainerStatus::yaw)
       .def_readonly("up", &ContainerStatus::up)
       .def_readonly("mass", &ContainerStatus::mass);
-  py::class_<Handover>(m, "Handover", "Where a container's change of hands stands (plant-and-bus.md 1.5).")
+  py::class_<Handover>(m, "Handover", "The progress of a container's hand-over (plant-and-bus.md 1.5).")
       .def_property_readonly("phase", [](const Handover& h) { return std::string(name(h.phase)); })
       .def_readonly("releasing", &Handover::releasing)
       .def_readonly("attempts", &Handover::attempts);

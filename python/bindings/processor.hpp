@@ -43,7 +43,7 @@ class Processor : public c40::PeripheralSink {
   machine::BoardDevices devices;
   std::optional<machine::LoneDevices> around;
   machine::IgnoredAccesses ignored;
-  /// The chip, and what stands around it.
+  /// The chip, and what is around it.
   void list_state(state::Visitor& list);
   std::optional<c40::SelfCheck> self_check;
   py::list events;
@@ -52,8 +52,8 @@ class Processor : public c40::PeripheralSink {
   std::set<c40::Address> breakpoints_;  ///< those of the caller
   std::optional<c40::Address> until_;   ///< one more, where the last run was to end
 
-  /// A change of breakpoints makes the chip forget its blocks: who calls one routine after the other, each to the same
-  /// return address, keeps them.
+  /// A change of breakpoints makes the chip forget its blocks: a caller that calls one routine after the other, each to
+  /// the same return address, keeps them.
   void stop_at(std::optional<c40::Address> until);
   /// By a device, or as an access to nothing.
   bool answered(const c40::ExternalAccess& access) { return around->serve(access) || ignored.serve(chip, access); }

@@ -90,10 +90,10 @@ class Run {
   void run(const py::object& on_progress, double slice_s) {
     const report::Time slice = to_time("slice_s", slice_s);
     if (slice == report::Time{}) throw py::value_error("slice_s: 0 s; a time greater than 0 is expected");
-    OnProgress told(on_progress);
+    OnProgress callback(on_progress);
     const OneUser::Long use(user_, "run", false);
-    interruptible_without_gil([&] { run_.run(told.call(), slice); });
-    told.raise();
+    interruptible_without_gil([&] { run_.run(callback.call(), slice); });
+    callback.raise();
   }
 
   /// Runs in slices. Ctrl-C ends the call between two slices; the caller may then call it again.
@@ -281,7 +281,7 @@ void bind_simulation(py::module_& m) {
           [](Run& r) {
             return report::to_json(r.moment("report_so_far", [](Simulation& s) { return s.report_so_far(); }));
           },
-          "The report of a run that does not go on.")
+          "The report of a run that does not continue.")
       .def("report_text",
            [](Run& r) { return r.waiting("result", [](const Simulation& s) { return report::to_text(s.report()); }); })
       .def("keep_text_of_events", &Run::keep_text_of_events, "Keeps the event trace; before the run.")

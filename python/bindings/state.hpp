@@ -44,7 +44,7 @@ T value_of_bytes(const pybind11::bytes& bytes) {
   }
 }
 
-// A list of (path, offset, size): where each value stands in state_bytes.
+// A list of (path, offset, size): the place of each value in state_bytes.
 template <class T>
 pybind11::list state_leaves(const T& object) {
   state::Lister lister;

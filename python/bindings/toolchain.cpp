@@ -46,7 +46,8 @@ toolchain::Options make_options(std::vector<std::filesystem::path> include_dirs,
   options.cpu = cpu_called(cpu);
   if (dialect) {
     options.dialect = toolchain::dialect_named(*dialect);
-    if (!options.dialect) throw py::value_error("dialect: \"" + *dialect + "\" is none; \"ti\" and \"gnu\" are");
+    if (!options.dialect)
+      throw py::value_error("dialect: \"" + *dialect + "\" is unknown; \"ti\" or \"gnu\" is expected");
   }
   options.include_dirs = std::move(include_dirs);
   options.symbols = std::move(symbols);

@@ -11,10 +11,10 @@ void bind_why_late(py::module_& core) {
   m.def(
       "compare",
       [](const cmrc::Config& config, const py::object& on_progress) {
-        OnProgress told(on_progress);
+        OnProgress callback(on_progress);
         const report::Comparison comparison =
-            interruptible_without_gil([&] { return cmrc::compare_with_ideal(config, told.call()); });
-        told.raise();
+            interruptible_without_gil([&] { return cmrc::compare_with_ideal(config, callback.call()); });
+        callback.raise();
         return std::pair(to_text(comparison), to_json(comparison));
       },
       "config"_a, "on_progress"_a = py::none(),

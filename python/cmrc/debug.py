@@ -150,7 +150,7 @@ class Debugger:
         DMA; words that chips share, by any chip or the host.
         """
         if on not in ("write", "read", "access", "change"):
-            raise ValueError(f'on: "{on}" is none; write, read, access or change is expected')
+            raise ValueError(f'on: "{on}" is unknown; write, read, access or change is expected')
         count = arguments.whole("words", words, "a number of words", 1, 2**32 - 1)
         return self._add("word", chip=chip, address=self.places(place, chip or 0)[0], words=count, on=on, condition=condition, ignore=ignore, log=log, text=str(place))
 

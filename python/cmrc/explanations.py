@@ -83,10 +83,10 @@ def _sentences(misses: Sequence[Mapping[str, Any]], miss: Mapping[str, Any]) -> 
     who = _name(miss)
     if miss["outcome"] == "dropped" and "previous_out" in miss["parts_ps"] or _is_dropped_tick(miss):
         return _dropped(misses, miss)
-    told = [f"The job {who} {_OUTCOMES.get(miss['outcome'], miss['outcome'])}: {_when(miss)}"]
-    told += _in_the_way(miss)
-    told += _avoidance(miss)
-    return told
+    sentences = [f"The job {who} {_OUTCOMES.get(miss['outcome'], miss['outcome'])}: {_when(miss)}"]
+    sentences += _in_the_way(miss)
+    sentences += _avoidance(miss)
+    return sentences
 
 
 def _is_dropped_tick(miss: Mapping[str, Any]) -> bool:
@@ -101,12 +101,12 @@ def _dropped(misses: Sequence[Mapping[str, Any]], miss: Mapping[str, Any]) -> li
         why = PARTS.get(cause[0][0], cause[0][0]) if cause else "the host skipped the refresh of its tick"
         return [f"The job {who} was dropped: {due}, and {why}."]
     out = f"the block of {miss['kind']} number {miss['previous']} was not done, and a kind has one block at a time"
-    told = [f"The job {who} was dropped: {due}, but {out}."]
+    sentences = [f"The job {who} was dropped: {due}, but {out}."]
     same = (miss["kind"], miss["robot"], miss["previous"])
     earlier = next((m for m in misses if (m["kind"], m["robot"], m["number"]) == same), None)
     if earlier is not None and earlier is not miss:
-        told += _sentences(misses, earlier)
-    return told
+        sentences += _sentences(misses, earlier)
+    return sentences
 
 
 def _when(miss: Mapping[str, Any]) -> str:
@@ -122,22 +122,22 @@ def _when(miss: Mapping[str, Any]) -> str:
 
 
 def _in_the_way(miss: Mapping[str, Any]) -> list[str]:
-    told = []
+    sentences = []
     behind = sorted(miss["behind"], key=lambda block: -block["share_ps"])
     if behind:
         blocks = [_block(block) for block in behind[:3]]
         waited = sum(block["share_ps"] for block in behind)
         since = min(block["from_ps"] for block in behind)
         more = f", and {len(behind) - 3} more" if len(behind) > 3 else ""
-        told.append(f"In its way for {_duration(waited)}, since {_instant(since)}, stood {_list(blocks, more)}.")
+        sentences.append(f"In its way for {_duration(waited)}, since {_instant(since)}, stood {_list(blocks, more)}.")
     others = [(part, ps) for part, ps in _largest(miss, 4) if part not in ("blocked", "behind_list")]
     whole = sum(ps for ps in miss["parts_ps"].values() if ps > 0)
     others = [(part, ps) for part, ps in others if ps >= 0.05 * whole]
     if others:
-        told.append(
+        sentences.append(
             "Of its time " + _list([f"{_duration(ps)} passed while {_part(part)}" for part, ps in others]) + "."
         )
-    return told
+    return sentences
 
 
 def _block(block: Mapping[str, Any]) -> str:
@@ -146,12 +146,12 @@ def _block(block: Mapping[str, Any]) -> str:
 
 
 def _avoidance(miss: Mapping[str, Any]) -> list[str]:
-    told = []
+    sentences = []
     if miss["unavoidable_ps"] is not None:
-        told.append(f"From {_instant(miss['unavoidable_ps'])} on it could not be in time any more.")
+        sentences.append(f"From {_instant(miss['unavoidable_ps'])} on it could not be in time any more.")
     late = miss["lateness_ps"]
     if late is None or late <= 0:
-        return told
+        return sentences
     late -= min(0, miss["parts_ps"].get("not_run", 0))  # a job that never ran still needed its run
     parts = [(part, ps) for part, ps in _largest(miss, len(miss["parts_ps"]))]
     alone = [(part, ps) for part, ps in parts if ps >= late]
@@ -160,8 +160,8 @@ def _avoidance(miss: Mapping[str, Any]) -> list[str]:
         avoided = f"Without the {_duration(ps)} in which {_part(part)}, the job would have been done " + (
             "at its deadline" if ps == late else f"{_duration(ps - late)} before its deadline"
         )
-        told.append(avoided + _remedy([part]) + ".")
-        return told
+        sentences.append(avoided + _remedy([part]) + ".")
+        return sentences
     chosen: list[str] = []
     gained = 0
     for part, ps in parts:
@@ -170,11 +170,11 @@ def _avoidance(miss: Mapping[str, Any]) -> list[str]:
         if gained >= late:
             break
     if gained >= late and chosen:
-        told.append(
+        sentences.append(
             f"No single cause made it late: without {_list([_part(part) for part in chosen])} together the job "
             f"would have been in time{_remedy(chosen)}."
         )
-    return told
+    return sentences
 
 
 def _remedy(parts: Sequence[str]) -> str:

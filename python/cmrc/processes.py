@@ -103,16 +103,16 @@ class Helpers:
                     process.stdin.flush()
                 busy[process.stdout.fileno()] = (process, number, b"")
             for stream in select.select(list(busy), [], [], LOOK_S)[0]:
-                process, number, told = busy.pop(stream)
+                process, number, received = busy.pop(stream)
                 new = os.read(stream, 1 << 16)
                 if not new:
                     raise RuntimeError(f"the process of a run {ended(process.wait())}")
-                told += new
-                if told.endswith(b"\n"):
+                received += new
+                if received.endswith(b"\n"):
                     idle.append(process)
-                    yield number, json.loads(told)
+                    yield number, json.loads(received)
                 else:
-                    busy[stream] = (process, number, told)
+                    busy[stream] = (process, number, received)
 
 
 def processors() -> int:

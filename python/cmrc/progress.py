@@ -36,14 +36,14 @@ class ProgressLine:
         self.every_s = TERMINAL_S if _can_change(self.stream) else LOG_S
         self.began = time.monotonic()
         self.last = self.began - self.every_s + SILENT_S
-        self.told = ""
-        """What the work has told of itself."""
+        self.reported = ""
+        """The progress that the work has reported."""
         self.width = 0
         self._lock = threading.RLock()
 
     def show(self, text: str, now: bool = False) -> None:
         """May be called often; with ``now`` the text is shown in any case."""
-        self.told = text
+        self.reported = text
         self._put(text, now)
 
     def _put(self, text: str, now: bool = False) -> None:
@@ -68,15 +68,15 @@ class ProgressLine:
 
     @contextmanager
     def beating(self, text: str = "running") -> Iterator[None]:
-        """For work that tells little or nothing of itself: what it has told last, at first ``text``, and how long it
-        has been going on."""
-        self.told = self.told or text
+        """For work that reports little or nothing: its last report, at first ``text``, and how long the work
+        has taken."""
+        self.reported = self.reported or text
         over = threading.Event()
 
         def beat() -> None:
             while not over.wait(BEAT_S):
                 if time.monotonic() - self.last > BEAT_S:
-                    self._put(f"{self.told}; {time.monotonic() - self.began:.0f} s so far")
+                    self._put(f"{self.reported}; {time.monotonic() - self.began:.0f} s so far")
 
         thread = threading.Thread(target=beat, daemon=True)
         thread.start()
@@ -129,10 +129,10 @@ def show_progress(what: str = "cmrc") -> Callable[..., None]:
     line: ProgressLine | None = None
     before: tuple[float, float] = (0.0, 0.0)
 
-    def show(*told: Any) -> None:
+    def show(*status_or_counts: Any) -> None:
         nonlocal line, before
-        status = told[0] if len(told) == 1 else None
-        done, whole = (status.done, status.runs) if status else told
+        status = status_or_counts[0] if len(status_or_counts) == 1 else None
+        done, whole = (status.done, status.runs) if status else status_or_counts
         if line is None or whole != before[1] or done < before[0]:  # other work
             line = ProgressLine(what)
         before = (done, whole)

@@ -112,7 +112,7 @@ def check_schema(report: Mapping[str, Any]) -> None:
     if isinstance(found, int) and found > max(SCHEMA_VERSIONS):
         what = "a cmrc as new as its writer reads it"
     else:
-        what = 'the run is to be made again, its settings stand under "configuration" (cmrc.run(settings=...))'
+        what = 'the run is to be made again, its settings are under "configuration" (cmrc.run(settings=...))'
     raise SchemaError(
         f"the report has schema version {found}{by}; cmrc {_core.cmrc.emulator_version} reads {known}: {what}"
     )

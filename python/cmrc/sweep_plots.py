@@ -137,8 +137,8 @@ def _title(summary: Sequence[tuple[dict[str, Any], Spread]]) -> str:
     repeats = {spread.n for _, spread in summary if spread.n}
     if not repeats or max(repeats) == 1:
         return "one run per point"
-    told = f"n = {min(repeats)}" if len(repeats) == 1 else f"n = {min(repeats)} to {max(repeats)}"
-    return f"mean of {told}" + (
+    count = f"n = {min(repeats)}" if len(repeats) == 1 else f"n = {min(repeats)} to {max(repeats)}"
+    return f"mean of {count}" + (
         ", 95 % intervals" if any(spread.varies for _, spread in summary) else ": all repeats agree"
     )
 

@@ -42,6 +42,22 @@ def test_all_errors_are_told_at_once_with_their_lines(tmp_path: Path) -> None:
         assert f"b.toml:{line}: {message}" in error
 
 
+def test_a_missing_key_or_name_hides_no_other_error(tmp_path: Path) -> None:
+    text = '[[region]]\nname = "RAM"\nbus = "locall"\nwaits = 99\nkind = "rom"\n[pins]\nromen = 1\niiof = "11"\n[[device]]\nkind = "leds"\n'
+    expected = [
+        "1: region 1: base is missing",
+        "1: region 1: words is missing",
+        "3: region.bus of RAM: local or global is expected",
+        "4: region.waits: a whole number from 0 to 15 is expected",
+        "5: region.kind of RAM: ram, window (to a shared bus), fault or ignore is expected",
+        "7: pins.romen: true (the boot ROM is at 0) or false is expected",
+        '8: pins.iiof: the levels of IIOF3 to IIOF0 are expected, as "1111"',
+        '10: device.kind of 1: "leds" is unknown; console, registers, led, fifo, mailbox, timer, vic068a, vme is expected; did you mean "led"?',
+    ]
+    errors = refused(tmp_path, text)
+    assert [error.partition("b.toml:")[2] for error in errors] == expected
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

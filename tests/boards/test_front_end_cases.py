@@ -176,7 +176,7 @@ WRONG: list[tuple[Given, str]] = [
     *(({"program": name}, f"{name}:1:1: error: the text is in UTF-16; a text in ASCII, Latin-1 or UTF-8 is expected") for name in ("utf16.asm", "utf16be.asm", "unmarked.asm")),
     ({"program": "utf32.asm"}, "utf32.asm:1:1: error: the text is in UTF-32"),
     ({"program": "mac.asm"}, "mac.asm:1:1: error: the lines end in a carriage return alone"),
-    ({"program": "zeros.asm"}, "zeros.asm:6:1: error: a byte 0 stands here"),
+    ({"program": "zeros.asm"}, "zeros.asm:6:1: error: a byte 0 is here"),
     ({"program": "utf16.hex"}, "utf16.hex:1: the text is in UTF-16"),
 ]
 

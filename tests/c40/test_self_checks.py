@@ -71,7 +71,7 @@ RESERVED = [
     ("opcode", 0x3E000000, "12", "no instruction has this operation"),
     ("indirect mode 26", 0x0840D000, "3.9", "modes 26 to 31 are reserved"),
     ("a register code above 31", 0x08000020, "3", "bits that must be 0"),
-    ("a float operand in an address register", 0x07000008, "1.1", "cannot stand in this place"),
+    ("a float operand in an address register", 0x07000008, "1.1", "is not possible in this place"),
     ("condition 11", 0x6A0B0000, "4", "conditions 11 and 21 to 31"),
 ]
 

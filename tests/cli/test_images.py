@@ -227,6 +227,7 @@ def test_broken_images_are_refused_with_the_place(tmp_path: Path, text: str, mes
         (["exec", "PROGRAM", "PROGRAM", "--until", "0:end", "--until", "0:again"], "chip 0 ends at 002FF908h already"),
         (["exec", "PROGRAM", "PROGRAM", "--until", "end", "--until", "again"], "every chip has an end already"),
         (["exec", "PROGRAM", "--until", "again", "--until", "nowhere"], '"nowhere" is neither a symbol of the program'),
+        (["exec", "PROGRAM", "--until", "agan"], 'decimal); did you mean "again"?'),
         (["exec", "PROGRAM", "--until", "total=5"], '"total=5" is neither a symbol of the program'),
         (["image", "PROGRAM", "--format", "tape", "-o", "OUT"], "--format"),
         (["image", "PROGRAM", "--format", "binary", "--width", "12", "-o", "OUT"], "--width"),

@@ -59,6 +59,29 @@ def test_a_number_of_an_option_is_checked_as_its_key_is(run) -> None:
     assert done.returncode == 2 and '--max-cycles: "1.5" cannot be used; an integer is expected' in done.stderr
 
 
+USAGE = [
+    (["exce", "p.out"], 'there is no command "exce"; config, limits, '),
+    (["exce", "p.out"], 'are known; did you mean "exec"? (emulator --help lists commands and options)'),
+    (["p.asm"], 'trace-diff, vectors are known (emulator --help'),
+    (["--durations", "1"], '--durations: there is no such option; did you mean "--duration"? (emulator --help'),
+    (["exec", "p.out", "--max-cycle=5"], '--max-cycle: there is no such option of emulator exec; did you mean "--max-cycles"? (emulator exec --help lists options)'),
+    (["exec", "p.out", "-x"], "-x: there is no such option of emulator exec (emulator exec --help"),
+    (["exec", "p.out", "--max-cycles", "-5"], '--max-cycles: "-5" cannot be used; an integer of at least 1 is expected ('),
+    (["vectors", "v.txt", "--show", "-1"], '--show: "-1" cannot be used; an integer of at least 0 is expected ('),
+    (["dap", "--port", "70000"], '"70000" cannot be used; an integer from 0 to 65535 is expected ('),
+    (["asm", "p.asm", "-o", "p.out", "--cpu", "c50"], '--cpu: "c50" cannot be used; c40 or c3x is expected ('),
+    (["image", "p.out", "-o", "p.bin", "--format", "hex"], '"hex" cannot be used; boot-stream, intel-hex, srec or binary is expected ('),
+    (["config", "p.out"], '"p.out" was not expected (emulator config --help lists options)'),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("arguments", "message"), USAGE)
+def test_a_wrong_command_line_says_what_would_be_right(run, arguments: list[str], message: str) -> None:
+    done = run(*arguments)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert message in done.stderr and done.stderr.count("\n") == 1
+
+
 def test_a_trace_window_after_the_end_is_refused(run, tmp_path: Path) -> None:
     done = run("--duration", 1, "--trace", "t", "--trace-window", "2:3")
     assert done.returncode == 2

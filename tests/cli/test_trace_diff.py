@@ -53,7 +53,7 @@ def test_the_first_difference_is_named(diff, trace: str, old: str, new: str, mes
 def test_a_trace_that_ends_early(diff) -> None:
     result = diff(EVENTS, EVENTS.rsplit("\n", 2)[0] + "\n")
     assert result.returncode == 1
-    assert "the second trace has ended, the other goes on at its line 4" in result.stdout
+    assert "the second trace has ended, the other continues at its line 4" in result.stdout
 
 
 @pytest.mark.parametrize(

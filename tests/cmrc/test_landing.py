@@ -11,7 +11,7 @@ from locations import OVER_A_CONTAINER
 cmrc = _core.cmrc
 LOW_RATES: dict[str, Any] = {"dsps": 1, "refresh_frequency_hz": 2000, "servo_frequency_hz": 250, "alpha_refreshes": 6, "beta_refreshes": 3}
 ROLLING = {"capture_window_m": 0, "ship_motion": 0.25, "seed": 8}
-"""Without guides the spreader has to meet the corners within 25 mm; the container moves by up to 50 mm beneath it."""
+"""Without guides the spreader has to meet the corners within 25 mm; the container moves by up to 50 mm under it."""
 
 
 def run(duration_s: float, events: list[dict[str, Any]] | None = None, **settings: Any) -> tuple[dict[str, Any], Any]:
@@ -61,7 +61,7 @@ def test_after_so_many_tries_the_crane_stops_and_says_so(over_a_container: str) 
     [message] = [failure["message"] for failure in report["failures"] if failure["kind"] == "stopped"]
     assert message.startswith("the load has not landed on all four corners in 2 tries; stopped: the crane")
     signals = simulation.signals()
-    assert abs(signals["l_rate_m_per_s"][signals["time_s"] > 37]).max() < 0.01  # it hangs still but for what damping its swing takes
+    assert abs(signals["l_rate_m_per_s"][signals["time_s"] > 37]).max() < 0.01  # it hangs still, except for what damping its swing takes
     assert report["tasks"]["pid"]["misses"] <= 3  # and is held there
     assert [(error["origin"], error["response"], error["stands"]) for error in report["errors_handled"]] == [("landing", "retry", False), ("landing", "hold", True)]
     assert simulation.exit_status == 1
@@ -98,4 +98,4 @@ def test_a_fault_in_the_middle_of_a_retry_ends_in_the_load_landed_or_the_crane_s
         last_second = signals["time_s"] > 239
         for joint in ("psi", "phi", "l", "kappa"):
             [rate] = [name for name in signals if name.startswith(f"{joint}_rate_")]
-            assert abs(signals[rate][last_second]).max() < 0.01  # rad/s, m/s: the ship rolls beneath a load that rests on it
+            assert abs(signals[rate][last_second]).max() < 0.01  # rad/s, m/s: the ship rolls under a load that rests on it

@@ -141,7 +141,7 @@ def test_an_ideal_run_answers_within_a_latch_and_misses_nothing() -> None:
 
 
 def test_an_ideal_run_computes_what_the_real_one_does() -> None:
-    # The drives take the same codes at the same latches, but for what the encoders see 80 us earlier.
+    # The drives take the same codes at the same latches, except for what the encoders see 80 us earlier.
     real, ideal = (cmrc.run(dsps=4, duration_s=0.5, ideal=ideal) for ideal in (False, True))
     for joint, error in real.report["pid_error"].items():
         assert ideal.report["pid_error"][joint]["rms"] == pytest.approx(error["rms"], rel=0.05, abs=2e-6)

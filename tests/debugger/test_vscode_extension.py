@@ -26,7 +26,7 @@ def instructions() -> str:
 def test_every_instruction_is_highlighted() -> None:
     grammar = json.loads(GRAMMAR.read_text())
     (pattern,) = (row["match"] for row in grammar["patterns"] if row["name"].startswith("keyword.operator"))
-    assert pattern == instructions(), "the instruction table has changed: python tests/debugger/test_vscode_extension.py writes the grammar anew"
+    assert pattern == instructions(), "the instruction table has changed: python tests/debugger/test_vscode_extension.py writes the grammar again"
     for mnemonic in ("ldi", "bz", "beqat", "callu", "mpyf3", "ldfge", "rptbd", "idle"):
         assert re.fullmatch(pattern, mnemonic), mnemonic
     assert not re.fullmatch(pattern, "nonsense")

@@ -8,7 +8,7 @@ Commands are ``emulator ...``, ``python -m cmrc ...`` and ``python FILE ...`` of
 lines from the first one that begins with A to the next one that begins with B. Several such parts, separated by commas, are shown with a
 blank line between them. ``cut N`` at the end leaves out all beyond column N. ``table``: the whole output is a table, which the page has below. In prose, ``says "..."`` names what the output and the
 paragraph (or table) below both say; runs of blanks count as one. ``campaign`` at the end keeps long runs out of the suite.
-``pytest tests/docs --update-golden`` (with ``-m campaign`` for the long ones) writes blocks and tables anew.
+``pytest tests/docs --update-golden`` (with ``-m campaign`` for the long ones) writes blocks and tables again.
 
 Where a test holds a figure, the comment names test and phrases; each number of a phrase stands in the source of that test:
 

@@ -4,7 +4,7 @@ The blocks ```sh, ```python, ```asm and ```toml of a page are done in their orde
 `c40_programs` and `examples` of the tree. `sh` and `python` are run. `asm` and `toml` are written to the file that
 their first line names in a comment. A block ```text right after a run is what the run prints: its lines stand in the
 output in this order, `...` for any lines between.
-A block ```cpp stands, but for its first line, in the file of the tree that its first line names.
+A block ```cpp is, without its first line, in the file of the tree that its first line names.
 A page with `<!-- campaign -->` takes long and is left out of the suite.
 """
 

@@ -294,7 +294,7 @@ def test_the_mixture_has_what_it_should_have(plain: tuple[list[int], list[object
         ("dropped", 1),
     ):
         assert kinds.count(kind) >= least, kind
-    # In order of time but for writes, which are told when their burst has ended.
+    # In order of time, except for writes, which are reported when their burst has ended.
     times = [time for time, what, _ in plain[1] if what in ("transaction", "interrupt", "semaphore")]
     assert times == sorted(times)
 

@@ -15,7 +15,7 @@ def modules(folder: Path) -> None:
     """The libraries of the lock file, in ``folder``. Skips the test where they cannot be installed."""
     for tool in ("node", "npm"):
         if shutil.which(tool) is None:
-            pytest.skip(f"{tool} is missing: the page is not made anew")
+            pytest.skip(f"{tool} is missing: the page is not made again")
     there = PAGE / "node_modules" / ".package-lock.json"
     locked = json.loads((PAGE / "package-lock.json").read_text())["packages"]
     if there.is_file():
@@ -29,7 +29,7 @@ def modules(folder: Path) -> None:
     try:
         made = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=120, check=False)
     except subprocess.TimeoutExpired:
-        pytest.skip("npm ci took more than two minutes: the page is not made anew")
+        pytest.skip("npm ci took more than two minutes: the page is not made again")
     if made.returncode:
         pytest.skip(f"npm ci cannot install what the page is made with: {made.stderr.strip()[-200:]}")
 
@@ -41,7 +41,7 @@ def test_the_committed_page_is_what_its_sources_make(tmp_path: Path) -> None:
     subprocess.run(["node", "build.mjs"], cwd=folder, check=True, timeout=120)
     for name in ("page.html", "licences.txt"):
         assert (folder / "dist" / name).read_bytes() == (PAGE / "dist" / name).read_bytes(), (
-            f"page/dist/{name}: make page makes it anew"
+            f"page/dist/{name}: make page makes it again"
         )
 
 

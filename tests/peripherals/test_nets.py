@@ -318,7 +318,7 @@ def test_the_order_of_turns_and_cuts_change_nothing_by_the_hundred(seed: int) ->
     (["0.TCLK0"], "is not a net; DRIVER>RECEIVER is expected, as 0.TCLK0>1.IIOF1"),
     (["0.TCLK0>1.IIOF1>1.IIOF2"], "is not a net"),
     (["0.TCLK0>"], '"" is not a pin of a chip; CHIP.PIN is expected'),
-    (["0.TCLK0>2.IIOF1"], "there is no 2; 0, 1 is expected"),
+    (["0.TCLK0>2.IIOF1"], "there is no chip 2; 0 or 1 is expected"),
     (["0.TCLK2>1.IIOF1"], "IIOF0 to IIOF3, TCLK0, TCLK1, NMI or RESET is expected"),
     (["0.NMI>1.IIOF1"], "0.NMI cannot drive it; IIOF and TCLK are outputs"),
     (["0.TCLK0+0.IIOF1>1.IIOF1"], "two pins drive it; an open-drain net is written with &"),
@@ -414,7 +414,7 @@ def test_nets_of_a_file(command: Any) -> None:
 
 
 @pytest.mark.parametrize(("old", "new", "message"), [
-    ('drivers = "root.TCLK0"', 'drivers = "rot.TCLK0"', "net.toml:9: net.drivers: \"rot.TCLK0\" is not a pin of a chip; there is no rot; root, 1 is expected"),
+    ('drivers = "root.TCLK0"', 'drivers = "rot.TCLK0"', "net.toml:9: net.drivers: \"rot.TCLK0\" is not a pin of a chip; there is no chip rot; root or 1 is expected"),
     ('rest = "low"', 'rest = "down"', 'net.toml:14: net.rest: "high" or "low" is expected'),
     ('rest = "low"', "open_drain = 1", "net.toml:14: net.open_drain: true or false is expected"),
     ('receivers = ["1.IIOF2"]', 'receivers = ["1.IIOF1"]', "net.toml:11: net line (>1.IIOF1): pin 1.IIOF1 is already on net sync"),

@@ -104,11 +104,13 @@ def test_a_network_file(run: Any, tmp_path: Path) -> None:
     assert report["chips"][1]["waits_for"] == 0 and report["chips"][0]["name"] == "left"
     for old, new, message in [
         ('name = "left"', 'nam = "left"', "network.toml:3: no such key chip.nam; known are"),
+        ('name = "left"', 'nam = "left"', 'entry, until, boot; did you mean "name"?'),
+        ('name = "left"', 'name = "left"\nboard = "flt"', 'network.toml:4: there is no board "flt"; default, flat, or a file'),
         ('"left.0:1.3"', '"left.7:1.3"', "network.toml:9: link left.7:1.3: left.7: chip 0 has no port 7; 0 to 5 are possible"),
         ('"left.0:1.3"', '"right.0:1.3"', "there is no chip right"),
         ("word_cycles = 10", "word_cycles = -1", "network.toml:10: word_cycles: an integer from 0"),
         ('action = "cut"', 'action = "bite"', 'there is no action "bite"; cut, restore, reset, hold, release, pull_out, low, high, open, pulse is expected'),
-        ('link = "1.3:left.0"', 'link = "0.1:1.3"', "there is no link 0.1:1.3"),
+        ('link = "1.3:left.0"', 'link = "0.1:1.3"', "there is no link 0.1:1.3; 0.0:1.3 is expected"),
         ("at_us = 1.0", "at_us = -1.0", "event.at_us: a number from 0"),
         ('program = "take.asm"', 'name = "x"', "chip 1 has no program"),
         ("[[chip]]\nname", "[chip]\nname", "network.toml"),
@@ -133,7 +135,8 @@ def test_what_is_done_to_a_network_from_the_command_line_as_from_a_file(run: Any
 
 @pytest.mark.parametrize(("action", "message"), [
     ("1,bite,0", 'there is no action "bite"; cut, restore, reset, hold, release, pull_out, low, high, open, pulse is expected'),
-    ("1,cut,0.1:1.3", "there is no link 0.1:1.3"),
+    ("1,cutt,0.0:1.3", 'pulse is expected; did you mean "cut"?'),
+    ("1,cut,0.1:1.3", "there is no link 0.1:1.3; 0.0:1.3 is expected"),
     ("1,cut,0", "CHIP.PORT:CHIP.PORT is expected"),
     ("1,reset,2", "there is no chip 2; the network has chips 0 to 1"),
     ("x,reset,1", "AT_US,ACTION,TARGET is expected"),

@@ -111,7 +111,7 @@ def test_what_is_no_result_is_refused_by_name(result: cmrc.Result, tmp_path: Pat
 
 
 @pytest.mark.parametrize(("schema", "says"), [
-    (3, r"schema version 3, .*its settings stand under \"configuration\""),
+    (3, r"schema version 3, .*its settings are under \"configuration\""),
     (99, r"schema version 99, written by emulator .* reads 4: a cmrc as new as its writer"),
 ])  # fmt: skip
 def test_a_result_of_another_schema_is_refused_by_name_and_says_what_to_do(

@@ -178,7 +178,7 @@ def test_a_full_disk_is_an_error_and_loses_nothing(tmp_path: Path) -> None:
     """A limit on the size of files simulates a full disk: the write fails half-way."""
     program = FULL.format(path=str(tmp_path / "s"))
     said, after = said_by(program).splitlines()
-    assert "part-000002.parquet: cannot be written" in said and "goes on from them" in said
+    assert "part-000002.parquet: cannot be written" in said and "continues from them" in said
     assert after == "[1] ['lock', 'part-000001.parquet', 'sweep.json']"
 
 

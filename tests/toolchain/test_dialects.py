@@ -146,7 +146,7 @@ def test_gccs_mark_behind_instructions_is_warned_of() -> None:
 
 def test_python_and_the_commands_take_it(tmp_path: Path) -> None:
     assert c40.assemble(" ldp 30h\n", dialect="gnu").sections[0].words[0] == 0x50700030
-    with pytest.raises(ValueError, match='"GNU" is none; "ti" and "gnu" are'):
+    with pytest.raises(ValueError, match='"GNU" is unknown; "ti" or "gnu" is expected'):
         c40.assemble(" nop\n", dialect="GNU")
     source = tmp_path / "p.asm"
     source.write_text("start: ldp 30h\nhalt: b halt\n")

@@ -16,7 +16,7 @@ sizes           .set    9
 timer_control   .set    100020h
 counter         .set    4
 period          .set    8
-dma_control     .set    1000a0h                 ; of channel 0; that of channel n stands 10h * n behind
+dma_control     .set    1000a0h                 ; of channel 0; that of channel n is 10h * n higher
 source          .set    1                       ; registers of a channel, from its control register on
 source_index    .set    2
 words_out       .set    3

@@ -2,7 +2,7 @@
 ; `emulator exec --network worm.toml --dump 0:count:1`.
 ;
 ; A chip that leaves reset with the boot ROM waits for a stream on any port (c40-hardware.md 9.3). Chip 0 sends this
-; program as a stream to its east and south neighbours. A booted chip gets its place and the grid's size and goes on:
+; program as a stream to its east and south neighbours. A booted chip gets its place and the grid's size and continues:
 ; the first row boots east and south, the others south. When all chips that it booted have answered with their counts,
 ; a chip answers with their sum and itself through the port that booted it. So chip 0 learns the number of chips.
 ;

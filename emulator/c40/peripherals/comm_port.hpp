@@ -2,8 +2,8 @@
 /// One communication port as its own chip sees it: two FIFOs, the halts, and the right to send (c40-hardware.md 2.1 to
 /// 2.3). link.hpp has what happens between two ports.
 ///
-/// Inaccuracies: writing the input FIFO and reading the output FIFO have no effect (the latter reads 0; undefined on
-/// the chip). The software reset register of later revisions is not modelled.
+/// Inaccuracies: writing the input FIFO and reading the output FIFO have no effect (the output FIFO reads 0; undefined
+/// on the chip). The software reset register of later revisions is not modelled.
 #include <array>
 #include <span>
 #include <string>

@@ -24,7 +24,7 @@ namespace dma_control {
 inline constexpr Field PRI{"DMA PRI", 0, 2, FieldAccess::read_write,
                            "against the CPU: 00 CPU first, 01 rotating, 11 DMA first"};
 inline constexpr Field MODE{"TRANSFER MODE", 2, 2, FieldAccess::read_write,
-                            "at counter 0: 00 go on, 01 stop, 10 autoinitialise, 11 autoinitialise when restarted"};
+                            "at counter 0: 00 continue, 01 stop, 10 autoinitialise, 11 autoinitialise when restarted"};
 inline constexpr Field AUX_MODE{"AUX TRANSFER MODE", 4, 2, FieldAccess::read_write,
                                 "the same of the auxiliary channel"};
 inline constexpr Field SYNC_READ{"READ SYNC", 6, 1, FieldAccess::read_write, "a read waits for the source's event"};

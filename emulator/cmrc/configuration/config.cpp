@@ -119,7 +119,7 @@ Value checked(const Key& key, const Value& value, const Origin& origin) {
       const auto* word = std::get_if<std::string>(&value);
       if (word == nullptr) return ill_typed();
       if (std::find(key.choices.begin(), key.choices.end(), *word) == key.choices.end()) {
-        refuse(origin, key.name, fmt::format("{} is not known", show(value)), what_is_right(key));
+        refuse(origin, key.name, fmt::format("{} is not known", show(value)), one_expected(*word, key.choices));
       }
       return value;
     }
@@ -192,7 +192,7 @@ void check_preset(std::string_view name, const Origin& origin) {
     if (known.name == name) return;
     names.emplace_back(known.name);
   }
-  refuse(origin, "preset", fmt::format("\"{}\" is not known", name), quoted_list(names) + " is expected");
+  refuse(origin, "preset", fmt::format("\"{}\" is not known", name), one_expected(name, names));
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ constexpr double no_limit = std::numeric_limits<double>::infinity();
 template <class T>
 using Member = T& (*)(Config&);
 
-// No templates: a key has many neighbours, and each would be compiled anew.
+// No templates: a key has many neighbours, and each would be compiled again.
 Key integer(std::string name, Member<std::int64_t> get, std::string unit, double minimum, double maximum,
             std::string meaning, std::string source);
 Key number(std::string name, Member<double> get, std::string unit, double minimum, double maximum, std::string meaning,

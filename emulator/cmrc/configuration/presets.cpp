@@ -36,9 +36,7 @@ driving = true
 agvs = 4
 )"},
       {"tight",
-       "base rates, and loops of 80 rad/s (slew, luff, hoist, rotator, trolley): they allow a delay of only 3.5 ms, "
-       "which "
-       "bear",
+       "base rates, and loops of 80 rad/s (slew, luff, hoist, rotator, trolley): they allow a delay of only 3.5 ms",
        R"(
 [control]
 slew_bandwidth_rad_s = 80

@@ -9,7 +9,6 @@
 
 #include "cmrc/configuration/config.hpp"
 #include "cmrc/configuration/machine_topology.hpp"
-#include "io/nearest.hpp"
 #include "report/event.hpp"
 
 namespace cmrc {
@@ -62,7 +61,7 @@ const TimedAction& action_named(const std::string& name, const Origin& origin) {
     if (known.name == name) return known;
     names.emplace_back(known.name);
   }
-  refuse(origin, "events.action", fmt::format("\"{}\" is not known", name), quoted_list(names) + " is expected");
+  refuse(origin, "events.action", fmt::format("\"{}\" is not known", name), one_expected(name, names));
 }
 
 /// Takes the fields of one event one by one; a field that is left over is unknown.
@@ -76,8 +75,7 @@ class EventFields {
                                                                "axis", "factor", "lasts_ms", "key", "value"};
     for (const auto& [name, field] : fields_)
       if (std::find(known.begin(), known.end(), name) == known.end())
-        refuse(field.origin, "events." + name, "no such field",
-               quoted_list({known.begin(), known.end()}) + " is expected" + io::did_you_mean(name, known));
+        refuse(field.origin, "events." + name, "no such field", one_expected(name, {known.begin(), known.end()}));
   }
   const Field& take(std::string_view name, std::string_view right) {
     const auto found = fields_.find(std::string(name));
@@ -122,7 +120,7 @@ class EventFields {
     const auto found = std::find(names.begin(), names.end(), word);
     if (found == names.end()) {
       refuse(fields_.at(std::string(name)).origin, fmt::format("events.{}", name),
-             fmt::format("\"{}\" is not known", word), quoted_list(names) + " is expected");
+             fmt::format("\"{}\" is not known", word), one_expected(word, names));
     }
     return static_cast<unsigned>(found - names.begin());
   }

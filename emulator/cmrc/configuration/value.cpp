@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "io/nearest.hpp"
+
 namespace cmrc {
 namespace {
 
@@ -53,6 +55,10 @@ std::string quoted_list(const std::vector<std::string>& words) {
     text += fmt::format("{}\"{}\"", i == 0 ? "" : i + 1 == words.size() ? " or " : ", ", words[i]);
   }
   return text;
+}
+
+std::string one_expected(std::string_view given, const std::vector<std::string>& words) {
+  return quoted_list(words) + " is expected" + io::did_you_mean(given, words);
 }
 
 }  // namespace cmrc

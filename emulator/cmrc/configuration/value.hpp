@@ -34,5 +34,7 @@ std::string show(const Value& value);
 std::string_view noun(const Value& value);
 /// "a", "b" or "c"
 std::string quoted_list(const std::vector<std::string>& words);
+/// `"hang" or "fail" is expected`, and which of the words is near to `given`, if one is.
+std::string one_expected(std::string_view given, const std::vector<std::string>& words);
 
 }  // namespace cmrc

@@ -108,7 +108,7 @@ bool trips(const ErrorEntry& entry, bool gantry, const plant::Event& event) {
 }
 
 void find_beginning(const ErrorEntry& entry, const Config& config, const plant::Dock& dock,
-                    report::HandledError& told) {
+                    report::HandledError& handled) {
   const bool gantry = config.dock.crane == CraneMachine::gantry;
   const auto concerns = [&](unsigned number) {
     for (unsigned bit = 0; bit < plant::joint_count; ++bit) {
@@ -118,8 +118,8 @@ void find_beginning(const ErrorEntry& entry, const Config& config, const plant::
     return false;
   };
   const auto meet = [&](Time time, const std::string& because) {
-    if (time <= entry.noticed && (!told.happened || time >= *told.happened))
-      told.happened = time, told.because = because;
+    if (time <= entry.noticed && (!handled.happened || time >= *handled.happened))
+      handled.happened = time, handled.because = because;
   };
   const auto names = causes(entry);
   for (const TimedEvent& event : config.events) {
@@ -142,30 +142,31 @@ std::vector<report::HandledError> handled_errors(std::span<const ErrorEntry> ent
                                                  const std::function<std::string(Word kind)>& block_name) {
   std::vector<report::HandledError> all;
   for (const ErrorEntry& entry : entries) {
-    report::HandledError told;
-    told.origin = name(entry.origin);
-    told.robot = entry.robot == 0 ? "crane" : "agv " + std::to_string(entry.robot - 1);
-    if (entry.origin == ErrorOrigin::block) told.of.push_back(block_name(entry.of));
+    report::HandledError handled;
+    handled.origin = name(entry.origin);
+    handled.robot = entry.robot == 0 ? "crane" : "agv " + std::to_string(entry.robot - 1);
+    if (entry.origin == ErrorOrigin::block) handled.of.push_back(block_name(entry.of));
     for (unsigned bit = 0; bit < plant::joint_count && entry.origin != ErrorOrigin::block; ++bit) {
       if ((entry.of >> bit & 1) == 0) continue;
       if (entry.origin == ErrorOrigin::sway)
-        told.of.emplace_back(bit == 0 ? "alpha" : "beta");
+        handled.of.emplace_back(bit == 0 ? "alpha" : "beta");
       else
-        told.of.emplace_back(joints.at(joint_of(bit, config.dock.crane == CraneMachine::gantry)));
+        handled.of.emplace_back(joints.at(joint_of(bit, config.dock.crane == CraneMachine::gantry)));
     }
-    find_beginning(entry, config, dock, told);
-    told.noticed = entry.noticed;
-    told.decided = entry.decided;
-    told.response = name(entry.response);
-    told.done = entry.done;
-    told.cleared = entry.cleared;
-    told.stands = entry.stands && !entry.cleared;
+    find_beginning(entry, config, dock, handled);
+    handled.noticed = entry.noticed;
+    handled.decided = entry.decided;
+    handled.response = name(entry.response);
+    handled.done = entry.done;
+    handled.cleared = entry.cleared;
+    handled.stands = entry.stands && !entry.cleared;
     const RecordedPath way(dock, entry.robot);
-    const Time begin = told.happened.value_or(told.noticed);
-    told.moved_until_noticed_m = distance(way.at(begin), way.at(told.noticed));
-    told.moved_until_done_m = distance(way.at(begin), way.at(told.done.value_or(end)));
-    told.moved_most_m = way.farthest(begin, told.cleared.value_or(entry.stands ? end : told.done.value_or(end)));
-    all.push_back(std::move(told));
+    const Time begin = handled.happened.value_or(handled.noticed);
+    handled.moved_until_noticed_m = distance(way.at(begin), way.at(handled.noticed));
+    handled.moved_until_done_m = distance(way.at(begin), way.at(handled.done.value_or(end)));
+    handled.moved_most_m =
+        way.farthest(begin, handled.cleared.value_or(entry.stands ? end : handled.done.value_or(end)));
+    all.push_back(std::move(handled));
   }
   return all;
 }

@@ -29,7 +29,7 @@ class Instability {
     std::optional<Found> found;
     for (std::size_t j = 0; j < codes.size() && j < joints_.size(); ++j) {
       Joint& joint = joints_[j];
-      if (joint.told && number - joint.last > window) joint.told = false, joint.swings.clear();
+      if (joint.reported && number - joint.last > window) joint.reported = false, joint.swings.clear();
       const int side = codes[j] >= far ? 1 : codes[j] <= -far ? -1 : 0;
       if (side == 0 || side == joint.side) continue;
       if (joint.side != 0) {
@@ -38,8 +38,8 @@ class Instability {
       }
       joint.side = side;
       while (!joint.swings.empty() && number - joint.swings.front() > window) joint.swings.pop_front();
-      if (joint.told || joint.swings.size() < enough) continue;
-      joint.told = true;
+      if (joint.reported || joint.swings.size() < enough) continue;
+      joint.reported = true;
       const double seconds = static_cast<double>(joint.swings.back() - joint.swings.front()) * plant::latch_seconds;
       found = Found{j, joint.swings.front(), static_cast<double>(joint.swings.size() - 1) / 2 / seconds};
     }
@@ -58,7 +58,7 @@ class Instability {
     int side = 0;
     std::deque<std::int64_t> swings;
     std::int64_t last = 0;
-    bool told = false;
+    bool reported = false;
   };
   std::array<Joint, plant::joint_count> joints_;
 };

@@ -415,14 +415,14 @@ Ledger::Report Ledger::tell(Time now, const std::function<CauseTimes(unsigned)>&
   Ledger all = *this;
   all.watch(nullptr);
   all.book_open(now, causes);
-  Report told;
-  told.tasks = all.account_.report();
-  for (std::size_t i = 0; i < told.tasks.size(); ++i) told.tasks[i].why_late = all.why_.summary(i, all.audit_);
-  told.misses = all.why_.misses(all.audit_);
-  told.misses_left_out = all.why_.left_out();
-  told.audit = {all.audit_.checks(), all.audit_.violations()};
-  told.jobs = std::move(all.jobs_);
-  return told;
+  Report out;
+  out.tasks = all.account_.report();
+  for (std::size_t i = 0; i < out.tasks.size(); ++i) out.tasks[i].why_late = all.why_.summary(i, all.audit_);
+  out.misses = all.why_.misses(all.audit_);
+  out.misses_left_out = all.why_.left_out();
+  out.audit = {all.audit_.checks(), all.audit_.violations()};
+  out.jobs = std::move(all.jobs_);
+  return out;
 }
 
 std::uint64_t Ledger::claims(unsigned number) const { return number < slots_.size() ? slots_[number].claims : 0; }

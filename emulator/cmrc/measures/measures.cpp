@@ -24,7 +24,7 @@ class Sampled {
     end_ = value;
     ++count_;
   }
-  report::Deviation told() const {
+  report::Deviation deviation() const {
     return {count_ == 0 ? 0 : std::sqrt(squares_ / static_cast<double>(count_)), peak_, end_};
   }
 
@@ -98,15 +98,16 @@ report::Errors measure(const Measured& run, const Course& ideal, const JobsByRob
     for (std::size_t agv = 0; agv < agvs.size(); ++agv) agvs[agv].add(distance(own, meant, agv_column + 2 * agv, 2));
   }
 
-  errors.load = load.told();
-  errors.doing_nothing_m = nothing.told().rms;
+  errors.load = load.deviation();
+  errors.doing_nothing_m = nothing.deviation().rms;
   errors.error_m2s = weighed;
   for (std::size_t j = 0; j < error.size(); ++j) {
-    if (weights[j] > 0) errors.joints.push_back({names[j].name, names[j].unit, error[j].told(), path[j].told()});
+    if (weights[j] > 0)
+      errors.joints.push_back({names[j].name, names[j].unit, error[j].deviation(), path[j].deviation()});
   }
-  errors.sway = {{"alpha", "rad", alpha.told(), {}}, {"beta", "rad", beta.told(), {}}};
+  errors.sway = {{"alpha", "rad", alpha.deviation(), {}}, {"beta", "rad", beta.deviation(), {}}};
   for (std::size_t agv = 0; agv < agvs.size(); ++agv)
-    errors.agvs.push_back({"agv " + std::to_string(agv), "m", agvs[agv].told(), {}});
+    errors.agvs.push_back({"agv " + std::to_string(agv), "m", agvs[agv].deviation(), {}});
   for (Robot robot = 0; robot <= static_cast<Robot>(run.dock.agv_count); ++robot) {
     const WorkProgress of(run.course, ideal, robot, from, run.to);
     if (of.any()) errors.lags.push_back(of.lag(robot == 0 ? "crane" : "agv " + std::to_string(robot - 1)));

@@ -97,7 +97,7 @@ void WhyLate::missed(const MissedJob& job, const Timeline& timeline, BlockAudit&
   Chain chain{job, {}, {}};
   if (job.tries.empty()) {  // a dropped tick
     const Wait wait = job.previous ? Wait::previous_out : Wait::host_late;
-    ++(job.previous ? sums.told.dropped_previous_out : sums.told.dropped_host_late);
+    ++(job.previous ? sums.summary.dropped_previous_out : sums.summary.dropped_host_late);
     chain.waits[static_cast<std::size_t>(wait)] = (job.end - job.released).count();
   }
   for (std::size_t i = 0; i < job.tries.size(); ++i) {
@@ -129,17 +129,17 @@ void WhyLate::missed(const MissedJob& job, const Timeline& timeline, BlockAudit&
                            job.name.number);
       });
   if (!job.tries.empty()) {
-    ++sums.told.chains;
+    ++sums.summary.chains;
     add(sums.waits, chain.waits);
     for (std::size_t i = 0; i < job.execution.size(); ++i) sums.execution[i] += job.execution[i];
     if (!job.execution.empty()) ++sums.ran;
     for (const report::BlockingJob& behind : chain.behind) sums.behind.at(behind.job.kind) += behind.share;
     if (job.deadline) {
-      ++sums.told.with_deadline;
+      ++sums.summary.with_deadline;
       sums.allowed += (*job.deadline - job.released).count();
-      sums.told.lateness += (job.end - *job.deadline).count();
+      sums.summary.lateness += (job.end - *job.deadline).count();
     } else {
-      sums.told.lateness += (job.end - job.released).count();
+      sums.summary.lateness += (job.end - job.released).count();
     }
   }
   if (watcher != nullptr) watcher->missed({job, chain.waits, chain.behind});
@@ -170,35 +170,35 @@ report::MissReport WhyLate::close(const Chain& chain, BlockAudit& audit) const {
   const MissedJob& job = chain.job;
   const auto& usual = usual_.at(job.name.kind);
   const std::int64_t shortest = usual ? usual->execution : 0;
-  report::MissReport told;
-  told.job = job.name;
-  told.kind = kinds_.at(job.name.kind);
-  told.outcome = report::name(job.outcome);
-  told.released = job.released;
-  told.deadline = job.deadline;
-  told.end = job.end;
-  if (usual) told.usual = shortest;
+  report::MissReport out;
+  out.job = job.name;
+  out.kind = kinds_.at(job.name.kind);
+  out.outcome = report::name(job.outcome);
+  out.released = job.released;
+  out.deadline = job.deadline;
+  out.end = job.end;
+  if (usual) out.usual = shortest;
   std::optional<std::int64_t> slack;
   if (job.deadline) {
-    told.lateness = (job.end - *job.deadline).count();
+    out.lateness = (job.end - *job.deadline).count();
     slack = (*job.deadline - job.released).count() - shortest;
   }
-  told.unavoidable = unavoidable_from(job, Time{shortest});
-  told.parts =
+  out.unavoidable = unavoidable_from(job, Time{shortest});
+  out.parts =
       parts(chain.waits, job.execution, job.execution.empty() ? 0 : 1, job.execution.empty() ? 1 : 0, usual, slack);
-  told.behind = chain.behind;
+  out.behind = chain.behind;
   for (const Try& attempt : job.tries) {
-    if (attempt.run) told.runs.push_back(*attempt.run);
+    if (attempt.run) out.runs.push_back(*attempt.run);
   }
-  told.previous = job.previous;
+  out.previous = job.previous;
   std::int64_t total = 0;
-  for (const auto& part : told.parts) total += part.amount;
-  const std::int64_t expected = told.lateness ? *told.lateness : (job.end - job.released).count() - shortest;
+  for (const auto& part : out.parts) total += part.amount;
+  const std::int64_t expected = out.lateness ? *out.lateness : (job.end - job.released).count() - shortest;
   audit.require(total == expected, job.end, [&] {
-    return fmt::format("the causes of {} {} add up to {} ps, not to its lateness of {} ps", told.kind, job.name.number,
+    return fmt::format("the causes of {} {} add up to {} ps, not to its lateness of {} ps", out.kind, job.name.number,
                        total, expected);
   });
-  return told;
+  return out;
 }
 
 std::vector<report::MissReport> WhyLate::misses(BlockAudit& audit) const {
@@ -211,24 +211,24 @@ report::WhyLate WhyLate::summary(std::size_t kind, BlockAudit& audit) const {
   const Sums& sums = sums_.at(kind);
   const auto& usual = usual_.at(kind);
   const std::int64_t shortest = usual ? usual->execution : 0;
-  report::WhyLate told = sums.told;
-  if (usual) told.usual = shortest;
-  const auto chains = static_cast<std::int64_t>(told.chains);
-  const auto with_deadline = static_cast<std::int64_t>(told.with_deadline);
-  told.parts = parts(sums.waits, sums.execution, sums.ran, chains - sums.ran, usual,
-                     with_deadline > 0 ? std::optional(sums.allowed - with_deadline * shortest) : std::nullopt);
+  report::WhyLate out = sums.summary;
+  if (usual) out.usual = shortest;
+  const auto chains = static_cast<std::int64_t>(out.chains);
+  const auto with_deadline = static_cast<std::int64_t>(out.with_deadline);
+  out.parts = parts(sums.waits, sums.execution, sums.ran, chains - sums.ran, usual,
+                    with_deadline > 0 ? std::optional(sums.allowed - with_deadline * shortest) : std::nullopt);
   for (std::size_t i = 0; i < kinds_.size(); ++i) {
-    if (sums.behind[i] != 0) told.behind.push_back({kinds_[i], sums.behind[i]});
+    if (sums.behind[i] != 0) out.behind.push_back({kinds_[i], sums.behind[i]});
   }
-  told.lateness -=
+  out.lateness -=
       (chains - with_deadline) * shortest;  // jobs without a deadline count as late by what exceeds the usual run
   std::int64_t total = 0;
-  for (const auto& part : told.parts) total += part.amount;
-  audit.require(total == told.lateness, Time{}, [&] {
+  for (const auto& part : out.parts) total += part.amount;
+  audit.require(total == out.lateness, Time{}, [&] {
     return fmt::format("the summed causes of {} add up to {} ps, not to its lateness of {} ps", kinds_.at(kind), total,
-                       told.lateness);
+                       out.lateness);
   });
-  return told;
+  return out;
 }
 
 }  // namespace cmrc

@@ -48,7 +48,7 @@ class WhyLate {
     std::vector<report::BlockingJob> behind;
   };
   struct Sums {
-    report::WhyLate told;
+    report::WhyLate summary;
     report::WaitTimes waits{};
     std::vector<std::int64_t> execution;
     std::int64_t ran = 0;      // chains with a run at the end

@@ -10,8 +10,8 @@ void PointChain::begin(std::int64_t first, std::int64_t interval, std::int64_t t
   cartesian_ = joint_ = consumed_ = base_count_ = first;
   base_ = tick + interval;
   begun_at_ = tick;
-  told_ = first;
-  begin_told_ = end_told_ = false;
+  reported_ = first;
+  begin_reported_ = end_reported_ = false;
   anchored_ = trajectory_out_ = inverse_out_ = ended_ = false;
   active_ = again_ = true;
 }
@@ -52,12 +52,12 @@ bool PointChain::through(std::int64_t tick) const {
 
 void PointChain::tell(HostServices& services) {
   const Robot robot = trajectory_.robot;
-  if (!std::exchange(begin_told_, true)) services.leg_begun(robot, told_, interval_, begun_at_);
+  if (!std::exchange(begin_reported_, true)) services.leg_begun(robot, reported_, interval_, begun_at_);
   const std::int64_t consumed = consumed_by(services.tick());
-  for (; told_ < consumed; ++told_)
-    services.milestone(robot, Milestone::Kind::point, told_, drive_buffer_ ? services.tick() : base_ - interval_);
-  if (!end_told_ && through(services.tick())) {
-    end_told_ = true;
+  for (; reported_ < consumed; ++reported_)
+    services.milestone(robot, Milestone::Kind::point, reported_, drive_buffer_ ? services.tick() : base_ - interval_);
+  if (!end_reported_ && through(services.tick())) {
+    end_reported_ = true;
     services.milestone(robot, Milestone::Kind::leg_ended, 0, services.tick());
   }
 }

@@ -87,8 +87,8 @@ class PointChain {
   bool ended_ = false;
   bool active_ = false;
   std::int64_t begun_at_ = 0;  // refresh
-  std::int64_t told_ = 0;      // used points that were reported to the host
-  bool begin_told_ = true, end_told_ = true;
+  std::int64_t reported_ = 0;  // used points that were reported to the host
+  bool begin_reported_ = true, end_reported_ = true;
   bool abandoned_ = false;
 };
 

@@ -8,7 +8,6 @@
 #include <optional>
 #include <span>
 
-#include "io/nearest.hpp"
 #include "state/enumerators.hpp"
 
 namespace cmrc {
@@ -66,8 +65,7 @@ class Row {
   void all_known(std::span<const std::string_view> known) const {
     for (const auto& [field, node] : table_)
       if (std::find(known.begin(), known.end(), field.str()) == known.end())
-        refuse(place(node), key(field.str()), "no such field",
-               quoted_list({known.begin(), known.end()}) + " is expected" + io::did_you_mean(field.str(), known));
+        refuse(place(node), key(field.str()), "no such field", one_expected(field.str(), {known.begin(), known.end()}));
   }
   std::string text(std::string_view field, std::optional<std::string> otherwise, std::string_view right) {
     const toml::node* node = take(field);
@@ -83,7 +81,8 @@ class Row {
     const std::string word = text(field, std::move(otherwise), right);
     const auto found = std::find(names.begin(), names.end(), word);
     if (found == names.end())
-      refuse(place(*table_.get(field)), key(field), fmt::format("\"{}\" is not known", word), right);
+      refuse(place(*table_.get(field)), key(field), fmt::format("\"{}\" is not known", word),
+             one_expected(word, {names.begin(), names.end()}));
     return static_cast<std::size_t>(found - names.begin());
   }
   bool flag(std::string_view field) {
@@ -156,7 +155,7 @@ class Row {
     if (known == step_names.end()) {
       std::vector<std::string> words;
       for (const StepName& name : step_names) words.emplace_back(name.word);
-      refuse(place(node), key, fmt::format("\"{}\" is not a step", text), quoted_list(words) + " is expected");
+      refuse(place(node), key, fmt::format("\"{}\" is not a step", text), one_expected(word, words));
     }
     Step step{.kind = known->kind, .task = std::string(argument)};
     bool fits = argument.empty() == known->argument.empty();

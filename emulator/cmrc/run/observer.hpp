@@ -42,7 +42,7 @@ class RunObserver : public machine::Observer, public HostListener {
   void set_servoing(std::function<bool()> servoing) { servoing_ = std::move(servoing); }
   /// Listens to the dock, and records it in `course` if this is given and wants rows. `wind_limit`: m/s, see wind().
   void attach(plant::Dock& dock, Course* course, double wind_limit);
-  /// The profile is told when jobs begin and end; null: none.
+  /// Notes in the profile when jobs begin and end; null: none.
   void set_profile(RunProfile* profile) { profile_ = profile; }
   /// The watcher gets what the ledger gets, and the dock; null: none. Not part of the state.
   void watch(RunWatcher* watcher) { watcher_ = watcher, ledger_.watch(watcher); }

@@ -109,10 +109,10 @@ std::shared_ptr<const Reference> ReferenceRun::cut_short(Time time) {
 
 std::shared_ptr<const Reference> ReferenceRun::wait() {
   if (!child_) return reference_;
-  const std::string told = child_->wait();
+  const std::string result = child_->wait();
   child_.reset();
   Answer answer{reference_->course, {}, {}, 0};
-  state::load(answer, told);
+  state::load(answer, result);
   reference_->jobs = std::move(answer.jobs);
   reference_->metrics = std::move(answer.metrics);
   reference_->elapsed_s = answer.elapsed_s;

@@ -188,12 +188,12 @@ std::unique_ptr<Simulation> Simulation::fork_into(const Config& whole, std::shar
 
 report::RunReport Simulation::report() const {
   Parts& p = *parts_;
-  Ledger::Report told = p.told();
-  auto errors = p.measure_errors(told.jobs);
+  Ledger::Report ledger = p.ledger_report();
+  auto errors = p.measure_errors(ledger.jobs);
   return make_report(
       {p.config, p.machine, p.dock, p.dock_config, p.host, p.ledger, p.observer, p.log,
        p.run_end.stop().value_or(p.over() ? report::StopReason::completed : report::StopReason::under_way), p.elapsed,
-       cause_names(), std::move(told), *p.course, std::move(errors), p.ideal.problem(), p.run_end.account_end(),
+       cause_names(), std::move(ledger), *p.course, std::move(errors), p.ideal.problem(), p.run_end.account_end(),
        [&p](Word kind) { return p.ledger.name(job_kind(kind, p.words)); }});
 }
 
@@ -212,8 +212,8 @@ bool Simulation::interrupted() const { return parts_->run_end.interrupted(); }
 
 std::shared_ptr<const Reference> Simulation::reference() const { return parts_->ideal.reference(parts_->run_end); }
 const Course& Simulation::course() const { return *parts_->course; }
-std::vector<report::TaskReport> Simulation::tasks() const { return parts_->told().tasks; }
-JobsByRobot Simulation::jobs() const { return parts_->told().jobs; }
+std::vector<report::TaskReport> Simulation::tasks() const { return parts_->ledger_report().tasks; }
+JobsByRobot Simulation::jobs() const { return parts_->ledger_report().jobs; }
 
 bool Simulation::strictly_good() const {
   const report::RunReport report = this->report();

@@ -100,7 +100,7 @@ void Simulation::Parts::resume() {
   if (run_end.resume()) ideal.forget();
 }
 
-Ledger::Report Simulation::Parts::told() const {
+Ledger::Report Simulation::Parts::ledger_report() const {
   return ledger.tell(machine.time(), [this](unsigned slot) { return job_causes(machine, slot); });
 }
 

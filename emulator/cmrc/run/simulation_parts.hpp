@@ -45,7 +45,7 @@ class Simulation::Parts {
   Time now() const { return run_end.now(); }
   bool over() const { return run_end.over(); }
 
-  Ledger::Report told() const;
+  Ledger::Report ledger_report() const;
   std::optional<report::Errors> measure_errors(const JobsByRobot& jobs);
   std::string files() const { return digest_of_files(given_config, image); }
   void connect_traces();

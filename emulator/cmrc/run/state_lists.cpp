@@ -34,9 +34,9 @@ void PointChain::list_state(state::Visitor& list) {
   list("ended", ended_);
   list("active", active_);
   list("begun_at", begun_at_);
-  list("told", told_);
-  list("begin_told", begin_told_);
-  list("end_told", end_told_);
+  list("told", reported_);
+  list("begin_told", begin_reported_);
+  list("end_told", end_reported_);
   list("abandoned", abandoned_);
 }
 

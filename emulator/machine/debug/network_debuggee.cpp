@@ -36,7 +36,7 @@ bool is_end(ChipStatus status) {
 }  // namespace
 
 NetworkDebuggee::NetworkDebuggee(Network& network)
-    : network_(network), now_(network.now()), told_(network.events().size()) {
+    : network_(network), now_(network.now()), reported_(network.events().size()) {
   for (std::size_t n = 0; n < network.chip_count(); ++n) status_.push_back(network.status(n));
 }
 NetworkDebuggee::~NetworkDebuggee() { network_.watch_memory({}); }
@@ -78,8 +78,8 @@ void NetworkDebuggee::tell_new() {
   const auto wanted = [&](std::string_view kind) {
     return listener_ != nullptr && (kinds_.contains(std::string(kind)) || kinds_.contains("any"));
   };
-  for (; told_ < events.size(); ++told_) {
-    const NetworkEvent& event = events[told_];
+  for (; reported_ < events.size(); ++reported_) {
+    const NetworkEvent& event = events[reported_];
     if (is_common(event.kind) || !wanted(machine::name(event.kind))) continue;
     DebugEvent happening{.time = event.time,
                          .kind = std::string(machine::name(event.kind)),
@@ -109,7 +109,7 @@ void NetworkDebuggee::load(std::string_view state) {
   state::load(network_, state);
   ended_.reset();
   now_ = network_.now();
-  told_ = network_.events().size();
+  reported_ = network_.events().size();
   for (std::size_t n = 0; n < status_.size(); ++n) status_[n] = network_.status(n);
 }
 

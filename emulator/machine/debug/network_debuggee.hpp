@@ -45,7 +45,7 @@ class NetworkDebuggee final : public Debuggee {
   std::optional<NetworkStop> ended_;
   DebugEventListener* listener_ = nullptr;
   std::set<std::string> kinds_;
-  std::size_t told_ = 0;  ///< number of the network's events that have been reported
+  std::size_t reported_ = 0;  ///< number of the network's events that have been reported
   std::vector<ChipStatus> status_;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "io/nearest.hpp"
 #include "toolchain/assembler/reader.hpp"
 
 namespace toolchain {
@@ -114,6 +115,13 @@ Reader::Directive Reader::directive_named(const std::string& name) {
   if (is_ignored(name)) return &Reader::directive_nothing;
   const auto found = directives().find(name);
   return found == directives().end() ? nullptr : found->second;
+}
+
+std::string Reader::directive_near(const std::string& name) {
+  std::vector<std::string_view> names;
+  for (const auto& [known, unused] : directives()) names.push_back(known);
+  const std::string_view near = io::nearest_symbol(name, names);
+  return near.empty() ? std::string() : fmt::format("; did you mean '{}'?", near);
 }
 
 std::int64_t Reader::known_number(Parser& parser, std::string_view what) {

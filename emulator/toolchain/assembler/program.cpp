@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "io/nearest.hpp"
 #include "toolchain/assembler/checks.hpp"
 #include "toolchain/encoder/encoder.hpp"
 #include "toolchain/encoder/mnemonics.hpp"
@@ -196,7 +197,7 @@ Value Program::value_of(const std::string& name, std::size_t offset) const {
                     fmt::format("undefined symbol '{}'{}", as_written(name),
                                 globals_.contains(name)
                                     ? ", which another object is to define (emulator asm --object, emulator link)"
-                                    : register_of_other(name, options_.cpu))};
+                                    : symbol_near(name))};
   const Symbol& symbol = found->second;
   if (const auto* value = std::get_if<Value>(&symbol.meaning)) return *value;
   if (symbol.busy) throw LineError{offset, fmt::format("'{}' is defined in terms of itself", name)};
@@ -218,6 +219,15 @@ Value Program::value_of(const std::string& name, std::size_t offset) const {
     if (evaluation_depth_ > 0) throw LineError{offset, error.message};
     throw LineError{offset, fmt::format("{} (in '{}', defined {})", error.message, name, place_of(symbol.line.get()))};
   }
+}
+
+std::string Program::symbol_near(std::string_view name) const {
+  if (std::string other = register_of_other(name, options_.cpu); !other.empty()) return other;
+  std::vector<std::string_view> names;
+  for (const auto& [known, symbol] : symbols_)
+    if (as_written(known) == known) names.push_back(known);  // no local label: its name is not what the source has
+  const std::string_view near = io::nearest_symbol(name, names);
+  return near.empty() ? std::string() : fmt::format("; did you mean '{}'?", near);
 }
 
 std::vector<Program::Section*> Program::placement_order() {

@@ -154,6 +154,8 @@ class Program final : public SymbolSource {
   static void check_run(std::span<const Item> items, const Image::Section& section, Image& image);
   void export_symbols(Image& image, std::vector<Diagnostic>& diagnostics) const;
   void check_globals(std::vector<Diagnostic>& diagnostics) const;
+  /// "; did you mean 'start'?", what the name means on the other processor, or nothing.
+  std::string symbol_near(std::string_view name) const;
   bool goes_into_object(std::size_t section) const;
   void add_object_symbols(Object& object, const std::vector<int>& numbers, std::vector<Diagnostic>& diagnostics) const;
   Relocation relocation(Object& object, const std::vector<int>& numbers, const WordRelocation& wanted) const;

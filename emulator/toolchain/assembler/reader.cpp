@@ -120,7 +120,7 @@ void Reader::read_text(std::string_view text, const std::string& name, const std
              {0, fmt::format("a line of {} characters; {} are the most", line.size(), longest_line)});
     else if (const std::size_t zero = line.find('\0'); zero != std::string_view::npos)
       report(SourceLine{file, number, std::string(line.substr(0, zero)), nullptr},
-             {zero, "a byte 0 stands here; a text is expected"});
+             {zero, "a byte 0 is here; a text is expected"});
     else
       read_line(std::make_shared<const SourceLine>(SourceLine{file, number, std::string(line), nullptr}));
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
@@ -352,7 +352,8 @@ void Reader::read_active_line(Statement& s) {
   if (!operation.empty() && operation[0] == '.') {
     const Directive directive = directive_named(operation);
     if (directive == nullptr)
-      throw LineError{s.operation_offset, fmt::format("there is no directive '{}'", s.operation)};
+      throw LineError{s.operation_offset,
+                      fmt::format("there is no directive '{}'{}", s.operation, directive_near(operation))};
     program_.end_instruction();
     return (this->*directive)(s);
   }

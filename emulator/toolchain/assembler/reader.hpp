@@ -121,6 +121,8 @@ class Reader {
   // directives.cpp
   static const std::map<std::string, Directive, std::less<>>& directives();
   static Directive directive_named(const std::string& name);
+  /// "; did you mean '.word'?" or nothing.
+  static std::string directive_near(const std::string& name);
   std::int64_t known_number(Parser& parser, std::string_view what);
   Address alignment_of_reserved(Parser& parser, int section);
   Address known_size(Parser& parser, std::string_view what);

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <charconv>
 #include <stdexcept>
+#include <vector>
 
+#include "io/nearest.hpp"
 #include "io/print.hpp"
 #include "isa/types.hpp"
 #include "toolchain/objects/missing_symbol.hpp"
@@ -47,6 +49,16 @@ std::optional<Address> find_address(std::string_view text, const Image* image) {
     if (const auto symbol = image->symbols.find(text); symbol != image->symbols.end()) return symbol->second;
   const auto value = parse_integer(text);
   return value && *value <= 0xFFFF'FFFF ? std::optional(static_cast<Address>(*value)) : std::nullopt;
+}
+
+std::string no_address(std::string_view text, const Image* image) {
+  std::vector<std::string_view> symbols;
+  if (image != nullptr)
+    for (const auto& [name, address] : image->symbols) symbols.push_back(name);
+  const std::string_view near = io::nearest_symbol(text, symbols);
+  return fmt::format("\"{}\" is neither {}a 32-bit address (300000h, 0x300000 or decimal){}", text,
+                     image != nullptr ? "a symbol of the program nor " : "",
+                     near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near));
 }
 
 void require_c40(const Image& image, std::string_view name) {

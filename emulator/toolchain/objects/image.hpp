@@ -69,6 +69,8 @@ void require_c40(const Image& image, std::string_view name = "the program");
 /// An address as a user writes it: a symbol of the image, if an image is given, else 300000h, 0x300000 or a decimal
 /// number.
 std::optional<Address> find_address(std::string_view text, const Image* image);
+/// What is wrong with a text that is no address, and the nearest symbol of the image, if one is near.
+std::string no_address(std::string_view text, const Image* image);
 
 /// Address, word and source of every line, as text.
 std::string listing(const Image& image);

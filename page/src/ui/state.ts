@@ -14,7 +14,7 @@ export class State {
   speed = 1;
   miss = -1; // run of the job
   options = { rays: true, ghost: true, path: true };
-  readonly still: boolean; // the reader wants little motion: playing goes on in steps and does not glide
+  readonly still: boolean; // the reader wants little motion: playing moves in steps and does not glide
   private owed = 0; // s of the reader's that have passed since the last step
   private readonly listeners: ((part: Part) => void)[] = [];
 

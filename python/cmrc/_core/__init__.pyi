@@ -1,4 +1,4 @@
-# The part of the C++ core that the package uses. tests/python/test_stubs.py checks that what stands here exists.
+# The part of the C++ core that the package uses. tests/python/test_stubs.py checks that all of it exists.
 from cmrc._core import c40 as c40
 from cmrc._core import cmrc as cmrc
 from cmrc._core import debug as debug

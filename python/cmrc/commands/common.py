@@ -23,11 +23,11 @@ def command(
 ) -> argparse.ArgumentParser:
     """A new command; the caller adds its options."""
     parser: argparse.ArgumentParser = commands.add_parser(name, help=help, description=help)
-    parser.set_defaults(do=lambda given: told(name, do, given))
+    parser.set_defaults(do=lambda given: status_of(name, do, given))
     return parser
 
 
-def told(name: str, do: Callable[[argparse.Namespace], int], given: argparse.Namespace) -> int:
+def status_of(name: str, do: Callable[[argparse.Namespace], int], given: argparse.Namespace) -> int:
     """Bad input becomes a message and status 2, a failure of the work a message and status 1."""
     from cmrc.sweeps.grid import GridError
     from cmrc.sweeps.store import SweepError

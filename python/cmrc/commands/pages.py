@@ -92,7 +92,7 @@ def _write(run: Path, out: Path, plots: Path | None, given: dict[str, Setting]) 
     simulation.record()
     with ProgressLine("cmrc page") as line, line.beating():
         simulation.run(line.of)
-        line.told = "writing the page"
+        line.reported = "writing the page"
         simulation.write_page(out, f"{run.stem}: {simulation.title}")
     if plots is not None:
         _draw(out, plots)

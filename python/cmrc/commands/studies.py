@@ -49,7 +49,7 @@ def _configured(given: argparse.Namespace) -> _core.cmrc.Config:
     asked = vars(given)
     own = {key: asked[key] for _, key, _, _, _ in SETTINGS if asked[key] is not None}
     made = configured(given.config, given.preset, {**settings(given), **own}, (), {})
-    _core.cmrc.Simulation(made)  # a board or a layout that is not there is told before any run has begun
+    _core.cmrc.Simulation(made)  # a missing board or layout is reported before the first run
     if given.json is not None:
         values, roles = made.to_dict(), files.FileRoles()
         for role, path in (

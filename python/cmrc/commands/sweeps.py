@@ -82,7 +82,7 @@ def _do_sweep(given: argparse.Namespace) -> int:
             found = sweep(
                 given.file, _folder(given), again_failed=given.again_failed, on_progress=on_progress, **_place(given)
             )
-        line.told = "reading the reports"
+        line.reported = "reading the reports"
         text = found.text(*metrics)
         line.clear()
         print(files.printable_lines(text), end="", flush=True)

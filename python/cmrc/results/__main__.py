@@ -58,14 +58,14 @@ def parser() -> argparse.ArgumentParser:
 
 
 def _explained(claims: Sequence[ModuleType], name: str) -> list[str]:
-    """What the parameter is: claims that mean and default the same by it are told together."""
-    told: dict[tuple[str, str], list[int]] = {}
+    """What the parameter is: claims for which it has the same meaning and default are listed together."""
+    parameters: dict[tuple[str, str], list[int]] = {}
     for claim in claims:
         one = next(f for f in dataclasses.fields(claim.Parameters) if f.name == name)
-        told.setdefault((one.metadata["help"], _shown(claim, name)), []).append(claim.NUMBER)
+        parameters.setdefault((one.metadata["help"], _shown(claim, name)), []).append(claim.NUMBER)
     return [
         f"claim {', '.join(map(str, numbers))}: {meaning} (default {default})"
-        for (meaning, default), numbers in told.items()
+        for (meaning, default), numbers in parameters.items()
     ]
 
 

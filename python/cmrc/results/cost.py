@@ -276,13 +276,13 @@ def verdict(p: Parameters, all_rows: Sequence[Row]) -> Verdict:
     )
     tight = [row for row in losing if row.get("preset") == "tight"]
     for family in dict.fromkeys(row["family"] for row in tight):
-        told = [
+        texts = [
             f"{row['f_p']:.0f} % missed {row['path_mm']:.3g} mm"
             + (f" (unstable: {row['unstable']})" if row["unstable"] != "–" else "")
             for row in of(tight, family)
         ]
         why.append(
-            f"With preset `tight` ({margins_ms('tight')['other joints']:.1f} ms of delay margin) and {family.removesuffix(', tight')} the joints are so far off their path: {', '.join(told)}."
+            f"With preset `tight` ({margins_ms('tight')['other joints']:.1f} ms of delay margin) and {family.removesuffix(', tight')} the joints are so far off their path: {', '.join(texts)}."
         )
     limit = []
     bursts = [row for row in moving if row["gap_ms"] > 40 and 1 < (row["f_p"] or 0) < 60]
@@ -297,12 +297,12 @@ def verdict(p: Parameters, all_rows: Sequence[Row]) -> Verdict:
         )
     jobs = of(all_rows, "whole job")
     if len(jobs) > 1 and any(row["makespan_s"] for row in jobs):
-        told = []
+        texts = []
         for row in jobs:
             time = f"{row['makespan_s']:.0f} s" if row["makespan_s"] else f"not done by {p.job_limit_s:g} s"
             landings = f"{row['landings_missed']} missed landing{'' if row['landings_missed'] == 1 else 's'}"
-            told.append(f"{time} and {landings} ({row['name']}{'' if row['errors'] == '–' else '; ' + row['errors']})")
-        limit.append(f"Whole job, makespan and missed landings: {', '.join(told)}.")
+            texts.append(f"{time} and {landings} ({row['name']}{'' if row['errors'] == '–' else '; ' + row['errors']})")
+        limit.append(f"Whole job, makespan and missed landings: {', '.join(texts)}.")
     costly = late["lag_s"] is not None and late["lag_s"] > 0.1
     inaccurate = any(row["path_mm"] > CAPTURE_MM for row in losing)
     word = "holds" if costly and inaccurate else "holds in part" if costly or inaccurate else "fails"

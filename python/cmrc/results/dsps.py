@@ -101,7 +101,7 @@ def rates(servo_hz: float, refreshes: int) -> dict[str, Setting]:
 def runs(p: Parameters) -> list[Run]:
     unknown = [name for name in p.releases if name not in RELEASES]
     if unknown:
-        raise ValueError(f"--releases: {unknown[0]!r} is none of {', '.join(RELEASES)}")
+        raise ValueError(f"--releases: {unknown[0]!r} is unknown; {', '.join(RELEASES)} are possible")
     load = [
         Run(
             {"part": "load", "release": release, "dsps": n, "seed": seed},

@@ -209,7 +209,7 @@ def verdict(p: Parameters, all_rows: Sequence[Row]) -> Verdict:
 
 
 def section(p: Parameters, all_rows: Sequence[Row]) -> str:
-    told = {
+    columns = {
         "trials": "trials", "recomputed": "block put back", "whole": "nothing lost, work goes on",
         "interval": "share, % (95 %)", "detected": "noticed after, ms",
         "samples": "servo samples missed in a row", "worst": "worst",
@@ -235,11 +235,11 @@ def section(p: Parameters, all_rows: Sequence[Row]) -> str:
         "Means with"
         " 95 % intervals (bootstrap; shares: Wilson) over instants, victims, actions.\n\n**By what ran when the DSP "
         "failed** (one or more DSPs left):\n\n"
-        + markdown({"kind": "kind", **told}, kinds)
+        + markdown({"kind": "kind", **columns}, kinds)
         + "\n**By what the DSP was doing:**\n\n"
-        + markdown({"phase": "phase", **told}, [row for row in phases if row["trials"]])
+        + markdown({"phase": "phase", **columns}, [row for row in phases if row["trials"]])
         + "\n**By action and DSPs:**\n\n"
-        + markdown({"dsps": "DSPs", "action": "what happens to one", **told, "stopped": "work ended"}, actions)
+        + markdown({"dsps": "DSPs", "action": "what happens to one", **columns, "stopped": "work ended"}, actions)
     )
 
 

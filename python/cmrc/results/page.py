@@ -34,7 +34,7 @@ How to read it:
 
 
 def marks(number: int) -> tuple[str, str]:
-    """What stands before and after a claim's section."""
+    """The text before and after a claim's section."""
     return f"<!-- claim {number} -->", f"<!-- end of claim {number} -->"
 
 

@@ -18,7 +18,7 @@ from cmrc.processes import environment
 from cmrc.sweeps.store import SweepError
 
 CONNECT_S = 30.0
-GONE = "the cluster's scheduler is gone; what was answered is kept, and the same command goes on from there"
+GONE = "the cluster's scheduler is gone; the runs that it answered are kept, and the same command continues from there"
 START_AGAIN_S = 0.2
 ASK_S = 1.0
 SETTINGS = {
@@ -52,7 +52,7 @@ class Workers:
             self._processes.mend()
 
     def threads(self) -> int:
-        """How many runs can go on at a time; at most a second old. Raises SweepError where the cluster is gone."""
+        """How many runs are possible at a time; at most a second old. Raises SweepError where the cluster is gone."""
         now = time.monotonic()
         if now - self._asked_at > ASK_S:
             try:
@@ -111,10 +111,10 @@ class _Processes:
         stream = self.forker.stdout
         assert stream is not None
         while select.select([stream], [], [], 0)[0]:
-            told = os.read(stream.fileno(), 4096)
-            if not told:
+            received = os.read(stream.fileno(), 4096)
+            if not received:
                 break
-            for _ in range(told.count(b"\n")):
+            for _ in range(received.count(b"\n")):
                 self._fork()
 
     def close(self) -> None:

@@ -152,7 +152,7 @@ def axis_name(key: str, where: str) -> str:
 class _Reader:
     def __init__(self, tables: Mapping[str, Any], name: str, folder: Path | None) -> None:
         self.tables, self.name, self.folder = tables, name, folder
-        self.taken: dict[str, str] = {}  # by setting, where it stands
+        self.taken: dict[str, str] = {}  # by setting, its place in the file
 
     def grid(self) -> Grid:
         if not self.tables:
@@ -230,8 +230,8 @@ class _Reader:
                 columns[name] = values_of(name, value, place, unique=False)
             lengths = {name: len(values) for name, values in columns.items()}
             if len(set(lengths.values())) > 1:
-                told = ", ".join(f"{name} {length}" for name, length in lengths.items())
-                raise GridError(f"{where}: settings that go together have equally many values, not {told}")
+                counts = ", ".join(f"{name} {length}" for name, length in lengths.items())
+                raise GridError(f"{where}: settings that go together have equally many values, not {counts}")
             together = [dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)]
             if any(one in together[:i] for i, one in enumerate(together)):
                 raise GridError(f"{where}: a combination is given twice; each is run once")

@@ -27,7 +27,7 @@ def digest_without_version(library: bytes, version: str) -> str:
     unless the version occurs exactly once."""
     text = version.encode().ljust(64, b"\0")
     if library.count(text) != 1:
-        raise ValueError(f"the version {version} stands {library.count(text)} times in the library; once is expected")
+        raise ValueError(f"the version {version} occurs {library.count(text)} times in the library; once is expected")
     return hashlib.sha256(library.replace(text, bytes(64))).hexdigest()
 
 

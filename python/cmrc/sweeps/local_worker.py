@@ -71,13 +71,13 @@ def main() -> None:
     dask.config.set(QUIET)
 
     children: dict[int, str] = {}
-    told = b""
+    received = b""
     while True:
         if select.select([0], [], [], 0.05)[0]:
             new = os.read(0, 4096)
             if not new:
                 return
-            *lines, told = (told + new).split(b"\n")
+            *lines, received = (received + new).split(b"\n")
             for line in lines:
                 address, name = line.decode().split()
                 children[forked(address, name)] = name

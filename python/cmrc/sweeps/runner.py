@@ -183,7 +183,7 @@ class Runner:
 
 
 def place_of(point: Point) -> Row:
-    """The columns that say where in its grid a run stands: the same run may stand in several grids."""
+    """The columns that say which point of its grid a run is: the same run may be in several grids."""
     settings = {
         **dict(point.settings),
         **({"preset": point.preset} if point.preset else {}),

@@ -198,7 +198,7 @@ class Folder:
             fresh.unlink(missing_ok=True)
             raise SweepError(
                 f"{path}: cannot be written: {error.strerror or error}. The parts that are there are whole; "
-                "the same command goes on from them"
+                "the same command continues from them"
             ) from None
 
 

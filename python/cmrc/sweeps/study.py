@@ -203,12 +203,12 @@ class Sweep:
         elif any(one.varies for one in spreads):
             text += "Intervals of 95 %: Wilson's of shares of runs, else bootstrap of the mean; "
             text += "none where all repeats agree.\n"
-        told: dict[str, int] = {}
+        counts: dict[str, int] = {}
         for run in self.runs:
             if run["status"] != store.DONE:
                 line = f"{run['status']}: {run['message'].splitlines()[0] if run['message'] else ''}"
-                told[line] = told.get(line, 0) + 1
-        return text + "".join(f"  {count} {line}\n" for line, count in list(told.items())[:10])
+                counts[line] = counts.get(line, 0) + 1
+        return text + "".join(f"  {count} {line}\n" for line, count in list(counts.items())[:10])
 
     def __len__(self) -> int:
         return len(self._runs)
@@ -240,7 +240,7 @@ def sweep(
     Who can reach a cluster can run code on it. ``again_failed`` runs again what failed. ``on_progress(status)`` is
     called several times a second.
 
-    A sweep that was interrupted goes on; one whose grid has grown runs what is new. Raises GridError for a grid that
+    A sweep that was interrupted continues; one whose grid has grown runs what is new. Raises GridError for a grid that
     cannot be run; SweepError for a folder that is in use or of another version, a full disk, a cluster that does not
     answer: what was written stays. Raises ImportError that says what to install."""
     made = grid_of(grid)
