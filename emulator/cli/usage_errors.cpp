@@ -26,8 +26,8 @@ CLI::Validator worded(CLI::Validator check, std::string expected) {
           std::move(description)};
 }
 
-/// Of a value that is not a number the parser says "Could not convert: --option = value" only; the numbers that it reads
-/// itself are all integers.
+/// Of a value that is not a number the parser says "Could not convert: --option = value" only; the numbers that it
+/// reads itself are all integers.
 std::string in_words(const std::string& message) {
   constexpr std::string_view unconverted = "Could not convert: ", between = " = ";
   const std::size_t end = message.find(between);
@@ -62,8 +62,9 @@ std::string unexpected(const CLI::App& app, const CLI::App* command) {
   }
   if (command != nullptr) return fmt::format("\"{}\" was not expected", given);
   const std::vector<std::string> known = commands_of(app);
+  const bool is_file = given.find('.') != std::string::npos;
   return fmt::format("there is no command \"{}\"; {} are known{}", given, fmt::join(known, ", "),
-                     io::did_you_mean(given, known));
+                     is_file ? "; emulator exec runs a program" : io::did_you_mean(given, known));
 }
 
 }  // namespace

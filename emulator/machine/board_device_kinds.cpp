@@ -69,7 +69,7 @@ std::unique_ptr<BoardDevice> made(const DeviceDescription& described) {
   return std::make_unique<Device>(described);
 }
 
-constexpr std::array<DeviceKindRow, 8> rows{{
+constexpr auto rows = std::to_array<DeviceKindRow>({
     {DeviceKind::console, "console", 2, false, "pin input script stride", made<Console>},
     {DeviceKind::registers, "registers", 0, false, "words value", made<Registers>},
     {DeviceKind::led, "led", 0, false, "words value", made<Registers>},
@@ -80,7 +80,7 @@ constexpr std::array<DeviceKindRow, 8> rows{{
     {DeviceKind::timer, "timer", Timer::registers, false, "pin count_cycles stride", made<Timer>},
     {DeviceKind::vic068a, "vic068a", Vic068a::registers, false, "pin stride shift value", made<Vic068a>},
     {DeviceKind::vme, "vme", 0, true, "words answer vic", made<VmeSpace>},
-}};
+});
 
 }  // namespace
 

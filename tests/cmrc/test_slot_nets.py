@@ -148,7 +148,7 @@ def test_nets_change_nothing_where_nobody_uses_them(tmp_path: Path) -> None:
     ("nets", "says"),
     [
         ("0.TCLK0>1.IIOF0", "IIOF0 of every DSP is the host's doorbell; IIOF1 to IIOF3 are free"),
-        ("0.TCLK0>2.IIOF1", "there is no 2; 0, 1 is expected"),
+        ("0.TCLK0>2.IIOF1", "there is no chip 2; 0 or 1 is expected"),
         (">1.IIOF1", "no pin drives it"),
         ("0.TCLK0+0.TCLK1>1.IIOF1", "two pins drive it"),
         ("0.TCLK0", "DRIVER>RECEIVER is expected"),

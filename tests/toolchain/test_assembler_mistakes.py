@@ -48,7 +48,7 @@ def test_a_missing_file_is_an_error_with_its_name(tmp_path: Path) -> None:
         ("\tldi *+r0(1),r0", 8, "AR0 to AR7"),
         ("\tldi nowhere,r0", 6, "undefined symbol 'nowhere'"),
         ("nowher:\tldi nowhere,r0", 13, "undefined symbol 'nowhere'; did you mean 'nowher'?"),
-        ("far:\tldi foo,r0", 10, "undefined symbol 'foo'"),
+        ("fa2:\tldi foo,r0", 10, "undefined symbol 'foo'"),
         ("\t.wrd 1", 2, "there is no directive '.wrd'; did you mean '.word'?"),
         ("\t.zzzzzz 1", 2, "there is no directive '.zzzzzz'"),
         ("\tldi label,r0", 6, "LDHI hi16(x)"),

@@ -209,10 +209,10 @@ report::RunReport make_report(ReportInputs e) {
   }
   if (e.config.machine.boot == BootPolicy::link) report.boot_words = e.machine.boot_stream(0).size();
   for (unsigned slot = 0; slot < e.machine.slots(); ++slot) report.dsps.push_back(dsp_report(e, slot));
-  report.tasks = std::move(e.ledger.tasks);
-  report.missed = std::move(e.ledger.misses);
-  report.misses_left_out = e.ledger.misses_left_out;
-  report.audit = std::move(e.ledger.audit);
+  report.tasks = std::move(e.account.tasks);
+  report.missed = std::move(e.account.misses);
+  report.misses_left_out = e.account.misses_left_out;
+  report.audit = std::move(e.account.audit);
   const machine::Config& clocks = e.machine.config();
   const double hertz = static_cast<double>(clocks.pci_hz_numerator) / static_cast<double>(clocks.pci_hz_denominator);
   for (std::size_t i = 0; i < e.machine.links(); ++i) report.links.push_back(link_report(e.machine.link(i)));

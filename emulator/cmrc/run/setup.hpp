@@ -48,7 +48,7 @@ struct ReportInputs {
   report::StopReason stop;
   std::chrono::steady_clock::duration elapsed;
   std::vector<std::string> causes;
-  Ledger::Report ledger;
+  Ledger::Report account;
   const Course& course;
   std::optional<report::Errors> errors;
   std::string reference_problem;

@@ -203,12 +203,12 @@ class Sweep:
         elif any(one.varies for one in spreads):
             text += "Intervals of 95 %: Wilson's of shares of runs, else bootstrap of the mean; "
             text += "none where all repeats agree.\n"
-        counts: dict[str, int] = {}
+        lines: dict[str, int] = {}
         for run in self.runs:
             if run["status"] != store.DONE:
                 line = f"{run['status']}: {run['message'].splitlines()[0] if run['message'] else ''}"
-                counts[line] = counts.get(line, 0) + 1
-        return text + "".join(f"  {count} {line}\n" for line, count in list(counts.items())[:10])
+                lines[line] = lines.get(line, 0) + 1
+        return text + "".join(f"  {count} {line}\n" for line, count in list(lines.items())[:10])
 
     def __len__(self) -> int:
         return len(self._runs)
