@@ -1,5 +1,5 @@
-// A network listens to the instructions of a chip while it finds out whether the chip is in a loop that it cannot leave.
-// It may listen no longer than that: the listener that it forgets does not exist any more.
+// A network listens to the instructions of a chip while it finds out whether the chip is in a loop that it cannot
+// leave. It may listen no longer than that: the listener that it forgets does not exist any more.
 #include <doctest/doctest.h>
 
 #include <memory>
@@ -17,11 +17,12 @@ machine::NetworkChip chip(const std::string& text) {
   return made;
 }
 
-// Chip 1 goes round a loop, and the network listens from cycle 10,000 on. Chip 0 sends a word some 500 cycles later: the
-// network leaves off, and begins its watch anew.
+// Chip 1 goes round a loop, and the network listens from cycle 10,000 on. Chip 0 sends a word some 500 cycles later:
+// the network leaves off, and begins its watch anew.
 machine::NetworkDescription sender_and_loop() {
   machine::NetworkDescription network;
-  network.chips.push_back(chip(" .text\nstart: ldhi 10h,ar0\nagain: ldi 10500,rc\n rpts rc\n nop\n sti r0,*+ar0(42h)\n b again\n"));
+  network.chips.push_back(
+      chip(" .text\nstart: ldhi 10h,ar0\nagain: ldi 10500,rc\n rpts rc\n nop\n sti r0,*+ar0(42h)\n b again\n"));
   network.chips.push_back(chip(" .text\nstart: nop\n b start\n"));
   network.links.push_back(machine::parse_link("0.0:1.3", {"0", "1"}));
   return network;
