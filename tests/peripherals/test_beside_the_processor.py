@@ -241,3 +241,25 @@ def test_idle2_that_nothing_can_wake_ends_as_idle_does(emulator: Path, tmp_path:
         stops.append((status, report["stop"], network.run(until_us=1000), [chip.status for chip in network.chips]))
     assert stops[0] == stops[1]
     assert stops[0][1]["reason"] == "idle" and stops[0][3] == ["idle", "idle"]
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("access", ["ldi *+ar0(1),r2", "sti r2,*+ar0(2)"])
+def test_a_block_that_ends_in_the_cycle_of_an_access_to_a_port_ends_before_it(way: str, access: str) -> None:
+    """A word goes to external memory by DMA 0; some cycles after the start, the processor accesses port 0."""
+    together = 0
+    for later in range(12):
+        nops = "        nop\n" * later
+        text = f"start:  ldhi 10h,ar0\n        or 40h,ar0\n        ldi 0,r2\n        sti r1,*+ar0(60h)\n{nops}        {access}\n        nop\ndone:   b done\n"
+        chip, _ = loaded("beside.asm", text="        .text\n" + text, at=0x2FF900)
+        for register, value in ((1, 0x2FFC00), (2, 1), (3, 1), (4, 0x40000000), (5, 1)):
+            chip.poke(0x1000A0 + register, value)
+        chip.set("R1", 3 << 22 | 1 << 2 | 1 << 18)
+        chip.deliver(0, 7)
+        WAYS[way](chip, 60)
+        ((_, end, *_),) = (event for event in chip.events if event[0] == "dma_end")
+        ((name, at, *_),) = (event for event in chip.events if event[0].startswith("port_"))
+        order = [event[0] for event in chip.events if event[0] in ("dma_end", name)]
+        assert order == (["dma_end", name] if end <= at else [name, "dma_end"])
+        together += end == at
+    assert together > 0
