@@ -122,3 +122,13 @@ def test_bad_use(run) -> None:
     assert quiet.returncode == 2 and "--profile" in quiet.stderr
     nowhere = run("--duration", 0.03, "--profile", "/nowhere/p.json")
     assert nowhere.returncode == 2 and "/nowhere" in nowhere.stderr
+
+
+def test_a_routine_that_only_the_executive_calls_is_named_before_any_job_has_run() -> None:
+    """A moment after the first refresh: the DSP has booted, copied its constants and looked at the list. No kernel has called copy_words yet."""
+    result = cmrc.run(dsps=1, duration_s=0.02001, profile=True)
+    assert result.profile is not None
+    groups = {group["name"]: group for group in result.profile.data["groups"]}
+    assert sum(group["jobs"] for group in groups.values()) == 0
+    (copies,) = (routine for routine in groups["executive"]["routines"] if routine["name"] == "copy_words")
+    assert copies["calls"] == 1 and copies["instructions"] > 700

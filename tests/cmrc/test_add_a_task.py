@@ -105,7 +105,7 @@ def test_importance_row_decides_between_waiting_and_due(desk: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ("kind = 14", "kind = 8", "tasks.kind: 8 is a kind of the paper"),
+        ("kind = 14", "kind = 8", "tasks.kind: 8 is a kind of the paper; 3, 4, 9, 10, 14 to 20 or one from 23 on is expected"),
         ("kind = 14", 'kind = "x"', "tasks.kind"),
         ('name = "sway_watch"', "", "tasks.name: is missing"),
         ("period_ms = 10", "period_ms = 0", 'tasks.period_ms: nothing releases "sway_watch"'),

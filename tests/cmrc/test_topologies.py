@@ -107,6 +107,14 @@ def test_arbiters_timers_and_cards_are_keys(arbiter: str) -> None:
     assert any(m["retries"] for m in result.report["buses"]["B"]["masters"].values())
 
 
+def test_delayed_reads_of_the_device_card_are_retried() -> None:
+    retries = [
+        sum(master["retries"] for master in package.run(settings={"bus.delayed_reads": delayed}, **SHORT).report["buses"]["B"]["masters"].values())
+        for delayed in (False, True)
+    ]
+    assert retries[0] == 0 and retries[1] > 100
+
+
 @pytest.mark.parametrize(
     "toml, message",
     [

@@ -92,6 +92,13 @@ def test_the_dock_by_commands() -> None:
     assert re.search(r"claim task=pid, met [1-9] times", done.stdout) and "error:" not in done.stdout
 
 
+def test_all_registers_of_the_processor_are_shown(program: Path) -> None:
+    shown = set(re.findall(r"\b[A-Z][A-Z0-9]*\b", debug(program, stdin="registers\n").stdout))
+    extended, auxiliary = {f"R{n}" for n in range(12)}, {f"AR{n}" for n in range(8)}
+    rest = ["PC", "DP", "IR0", "IR1", "BK", "SP", "ST", "DIE", "IIE", "IIF", "RS", "RE", "RC", "IVTP", "TVTP"]  # c40-isa.md 1
+    assert shown >= {*extended, *auxiliary, *rest}
+
+
 def test_registers_that_the_last_step_has_changed_are_marked(program: Path) -> None:
     done = debug(program, stdin="stepi 5\nregisters\nstepi\nregisters\n")
     last = done.stdout.split("R0 ")[-1]

@@ -42,6 +42,18 @@ end:    bu end
     assert writer is not None and writer.value == 1
 
 
+def test_a_condition_may_ask_for_a_word_that_other_chips_write() -> None:
+    """Chip 0 counts in a shared word. Chip 1 goes round a loop, and stops there as soon as the word is 5; afterwards any word can be asked for."""
+    counts = c40.assemble("        .text\nstart:  ldhi 0C000h,ar0\n        ldi 0,r0\nloop:   addi 1,r0\n        sti r0,*ar0\n        b loop\n")
+    waits = c40.assemble("        .text\nstart:  ldi 0,r1\nround:  addi 1,r1\n        b round\n")
+    network = Network([counts, waits], memories=[SharedMemory("table", 16, {0: 0xC0000000, 1: 0xC0000000})])
+    debugger = network.debug()
+    debugger.break_at("round", chip=1, condition="[0C0000000h] == 5")
+    stop = next(debugger.run())
+    assert [hit.chip for hit in stop.hits] == [1] and debugger.word(0xC0000000, chip=1) == 5
+    assert debugger.value("[0C0000000h] + 1", chip=1) == 6
+
+
 @pytest.mark.parametrize(("dsps", "settings"), [(4, {}), (16, {"preset": "saturated"}), (2, {})])
 def test_at_a_stop_the_dock_is_as_one_that_nobody_looks_at(dsps: int, settings: dict[str, str]) -> None:
     preset = settings.get("preset")

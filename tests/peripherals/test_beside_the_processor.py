@@ -241,3 +241,60 @@ def test_idle2_that_nothing_can_wake_ends_as_idle_does(emulator: Path, tmp_path:
         stops.append((status, report["stop"], network.run(until_us=1000), [chip.status for chip in network.chips]))
     assert stops[0] == stops[1]
     assert stops[0][1]["reason"] == "idle" and stops[0][3] == ["idle", "idle"]
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("access", ["ldi *+ar0(1),r2", "sti r2,*+ar0(2)"])
+def test_a_block_that_ends_in_the_cycle_of_an_access_to_a_port_ends_before_it(way: str, access: str) -> None:
+    """A word goes to external memory by DMA 0; some cycles after the start, the processor accesses port 0."""
+    together = 0
+    for later in range(12):
+        nops = "        nop\n" * later
+        text = f"start:  ldhi 10h,ar0\n        or 40h,ar0\n        ldi 0,r2\n        sti r1,*+ar0(60h)\n{nops}        {access}\n        nop\ndone:   b done\n"
+        chip, _ = loaded("beside.asm", text="        .text\n" + text, at=0x2FF900)
+        for register, value in ((1, 0x2FFC00), (2, 1), (3, 1), (4, 0x40000000), (5, 1)):
+            chip.poke(0x1000A0 + register, value)
+        chip.set("R1", 3 << 22 | 1 << 2 | 1 << 18)
+        chip.deliver(0, 7)
+        WAYS[way](chip, 60)
+        ((_, end, *_),) = (event for event in chip.events if event[0] == "dma_end")
+        ((name, at, *_),) = (event for event in chip.events if event[0].startswith("port_"))
+        order = [event[0] for event in chip.events if event[0] in ("dma_end", name)]
+        assert order == (["dma_end", name] if end <= at else [name, "dma_end"])
+        together += end == at
+    assert together > 0
+
+
+@pytest.mark.parametrize("way", ["whole", "stepped"])
+@pytest.mark.parametrize(
+    ("nops", "wait", "later"), [(0, 2, 2), (0, 3, 1), (0, 4, 0), (1, 1, 2), (1, 2, 1), (1, 3, 0), (2, 1, 1), (2, 2, 0), (2, 3, 0)]
+)
+def test_after_a_read_of_a_window_a_load_waits_for_the_dmas_write_on_its_bus(nops: int, wait: int, later: int, way: str) -> None:
+    """The store that starts the DMA executes in cycle 4. The DMA reads on the chip in cycle 5, and writes to the local bus, with one wait state, in cycles 6 to
+    8. The load from the local bus behind a read of a window that takes `wait` cycles more would begin in cycle 5 + nops + wait: not before cycle 9 beside the DMA."""
+    between = "        nop\n" * nops
+    text = f"""        .text
+start:  ldhi 10h,ar0
+        ldhi 4000h,ar1
+        ldhi 0C000h,ar3
+        or 400h,ar1
+        sti r1,*+ar0(0a0h)
+{between}        ldi *ar3,r2
+        ldi *ar1,r3
+        ldi r3,r4
+done:   b done
+"""
+    cycles = {}
+    for started in (False, True):
+        chip, image = loaded("window.asm", text=text, at=0x2FF900)
+        for register, value in ((1, 0x2FFC00), (2, 1), (3, 1), (4, 0x40000000), (5, 1)):
+            chip.poke(0x1000A0 + register, value)
+        chip.set("R1", 3 << 22 | 1 << 2 | 1 << 18 if started else 0)
+        done = image.symbols["done"]
+        while (stop := chip.run(100, done) if way == "whole" else chip.step())["reason"] == "external_access" or chip.pc != done:
+            if stop["reason"] == "external_access":
+                chip.complete_read(5, 0, wait)
+        cycles[started] = chip.cycle
+    assert cycles[False] == 5 + nops + wait + 4
+    assert cycles_of(chip, "dma_end") == [9]
+    assert cycles[True] - cycles[False] == later == max(0, 9 - (5 + nops + wait))

@@ -300,6 +300,20 @@ def test_halt_and_resume() -> None:
     assert [chip.peek(BLOCK1 + i) for i in range(21)] == [*range(1, 21), 0]
 
 
+def test_reset_of_the_chip_ends_a_block_that_is_under_way() -> None:
+    chip, _ = idle_chip()
+    chip.run(20)
+    chip.load_words(BLOCK0, list(range(1, 101)))
+    copy(chip, 0, BLOCK0, BLOCK1, 100)
+    chip.run(1 + 2 * 30)
+    assert chip.dma_active and [chip.peek(BLOCK1 + i) for i in (28, 40)] == [29, 0]
+    chip.reset()
+    assert not chip.dma_active
+    chip.pc = CODE
+    chip.run(500)
+    assert not chip.dma_active and chip.idle and chip.peek(BLOCK1 + 40) == 0
+
+
 def test_reset_of_a_channel_discards_the_word_that_it_holds() -> None:
     chip, _ = idle_chip()
     chip.run(20)

@@ -88,6 +88,16 @@ def test_a_load_does_not_go_through_the_cranes_own_leg():
     assert not dock.signal.contact and dock.signal.payload[0] - half_width < 5.0
 
 
+@pytest.mark.parametrize("gap_m", [0.02, 0.1])
+def test_near_a_leg_there_is_no_contact_before_the_load_touches_it(gap_m):
+    config = plant.default_dock(0)
+    config.home = plant.CranePose(0.0, 5.0 + LEG + 1.219 + gap_m, 9.0, 2.6, math.pi / 2)
+    dock = plant.Dock(config)
+    Crane(dock).hold(0.2)
+    assert [event.kind for event in dock.events] == ["near_contact"]
+    assert not dock.signal.contact
+
+
 def test_the_leg_pushes_the_crane_as_it_pushes_the_load():
     """Wind presses the load against the leg. The crane rolls without friction, so the whole crane accelerates by force over mass, as if the load were fixed to it."""
     config = plant.default_dock(0)

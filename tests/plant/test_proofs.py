@@ -102,6 +102,15 @@ def test_crane_of_ode_joints_converges_to_the_equations(two_engines):
     assert np.abs(2 * ode[-1] - ode[-2] - ours).max() < 1e-4
 
 
+def test_ode_takes_as_many_steps_as_it_is_asked_for():
+    """A gantry at 1 m/s with the jib and the load at rest beside it: a metre a second, and after no step nothing has changed."""
+    crane, mass, q, qd = lossless(), 40e3, (2.0, 0.4, 0.9, 15, 0, 0, 0), (1.0, 0, 0, 0, 0, 0, 0)
+    hold = [0.0, 0.0, plant.Crane(crane).gravity(q, mass)[2]]
+    assert plant.swing_in_ode(crane, mass, q, qd, hold, 1e-3, 0) == pytest.approx(q, abs=1e-12)
+    for steps in (1, 2, 10):
+        assert plant.swing_in_ode(crane, mass, q, qd, hold, 1e-3, steps)[0] - q[0] == pytest.approx(1e-3 * steps, rel=0.01)
+
+
 def test_ode_is_of_first_to_second_order(two_engines):
     ode, ours = two_engines
     errors = [np.abs(x - ours).max() for x in ode]

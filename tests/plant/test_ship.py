@@ -231,6 +231,7 @@ def test_a_container_set_back_on_deck_stands_where_it_stood():
     calm = [np.array([c.x, c.y, c.z]) for c in dock.config.layout.containers]
     assert np.ptp(distances, axis=0).max() < 1e-12  # rides along
     assert np.abs(distances[0] - (calm[1] - calm[0])).max() < 0.02
+    assert one.yaw == pytest.approx(dock.config.layout.containers[1].yaw, abs=0.01)
 
 
 def test_a_wrong_scale_is_refused():

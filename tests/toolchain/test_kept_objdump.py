@@ -49,3 +49,9 @@ def test_text_that_is_not_of_these_words_is_refused(text: str, tmp_path: Path) -
     for other, why in ((words[:-1], "more lines than words"), ([*words, 0], "fewer lines than words"), ([1, *words[1:]], "a word that differs from the file")):
         done = compared(text, other, tmp_path)
         assert done.returncode != 0 and why in done.stderr
+
+
+def test_a_range_is_so_many_words_from_the_first_on() -> None:
+    for first, count in ((0x08000000, 3), (5, 2), (7, 0)):
+        made = subprocess.run([TOOL, "range", hex(first), str(count)], capture_output=True, check=True).stdout
+        assert list(struct.unpack(f"<{count}I", made)) == list(range(first, first + count))

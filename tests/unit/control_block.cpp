@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "cmrc/programs/servo_law.hpp"
+#include "state/archive.hpp"
 #include "tests/unit/made_host.hpp"
 
 namespace {
@@ -99,4 +100,19 @@ TEST_CASE("the words against sway change while both joints that they move rest")
   CHECK(b.whole());
   CHECK(b.word(5, 0) == "4");
   CHECK_FALSE(b.block.pending());
+}
+
+TEST_CASE("a block that is loaded has the words of the one that was saved") {
+  Block saved, loaded;
+  saved.config.control.slew.derivative_filter = 30;
+  saved.change();
+  CHECK(saved.refresh(0x1F) == "control 2");
+  state::load(loaded.block, state::save(saved.block));
+  CHECK_FALSE(loaded.block.pending());
+  CHECK(loaded.refresh(0x1F).empty());
+  loaded.config = saved.config;
+  loaded.config.control.luff.feed_forward = 0.5;
+  loaded.change();
+  CHECK(loaded.refresh(0x1F) == "control 3");
+  CHECK(loaded.word(slew_row, filter_word) == "30");
 }

@@ -5,6 +5,7 @@
 
 #include <numbers>
 
+#include "cmrc/run/setup.hpp"
 #include "tests/unit/made_host.hpp"
 
 namespace {
@@ -236,4 +237,20 @@ TEST_CASE("vehicles' blocks that were dropped are loaded again, and each vehicle
   CHECK(v.refresh(1) == "I");
   v.block(0, JobKind::trajectory_agv, 0, 0);  // the point was not made, and none is demanded
   CHECK(v.refresh(0).empty());
+}
+
+TEST_CASE("the fleet's job has the places of the layout") {
+  const cmrc::Config config;
+  plant::DockConfig dock = cmrc::dock_of(config);
+  dock.layout.spot.x = 21.0;
+  dock.layout.spot.y = 7.0;
+  dock.layout.spot.heading = 0.25;
+  dock.layout.slot_spacing = 12.0;
+  const cmrc::FleetJob job = cmrc::fleet_of(config, dock);
+  CHECK(job.spot_x == 21.0);
+  CHECK(job.spot_y == 7.0);
+  CHECK(job.spot_heading == 0.25);
+  CHECK(job.slot_spacing == 12.0);
+  CHECK(job.to_warehouse.size() == dock.layout.legs[0].size());
+  CHECK(job.to_spot.size() == dock.layout.legs[1].size());
 }
