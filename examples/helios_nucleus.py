@@ -2,9 +2,9 @@
 
     PYTHONPATH=build/python .venv/bin/python examples/helios_nucleus.py nucleus.small
 
-Two emulated C40s on the board `default`: DSP 1 has nothing but its boot ROM, and port 3 linked to port 0 of DSP 0. DSP 0
-passes words between its port and a device, `Host`, which does what Helios's I/O server does at the start: it sends the
-bootstrap, the ID-ROM, the nucleus and the configuration. Then it takes what the nucleus sends, and answers nothing.
+Two emulated C40s on the board `default`: DSP 1 has nothing but its boot ROM, and port 3 linked to port 0 of DSP 0. DSP
+0 passes words between its port and a device, `Host`, which does what Helios's I/O server does at the start: it sends
+the bootstrap, the ID-ROM, the nucleus and the configuration. Then it takes what the nucleus sends, and answers nothing.
 
 The image is not in this tree: nucleus/C40/nucleus.small of axelmuhr/Helios-NG. The order of the words was read in
 ioproc/server/tload.c, kernel/C40/c40boot.a and kernel/kstart.c there. The image holds its own bootstrap.
@@ -70,7 +70,8 @@ def id_rom() -> list[int]:
 
 
 def configuration(nucleus: list[int]) -> list[int]:
-    """Its size in bytes, and the vector: port table, boots, place, size, date, first task, memory, flags, names, links."""
+    """Its size in bytes, and the vector: port table, boots, place, size, date, first task, memory, flags, names,
+    links."""
     links = [number << 24 | (PARENT if number == 3 else UNUSED) for number in range(6)]
     to_names = 4 * (3 + len(links))
     words = [1024, 1, 0, 4 * len(nucleus), 0, 0, 0, ROOT, 0, to_names, to_names, len(links), *links]
@@ -147,7 +148,9 @@ def main(arguments: list[str]) -> int:
     chip = network.chips[1]
     print(f"{host.sent} words to DSP 1, {chip.instructions} instructions in {chip.cycles} cycles")
     for message in host.messages():
-        print(f"to port {message.destination}: function {message.function:08X}h, {message.data!r}, control {[f'{word:X}h' for word in message.control]}")
+        print(
+            f"to port {message.destination}: function {message.function:08X}h, {message.data!r}, control {[f'{word:X}h' for word in message.control]}"
+        )
     print(chip.message)
     return 0
 

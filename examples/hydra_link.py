@@ -2,12 +2,12 @@
 
     PYTHONPATH=build/python .venv/bin/python examples/hydra_link.py monitor.hex others.hex
 
-Two emulated C40s: DSP 1 has the EPROM, its serial line and the register that resets DSP 2; DSP 2 has nothing but its boot
-ROM, and port 3 linked to port 0 of DSP 1. The command `t` of the monitor tests memories, resets DSP 2, sends it the
-second program of the EPROM, waits for the number that DSP 2 sends back, and lets it test its ports and memories.
+Two emulated C40s: DSP 1 has the EPROM, its serial line and the register that resets DSP 2; DSP 2 has nothing but its
+boot ROM, and port 3 linked to port 0 of DSP 1. The command `t` of the monitor tests memories, resets DSP 2, sends it
+the second program of the EPROM, waits for the number that DSP 2 sends back, and lets it test its ports and memories.
 
-The two files are not in this tree: kernel/C40/arielbits/monitor/source/boot/monitor of axelmuhr/Helios-NG. The EPROM has
-others.hex at 0030D000h: the monitor reads it there.
+The two files are not in this tree: kernel/C40/arielbits/monitor/source/boot/monitor of axelmuhr/Helios-NG. The EPROM
+has others.hex at 0030D000h: the monitor reads it there.
 """
 
 import sys
@@ -95,7 +95,13 @@ def boards(folder: Path, monitor: Path, others: Path) -> list[str]:
 class TwoDsps:
     def __init__(self, monitor: Path, others: Path) -> None:
         self.line, self.control = Line(), Control()
-        stubs = {0xBF700000: Stub(0xFC000), 0xBF7FC000: self.control, 0xBFC00000: Stub(0x3F0000), 0xBFFF0039: Stub(0x4000 - 0x39), 0xBFFF8000: Stub(0x8000)}
+        stubs = {
+            0xBF700000: Stub(0xFC000),
+            0xBF7FC000: self.control,
+            0xBFC00000: Stub(0x3F0000),
+            0xBFFF0039: Stub(0x4000 - 0x39),
+            0xBFFF8000: Stub(0x8000),
+        }
         nothing = c40.assemble("        .text\n")
         with tempfile.TemporaryDirectory() as folder:
             self.network = Network(

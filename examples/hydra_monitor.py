@@ -2,8 +2,8 @@
 
     PYTHONPATH=build/python .venv/bin/python examples/hydra_monitor.py monitor.hex '?'
 
-The EPROM is not in this tree: kernel/C40/arielbits/monitor/source/boot/monitor/monitor.hex of axelmuhr/Helios-NG. Of the
-board, only the serial line of the VAC068 is modelled; the VIC068, the configuration EEPROM and what acknowledges
+The EPROM is not in this tree: kernel/C40/arielbits/monitor/source/boot/monitor/monitor.hex of axelmuhr/Helios-NG. Of
+the board, only the serial line of the VAC068 is modelled; the VIC068, the configuration EEPROM and what acknowledges
 interrupts hold what is written. So the monitor finds no valid configuration, and rings its bell at the start.
 """
 
@@ -56,7 +56,12 @@ class Hydra:
 
     def __init__(self, eprom: Path) -> None:
         self.vac = Vac()
-        stubs = {0xBF700000: Stub(0x100000), 0xBFC00000: Stub(0x3F0000), 0xBFFF0039: Stub(0x4000 - 0x39), 0xBFFF8000: Stub(0x8000)}
+        stubs = {
+            0xBF700000: Stub(0x100000),
+            0xBFC00000: Stub(0x3F0000),
+            0xBFFF0039: Stub(0x4000 - 0x39),
+            0xBFFF8000: Stub(0x8000),
+        }
         board = Path(__file__).parent / "hydra.toml"
         self.chip = Processor(board=board, boots_from=EPROM, devices={**stubs, 0xBFFF4000: self.vac})
         self.chip.load_rom(eprom, EPROM)

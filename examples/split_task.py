@@ -1,4 +1,5 @@
-"""One task's work on one DSP, and split over two that hand the second half over in shared memory or by a link (docs/add-a-task.md).
+"""One task's work on one DSP, and split over two that hand the second half over in shared memory or by a link
+(docs/add-a-task.md).
 
 The work is a survey by a vehicle's range sensor (split_task/survey.asm): 180 rays, 36 sectors.
 """

@@ -1,4 +1,5 @@
-"""Prints a table of docs/ that no command of the product prints, in the page's own form. tests/docs/test_printed.py compares.
+"""Prints a table of docs/ that no command of the product prints, in the page's own form. tests/docs/test_printed.py
+compares.
 
     CMRC_BUILD_DIR=build python scripts/doc_figures.py NAME      one of those in TABLES
 
@@ -154,7 +155,9 @@ def speed_up() -> str:
     head = ["chips"] + [text for program in took for text in (f"`{program}.asm` cycles", "speed-up")]
     rows = []
     for i, chips in enumerate(examples.CHIPS):
-        rows.append([chips, *(cell for all_of in took.values() for cell in (all_of[i], f"{all_of[0] / all_of[i]:.2f}"))])
+        rows.append(
+            [chips, *(cell for all_of in took.values() for cell in (all_of[i], f"{all_of[0] / all_of[i]:.2f}"))]
+        )
     return table(head, rows)
 
 
@@ -244,7 +247,10 @@ def parameters(part: str) -> str:
             lines.setdefault((first, str(bool(joint)), last), []).append(key)
     return table(
         ["key", "default", "unit", "meaning", "source"],
-        [[key_of(keys), default_of(keys), keys[0]["unit"], meaning_of(keys[0]), keys[0]["source"]] for keys in lines.values()],
+        [
+            [key_of(keys), default_of(keys), keys[0]["unit"], meaning_of(keys[0]), keys[0]["source"]]
+            for keys in lines.values()
+        ],
     )
 
 
@@ -261,7 +267,9 @@ def default_of(keys: Sequence[dict[str, object]]) -> str:
 
 def meaning_of(key: dict[str, object]) -> str:
     """With the range of the value; a maximum of 10^12 and more is no limit."""
-    least, most = (f"{value:.0f}" if value == round(value) else f"{value:g}" for value in (key["minimum"], key["maximum"]))
+    least, most = (
+        f"{value:.0f}" if value == round(value) else f"{value:g}" for value in (key["minimum"], key["maximum"])
+    )
     return f"{key['meaning']}. " + (f"At least {least}" if key["maximum"] >= 1e12 else f"From {least} to {most}")
 
 

@@ -1,4 +1,5 @@
-"""The directives that occur in public sources, each with the first line that has it: a table of docs/assembler.md (Old sources)."""
+"""The directives that occur in public sources, each with the first line that has it: a table of docs/assembler.md (Old
+sources)."""
 
 from __future__ import annotations
 

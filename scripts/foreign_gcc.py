@@ -1,7 +1,9 @@
 """What GCC's port for the C4x makes of C, through our assembler, linker, run-time and emulator (docs/from-c.md).
 
-The folder that is given holds either the compiler, `cc1` and of version 2.95 `cccp`, wherever in it: then the programs of tests/programs/c are compiled in twelve sets of flags, and each has to
-print what the host's own build of it prints; with `config/c4x/libgcc.S` beside, also linked with GCC's own library. Or it holds programs, NAME.s or NAME.o with what they print as NAME.expect.
+The folder that is given holds either the compiler, `cc1` and of version 2.95 `cccp`, wherever in it: then the programs
+of tests/programs/c are compiled in twelve sets of flags, and each has to print what the host's own build of it prints;
+with `config/c4x/libgcc.S` beside, also linked with GCC's own library. Or it holds programs, NAME.s or NAME.o with what
+they print as NAME.expect.
 """
 
 from __future__ import annotations
@@ -36,7 +38,9 @@ FLAGS = (
 BOARD = ROOT / "examples" / "console.toml"
 OF_LIBGCC = "libgcc's remainder of -2^31 by a negative number is wrong: it takes the divisor with its sign"
 OF_UNROLLING = "GCC 3.4 unrolls counted loops with one pass too many; with -fno-branch-count-reg the program is right"
-REFUSED = {"insn does not satisfy its constraints": "GCC 3.4 stops with an error of its own: insn does not satisfy its constraints"}
+REFUSED = {
+    "insn does not satisfy its constraints": "GCC 3.4 stops with an error of its own: insn does not satisfy its constraints"
+}
 
 
 class Refused(Exception):
@@ -46,7 +50,12 @@ class Refused(Exception):
 def run(*command: str | Path, most_s: float = 120) -> str:
     done = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False, timeout=most_s)
     if done.returncode != 0:
-        raise Refused(next((line for line in done.stderr.splitlines() if "rror" in line), done.stderr.strip() or f"status {done.returncode}"))
+        raise Refused(
+            next(
+                (line for line in done.stderr.splitlines() if "rror" in line),
+                done.stderr.strip() or f"status {done.returncode}",
+            )
+        )
     return done.stdout
 
 
@@ -68,13 +77,24 @@ class Compiler:
         return out
 
     def version(self) -> str:
-        done = subprocess.run([self.cc1, "-version"], input="", capture_output=True, text=True, errors="replace", check=False, timeout=60, cwd=tempfile.gettempdir())
+        done = subprocess.run(
+            [self.cc1, "-version"],
+            input="",
+            capture_output=True,
+            text=True,
+            errors="replace",
+            check=False,
+            timeout=60,
+            cwd=tempfile.gettempdir(),
+        )
         found = re.search(r"version (?:gcc-)?(\d+\.\d+)", done.stdout + done.stderr)
         return found[1] if found else ""
 
 
 def compiler_in(folder: Path) -> Compiler | None:
-    found = [next(iter(sorted(path for path in folder.rglob(name) if path.is_file())), None) for name in ("cc1", "cccp")]
+    found = [
+        next(iter(sorted(path for path in folder.rglob(name) if path.is_file())), None) for name in ("cc1", "cccp")
+    ]
     return Compiler(found[0], found[1]) if found[0] else None
 
 
@@ -82,7 +102,9 @@ def printed(program: Path, inputs: list[Path], flags: str, folder: Path) -> str:
     """What the console is sent by the program, linked and run."""
     out = folder / "program.out"
     way = "stack" if "-mmemparm" in flags else "registers"
-    run(sys.executable, ROOT / "scripts" / "link_c", program, *inputs, "-o", out, "--arguments", way, "--dialect", "gnu")
+    run(
+        sys.executable, ROOT / "scripts" / "link_c", program, *inputs, "-o", out, "--arguments", way, "--dialect", "gnu"
+    )
     told = run(EMULATOR, "exec", out, "--board", BOARD, "--max-cycles", "1000000000", "--json")
     return str(json.loads(told)["console"])
 
@@ -99,7 +121,18 @@ def libgcc(source: Path, compiler: Compiler, flags: str, folder: Path) -> list[P
     for name in sorted(set(re.findall(r"^#ifdef L(_\w+)", source.read_text(encoding="latin-1"), re.MULTILINE))):
         text, made = folder / f"{name}.s", folder / f"{name}.o"
         compiler.preprocess(source, text, "-lang-asm", "-D_TMS320C4x", f"-DL{name}")
-        run(EMULATOR, "asm", "-c", "--dialect", "gnu", "-D", f".REGPARM={0 if '-mmemparm' in flags else 1}", text, "-o", made)
+        run(
+            EMULATOR,
+            "asm",
+            "-c",
+            "--dialect",
+            "gnu",
+            "-D",
+            f".REGPARM={0 if '-mmemparm' in flags else 1}",
+            text,
+            "-o",
+            made,
+        )
         out.append(made)
     return out
 
@@ -116,7 +149,9 @@ class Count:
         elif why is not None:
             self.explained[why] += 1
         else:
-            self.others += (f"{name}: {next((f'{a!r}, not {b!r}' for a, b in zip(found.splitlines(), expected.splitlines(), strict=False) if a != b), 'another length')}",)
+            self.others += (
+                f"{name}: {next((f'{a!r}, not {b!r}' for a, b in zip(found.splitlines(), expected.splitlines(), strict=False) if a != b), 'another length')}",
+            )
 
     def refuse(self, name: str, refusal: Refused) -> None:
         why = next((reason for part, reason in REFUSED.items() if part in str(refusal)), None)
@@ -127,16 +162,28 @@ class Count:
 
     def line(self, what: str) -> str:
         all_of_them = self.same + self.explained.total() + len(self.others)
-        return "\n".join([f"  {self.same} of {all_of_them} {what}", *(f"    {number} not: {why}" for why, number in sorted(self.explained.items()))])
+        return "\n".join(
+            [
+                f"  {self.same} of {all_of_them} {what}",
+                *(f"    {number} not: {why}" for why, number in sorted(self.explained.items())),
+            ]
+        )
 
 
-def of_unrolling(compiler: Compiler, source: Path, inputs: list[Path], flags: str, expected: str, folder: Path) -> str | None:
-    """Whether the loop counter alone is to blame: the same flags without it must give a program that is right (docs/from-c.md)."""
+def of_unrolling(
+    compiler: Compiler, source: Path, inputs: list[Path], flags: str, expected: str, folder: Path
+) -> str | None:
+    """Whether the loop counter alone is to blame: the same flags without it must give a program that is right
+    (docs/from-c.md)."""
     if "-funroll-loops" not in flags or compiler.version() != "3.4":
         return None
     without = f"{flags} -fno-branch-count-reg"
     (folder / "without").mkdir(exist_ok=True)
-    return OF_UNROLLING if printed(compiler.compile(source, without, folder / "without"), inputs, without, folder) == expected else None
+    return (
+        OF_UNROLLING
+        if printed(compiler.compile(source, without, folder / "without"), inputs, without, folder) == expected
+        else None
+    )
 
 
 def compiled(compiler: Compiler, library: Path | None, folder: Path) -> tuple[Count, Count]:
@@ -172,7 +219,9 @@ def compiled(compiler: Compiler, library: Path | None, folder: Path) -> tuple[Co
 def ready_made(folder: Path, work: Path) -> Count:
     count = Count()
     for expected in sorted(folder.rglob("*.expect")):
-        program = next((expected.with_suffix(suffix) for suffix in (".s", ".o") if expected.with_suffix(suffix).exists()), None)
+        program = next(
+            (expected.with_suffix(suffix) for suffix in (".s", ".o") if expected.with_suffix(suffix).exists()), None
+        )
         if program is None:
             continue
         try:

@@ -1,7 +1,9 @@
 """TI's run-time library, version 5.11 of 1999, through our assembler and linker (docs/assembler.md, Old sources).
 
-The folder has the library's sources (rts.src, mathasm.src, prts40.src) and eight libraries that TI's own tools made of rts.src: for the C40 and the C3x, arguments on the stack or in registers, and optimised or for a
-debugger. Each assembler source is assembled as a library was, and the object is compared with TI's, word by word and relocation by relocation. COFF is read here by a few lines of its own, not by what is under test.
+The folder has the library's sources (rts.src, mathasm.src, prts40.src) and eight libraries that TI's own tools made of
+rts.src: for the C40 and the C3x, arguments on the stack or in registers, and optimised or for a debugger. Each
+assembler source is assembled as a library was, and the object is compared with TI's, word by word and relocation by
+relocation. COFF is read here by a few lines of its own, not by what is under test.
 """
 
 from __future__ import annotations
@@ -91,7 +93,9 @@ class Count:
                     self.as_ldp += 1
                 else:
                     self.others.append(f"{what}: {name} word {at} is {one:08X}h, TI's {other:08X}h")
-            if [(place, kind) for place, _, kind in mine.relocations] != [(place, kind) for place, _, kind in its.relocations]:
+            if [(place, kind) for place, _, kind in mine.relocations] != [
+                (place, kind) for place, _, kind in its.relocations
+            ]:
                 self.others.append(f"{what}: {name} has other relocations")
 
 
@@ -105,7 +109,13 @@ def assembled(source: bytes, name: str, options: list[str], folder: Path) -> byt
     """An object. Raises ValueError with the first error."""
     path, out = folder / name, folder / "out.o"
     path.write_bytes(source)
-    done = subprocess.run([EMULATOR, "asm", path, "-c", "-o", out, "--undefined-external", *options], capture_output=True, text=True, errors="replace", check=False)
+    done = subprocess.run(
+        [EMULATOR, "asm", path, "-c", "-o", out, "--undefined-external", *options],
+        capture_output=True,
+        text=True,
+        errors="replace",
+        check=False,
+    )
     if done.returncode != 0:
         raise ValueError(next((line for line in done.stderr.splitlines() if "error" in line), done.stderr))
     return out.read_bytes()
@@ -114,7 +124,10 @@ def assembled(source: bytes, name: str, options: list[str], folder: Path) -> byt
 def report(folder: Path) -> int:
     """Status 0: every source assembles, and every object is TI's except for what has its reason."""
     lib = folder / "Release" / "lib"
-    sources = {name: {member: text for member, text in members((lib / name).read_bytes()) if member.endswith(".asm")} for name in SOURCES}
+    sources = {
+        name: {member: text for member, text in members((lib / name).read_bytes()) if member.endswith(".asm")}
+        for name in SOURCES
+    }
     count, refused, tried = Count(), [], 0
     with tempfile.TemporaryDirectory() as made:
         place = Path(made)
@@ -130,10 +143,16 @@ def report(folder: Path) -> int:
             built = dict(members((lib / f"{library}.lib").read_bytes()))
             for name, text in sources["rts.src"].items():
                 theirs = built[name.replace(".asm", ".obj")]
-                count.compare(f"{library} {name}", sections(assembled(text, name, options_of(library), place)), sections(theirs))
+                count.compare(
+                    f"{library} {name}", sections(assembled(text, name, options_of(library), place)), sections(theirs)
+                )
     files_in_all = sum(map(len, sources.values()))
-    print(f"ti: TI's run-time library, 5.11 of 1999\n  {tried - len(refused)} of {tried}: {files_in_all} sources assemble with arguments on the stack, in registers, and in the big model")
-    print(f"  {count.objects} objects, {count.words} words beside TI's own: {count.as_ldp} {OF_LDP}; {len(count.others)} other differences")
+    print(
+        f"ti: TI's run-time library, 5.11 of 1999\n  {tried - len(refused)} of {tried}: {files_in_all} sources assemble with arguments on the stack, in registers, and in the big model"
+    )
+    print(
+        f"  {count.objects} objects, {count.words} words beside TI's own: {count.as_ldp} {OF_LDP}; {len(count.others)} other differences"
+    )
     for message in [*refused, *count.others]:
         print(f"  not explained: {message}")
     return 1 if refused or count.others else 0

@@ -2,7 +2,8 @@
 
     CMRC_BUILD_DIR=build python scripts/kernel_cycles.py --update
 
-Each kernel runs once, on one chip whose windows answer in one cycle, with the inputs of its golden trace (tests/kernels/test_golden_kernels.py).
+Each kernel runs once, on one chip whose windows answer in one cycle, with the inputs of its golden trace
+(tests/kernels/test_golden_kernels.py).
 """
 
 from __future__ import annotations

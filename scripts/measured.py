@@ -94,7 +94,8 @@ def executed(call: Any) -> dict[str, int]:
 
 
 def switch_cycles(kind: str) -> int:
-    """From the call by one process to the next instruction of another, both in the middle of their loops. `kind`: "reduced" or "c"."""
+    """From the call by one process to the next instruction of another, both in the middle of their loops. `kind`:
+    "reduced" or "c"."""
     first, second = {"reduced": ("process_a", "process_b"), "c": ("process_c", "process_d")}[kind]
     kept = {"reduced": 1, "c": 10}[kind]
     chip = c40.Processor(c40.assemble_file(MEASURED, sections={".text": CODE}))
@@ -135,12 +136,23 @@ def convolved_row(pixels: int = 500) -> Row:
         chip.memory.write_floats(place, row)
     at, result = BLOCK1 + 0x3F0, 0x80000000  # circular: on a multiple of 16
     chip.memory.write_floats(at, coefficients)
-    for name, value in {"AR0": places[0], "AR1": places[1], "AR2": places[2], "AR3": result, "AR4": at, "BK": 9, "RC": pixels - 1, "SP": STACK}.items():
+    for name, value in {
+        "AR0": places[0],
+        "AR1": places[1],
+        "AR2": places[2],
+        "AR3": result,
+        "AR4": at,
+        "BK": 9,
+        "RC": pixels - 1,
+        "SP": STACK,
+    }.items():
         chip.registers[name] = value
     chip.memory[STACK] = BACK
     chip.pc = "convolve_row"
     assert chip.run(1_000_000, until=BACK).reason == "until"
-    expected = [sum(coefficients[3 * y + k] * rows[y][x + k] for y in range(3) for k in range(3)) for x in range(pixels)]
+    expected = [
+        sum(coefficients[3 * y + k] * rows[y][x + k] for y in range(3) for k in range(3)) for x in range(pixels)
+    ]
     return Row(chip.cycles, pixels, list(chip.memory.read_floats(result, pixels)), expected)
 
 
@@ -225,7 +237,8 @@ class Stepped:
 
 
 def hydra_transform(program: Path, points: int, waits: int = 0) -> tuple[int, float]:
-    """Cycles of _rfft in a program of 1992 for the Hydra, and the microseconds that it measures itself (for 40 MHz). `waits`: of the memory with its twiddle factors."""
+    """Cycles of _rfft in a program of 1992 for the Hydra, and the microseconds that it measures itself (for 40 MHz).
+    `waits`: of the memory with its twiddle factors."""
     board = "\n".join(
         f'[[region]]\nname = "{name}"\nbase = {base:#x}\nwords = {words:#x}\nbus = "{bus}"\nwaits = {wait}'
         for name, base, words, bus, wait in (
@@ -338,7 +351,8 @@ def ti_library(archive: Path) -> c40.Program:
 
 
 def ti_cycles(program: c40.Program, routine: TiRoutine) -> tuple[int, int]:
-    """The fewest and the most cycles over operands of every size, from the first instruction to the return; results are checked. Before each the routine has run once, so it is in the cache."""
+    """The fewest and the most cycles over operands of every size, from the first instruction to the return; results are
+    checked. Before each the routine has run once, so it is in the cache."""
     chip = c40.Processor(program, board="flat")
     counts = []
     for left, right in ti_operands(routine.name):
@@ -364,9 +378,16 @@ def ti_cycles(program: c40.Program, routine: TiRoutine) -> tuple[int, int]:
 
 
 def ti_operands(name: str) -> list[tuple[float, float]]:
-    """Floats, and integers whose quotients have 1 to 31 bits; of signed routines both signs, of unsigned ones dividends of 32 bits, too, which go a way of their own. Not a dividend that is smaller than the divisor."""
+    """Floats, and integers whose quotients have 1 to 31 bits; of signed routines both signs, of unsigned ones dividends
+    of 32 bits, too, which go a way of their own. Not a dividend that is smaller than the divisor."""
     if name.endswith("_F40"):
         return [(x, y) for x in (1.0, 3.0, -7.25, 1e6) for y in (1.0, 3.0, -0.7, 1e-3)]
     signed = "_I" in name
     signs = ((1, 1), (-1, 1), (1, -1), (-1, -1)) if signed else ((1, 1),)
-    return [(a * dividend, b * divisor) for dividend in (1 << 30, (1 << 31) - 1, 12345, 7, *(() if signed else (1 << 31, (1 << 32) - 1))) for divisor in (1, 3, 1000, 1 << 20) if divisor <= dividend for a, b in signs]
+    return [
+        (a * dividend, b * divisor)
+        for dividend in (1 << 30, (1 << 31) - 1, 12345, 7, *(() if signed else (1 << 31, (1 << 32) - 1)))
+        for divisor in (1, 3, 1000, 1 << 20)
+        if divisor <= dividend
+        for a, b in signs
+    ]

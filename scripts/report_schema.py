@@ -1,4 +1,5 @@
-"""Writes docs/report.schema.json, the JSON schema of a report, from reports of real runs and the table of docs/report.md.
+"""Writes docs/report.schema.json, the JSON schema of a report, from reports of real runs and the table of
+docs/report.md.
 
     PYTHONPATH=build/python .venv/bin/python scripts/report_schema.py docs/report.schema.json
 
@@ -44,7 +45,8 @@ RUNS: tuple[dict[str, Any], ...] = (
     {"dsps": 1, "duration_s": 0.2, "events": [{"at_s": 0.1, "action": "fail", "dsp": 0}]},
     {"dsps": 2, "duration_s": 1.5, "events": [{"at_s": 0.2, "action": "fail_drive", "joint": "slew"}]},
 )
-"""What the schema is made from: presets, cranes, failures, an error that is handled, a run that stops, and one without a reference."""
+"""What the schema is made from: presets, cranes, failures, an error that is handled, a run that stops, and one without
+a reference."""
 
 MAPS = (
     "tasks",

@@ -1,4 +1,5 @@
-"""Which fields of a run's state no snapshot test would miss: loads the state without each listed field, one after the other.
+"""Which fields of a run's state no snapshot test would miss: loads the state without each listed field, one after the
+other.
 
 For each scene of tests/cmrc/test_snapshots.py and each instant of its tests, the state goes into a new run with one
 field as that run had it before, as if its line were not in the list. A field is noticed where the run then differs: at
@@ -45,15 +46,21 @@ class State:
             parts, tags = parts_of(path), 0
             for last in range(len(parts) - 1, -1, -1):
                 # How many elements there are has no tag. In accounts `count` is a field like any other.
-                if parts[last].isdigit() or (parts[last] == "count" and not (last and parts[last - 1] in ("released", "finished", "log"))):
+                if parts[last].isdigit() or (
+                    parts[last] == "count" and not (last and parts[last - 1] in ("released", "finished", "log"))
+                ):
                     continue
                 pattern = ".".join("*" if part.isdigit() else part for part in parts[: last + 1])
-                where = self.fields[pattern].setdefault(".".join(parts[: last + 1]), [offset - TAG * tags, offset + size])
+                where = self.fields[pattern].setdefault(
+                    ".".join(parts[: last + 1]), [offset - TAG * tags, offset + size]
+                )
                 where[1], tags = offset + size, tags + 1
 
     def replaced(self, pattern: str, by: Callable[[str, bytes], bytes]) -> bytes:
         out, at = b"", 0
-        for begin, end, path in sorted((begin, end, path) for path, (begin, end) in self.fields.get(pattern, {}).items()):
+        for begin, end, path in sorted(
+            (begin, end, path) for path, (begin, end) in self.fields.get(pattern, {}).items()
+        ):
             out, at = out + self.text[at:begin] + by(path, self.text[begin:end]), end
         return out + self.text[at:]
 

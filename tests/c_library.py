@@ -1,4 +1,5 @@
-"""The C run-time of c40_programs/lib on an emulated chip: its objects for one way of giving arguments, linked, and calls of single functions."""
+"""The C run-time of c40_programs/lib on an emulated chip: its objects for one way of giving arguments, linked, and
+calls of single functions."""
 
 from __future__ import annotations
 
@@ -25,7 +26,12 @@ SAVED = ("R4", "R5", "R6", "R7", "R8", "AR3", "AR4", "AR5", "AR6", "AR7", "DP")
 
 def assemble(source: Path, folder: Path, *options: str) -> Path:
     target = folder / f"{source.stem}.o"
-    done = subprocess.run([EMULATOR, "asm", "-c", source, "-o", target, "-I", ROOT / "c40_programs/include", *options], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [EMULATOR, "asm", "-c", source, "-o", target, "-I", ROOT / "c40_programs/include", *options],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr
     return target
 
@@ -40,7 +46,9 @@ def objects(convention: str) -> tuple[Path, ...]:
 
 def link(inputs: list[Path], output: Path, *options: str | Path) -> str:
     """What the linker says; "" if it is content."""
-    done = subprocess.run([EMULATOR, "link", *inputs, "-o", output, *options], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [EMULATOR, "link", *inputs, "-o", output, *options], capture_output=True, text=True, check=False
+    )
     return done.stderr
 
 
@@ -63,7 +71,10 @@ class Library:
         self.chip = c40.Processor(program(convention))
 
     def marked(self, names: tuple[str, ...]) -> dict[str, int]:
-        marks = {name: (0x1234567800 + number) if name.startswith("R") and name[1:].isdigit() else 0x1000 + number for number, name in enumerate(names)}
+        marks = {
+            name: (0x1234567800 + number) if name.startswith("R") and name[1:].isdigit() else 0x1000 + number
+            for number, name in enumerate(names)
+        }
         for name, mark in marks.items():
             self.chip.registers[name] = mark
         return marks
@@ -92,7 +103,9 @@ class Library:
 
     def call(self, name: str, *arguments: float) -> int:
         """A C function of whole numbers and floats; R0 with its 40 bits."""
-        words = [argument & 0xFFFF_FFFF if isinstance(argument, int) else float_to_single(argument) for argument in arguments]
+        words = [
+            argument & 0xFFFF_FFFF if isinstance(argument, int) else float_to_single(argument) for argument in arguments
+        ]
         if self.convention == "stack":
             self.enter(name, words[::-1], SAVED)
             return self.chip.registers["R0"]

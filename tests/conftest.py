@@ -24,9 +24,13 @@ changes = pytest.StashKey[list[str]]()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--update-golden", action="store_true", help="rewrite the files in tests/golden and print what changed")
+    parser.addoption(
+        "--update-golden", action="store_true", help="rewrite the files in tests/golden and print what changed"
+    )
     parser.addoption("--spent", type=Path, help="append the processor time of each test to this file (tests/spent.py)")
-    parser.addoption("--way", help="run every program in two ways of timing, and compare them at many points (tests/lockstep.py)")
+    parser.addoption(
+        "--way", help="run every program in two ways of timing, and compare them at many points (tests/lockstep.py)"
+    )
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -43,12 +47,18 @@ def _in_two_ways(request: pytest.FixtureRequest) -> Iterator[None]:
 
 def pytest_configure(config: pytest.Config) -> None:
     # Under nohup, or in the background of a script, signals are ignored, and what the tests start would inherit that.
-    for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGTERM, signal.SIG_DFL), (signal.SIGHUP, signal.SIG_DFL)):
+    for number, usual in (
+        (signal.SIGINT, signal.default_int_handler),
+        (signal.SIGTERM, signal.SIG_DFL),
+        (signal.SIGHUP, signal.SIG_DFL),
+    ):
         if signal.getsignal(number) == signal.SIG_IGN:
             signal.signal(number, usual)
     config.stash[changes] = []
     # With workers each measures itself; the process that started them would count them once more.
-    if (output := config.getoption("--spent")) and (hasattr(config, "workerinput") or not config.getoption("numprocesses", None)):
+    if (output := config.getoption("--spent")) and (
+        hasattr(config, "workerinput") or not config.getoption("numprocesses", None)
+    ):
         config.pluginmanager.register(Spent(output))
 
 
@@ -57,7 +67,8 @@ SLOW = frozenset((ROOT / "tests" / "slow_tests.txt").read_text().split())
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_pycollect_makeitem(collector: pytest.Collector, name: str, obj: object) -> list[pytest.Item] | None:
-    """Campaigns have 16,000 cases: where `-m` leaves them out, they are not made only to be left out; slow tests too."""
+    """Campaigns have 16,000 cases: where `-m` leaves them out, they are not made only to be left out; slow tests
+    too."""
     only = collector.config.option.markexpr
     marks = getattr(obj, "pytestmark", [])
     campaign = isinstance(marks, list) and any(mark.name == "campaign" for mark in marks)
@@ -118,7 +129,9 @@ def golden(request: pytest.FixtureRequest, emulator: Path, tmp_path: Path) -> Ca
             number, (before, now) = next((n, pair) for n, pair in enumerate(lines, start=1) if pair[0] != pair[1])
             difference = f"{name}:{number}: {before} -> {now}"
         elif path.exists():
-            compared = subprocess.run([emulator, "trace-diff", path, fresh], capture_output=True, text=True, check=False)
+            compared = subprocess.run(
+                [emulator, "trace-diff", path, fresh], capture_output=True, text=True, check=False
+            )
             difference = f"{name} (<: golden, >: now): {compared.stdout}{compared.stderr}".rstrip()
         if request.config.getoption("--update-golden"):
             GOLDEN.mkdir(exist_ok=True)

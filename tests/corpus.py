@@ -1,4 +1,5 @@
-"""Words that cover every row of the instruction table and every form of every operand, made from the rows' bit pictures."""
+"""Words that cover every row of the instruction table and every form of every operand, made from the rows' bit
+pictures."""
 
 import functools
 import random

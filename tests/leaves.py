@@ -6,8 +6,11 @@ from typing import Any
 TOGETHER = 64  # values that are changed in one load
 
 
-def check_that_every_value_is_loaded(make: Callable[[], Any], full: Any, leave_out: Callable[[str], bool] = lambda path: False) -> int:
-    """Changes each number of `full`'s state by a bit, loads that into a new object, saves it, and looks for the changes.
+def check_that_every_value_is_loaded(
+    make: Callable[[], Any], full: Any, leave_out: Callable[[str], bool] = lambda path: False
+) -> int:
+    """Changes each number of `full`'s state by a bit, loads that into a new object, saves it, and looks for the
+    changes.
 
     `leave_out` tells the paths of which another value is no state. Returns how many values were changed."""
     state = full._state()

@@ -25,7 +25,13 @@ PIECES = [1, 2, 3, 7, 20, 64, 150, 1000, 7000, 30000]
 
 def state(core: Any) -> dict[str, Any]:
     out: dict[str, Any] = {name: core.get(name) for name in REGISTERS}
-    out |= {"pc": core.pc, "cycle": core.cycle, "instructions": core.instructions, "idle": core.idle, "halted": core.halted}
+    out |= {
+        "pc": core.pc,
+        "cycle": core.cycle,
+        "instructions": core.instructions,
+        "idle": core.idle,
+        "halted": core.halted,
+    }
     return out | core.causes | {"ram": core.read(*RAM)}
 
 
@@ -78,7 +84,9 @@ class Processor:
 
     def __getattr__(self, name: str) -> Any:
         if callable(getattr(self._cores[0], name)):
-            return lambda *arguments, **keywords: self._both(lambda core: getattr(core, name)(*arguments, **keywords), name)
+            return lambda *arguments, **keywords: self._both(
+                lambda core: getattr(core, name)(*arguments, **keywords), name
+            )
         return self._both(lambda core: getattr(core, name), name)
 
     @property

@@ -1,8 +1,10 @@
-"""Random programs of what makes the chip's timing difficult, written from the manual's rules: code that changes itself, the cache's control, wait states that change
-while accesses are under way, DMA of all priorities, timers from four cycles up, IDLE, repeats under interrupts, annulled slots, traps, stack and vectors off chip, pins.
+"""Random programs of what makes the chip's timing difficult, written from the manual's rules: code that changes itself,
+the cache's control, wait states that change while accesses are under way, DMA of all priorities, timers from four
+cycles up, IDLE, repeats under interrupts, annulled slots, traps, stack and vectors off chip, pins.
 
-A program is a list of fragments and a setting, so that one that fails can be shrunk: `shrink`. `disagreement` runs a program in every way and says where two runs
-differ. Nothing here knows how the chip is emulated. The only oracle: a run does not depend on how it is cut or observed.
+A program is a list of fragments and a setting, so that one that fails can be shrunk: `shrink`. `disagreement` runs a
+program in every way and says where two runs differ. Nothing here knows how the chip is emulated. The only oracle: a run
+does not depend on how it is cut or observed.
 """
 
 from __future__ import annotations
@@ -66,7 +68,8 @@ def constant(value: int, register: str = "r9") -> str:
     return f"        ldhi 0{value >> 16 & 0xFFFF:x}h,{register}\n        or 0{value & 0xFFFF:x}h,{register}\n"
 
 
-# Straight instructions that may stand anywhere, in slots and under RPTS too. AR4 and AR5 each go round a circle of sixteen words.
+# Straight instructions that may stand anywhere, in slots and under RPTS too. AR4 and AR5 each go round a circle of
+# sixteen words.
 PLAIN = [
     "nop", "addi 1,r0", "addi3 r0,r1,r2", "mpyi3 r2,r1,r3", "ldi *ar4++(1)%,r0", "ldi *ar5,r1", "sti r1,*ar5++(1)%", "sti r0,*ar4", "sti r2,*+ar4(1)",
     "xor r3,r2", "cmpi r0,r1", "ldigt r0,r2", "lsh -3,r2", "ldf *ar4,r4", "addf3 r4,r6,r5", "stf r5,*+ar5(1)", "ldi r2,r8", "addc r8,r1", "nop *ar4++(1)%",
@@ -91,7 +94,9 @@ def repeat_block(rng: random.Random, n: int) -> str:
     passes = rng.choice([0, 1, 2, 5, 11])
     if rng.random() < 0.5:
         return f"        ldi {passes},rc\n        rptb e{n}\n{plain(rng, rng.randrange(4))}e{n}:{single(rng)}"
-    return f"        ldi {passes},rc\n        rptbd e{n}\n{slots(rng)}{plain(rng, rng.randrange(1, 4))}e{n}:{single(rng)}"
+    return (
+        f"        ldi {passes},rc\n        rptbd e{n}\n{slots(rng)}{plain(rng, rng.randrange(1, 4))}e{n}:{single(rng)}"
+    )
 
 
 def repeat_around_branch(rng: random.Random, n: int) -> str:
@@ -100,10 +105,15 @@ def repeat_around_branch(rng: random.Random, n: int) -> str:
 
 
 def modify(rng: random.Random, n: int) -> str:
-    """A store into code: into the distant routine, or a given number of words ahead. The stored word is an instruction."""
+    """A store into code: into the distant routine, or a given number of words ahead. The stored word is an
+    instruction."""
     word = f"        ldi @words+{rng.randrange(4)},r10\n"
     if rng.random() < 0.5:
-        return word + f"        sti r10,@patch+{rng.randrange(3)}\n" + rng.choice(["        call patch\n", plain(rng, 3) + "        call patch\n"])
+        return (
+            word
+            + f"        sti r10,@patch+{rng.randrange(3)}\n"
+            + rng.choice(["        call patch\n", plain(rng, 3) + "        call patch\n"])
+        )
     return word + f"        sti r10,@m{n}\n" + "        nop\n" * rng.randrange(7) + f"m{n}:    addi 7,r7\n"
 
 
@@ -120,12 +130,21 @@ def timer(rng: random.Random, n: int) -> str:
 def look(rng: random.Random, n: int) -> str:
     """A read of a peripheral register, with and without a stall before it."""
     where = rng.choice([0x20, 0x24, 0x28, 0x34, 0xA0, 0xA1, 0xA3, 0xA4, 0xB3, 0xC0, 0x40, 0])
-    return rng.choice(["", "        addi 0,ar6\n", "        ldi *ar5,r1\n"]) + f"        ldi *+ar6({where}),r7\n        xor r7,r3\n"
+    return (
+        rng.choice(["", "        addi 0,ar6\n", "        ldi *ar5,r1\n"])
+        + f"        ldi *+ar6({where}),r7\n        xor r7,r3\n"
+    )
 
 
 def control_dma(rng: random.Random, n: int) -> str:
     channel = rng.choice([0, 0, 1, 2, 5])
-    control = rng.choice([3, 3, 3, 1, 2, 0]) << 22 | rng.choice([0, 1, 3]) | rng.choice([1, 1, 1, 2]) << 2 | rng.choice([0, 1 << 18]) | rng.choice([0, 0, 0, 1 << 6, 1 << 7])
+    control = (
+        rng.choice([3, 3, 3, 1, 2, 0]) << 22
+        | rng.choice([0, 1, 3])
+        | rng.choice([1, 1, 1, 2]) << 2
+        | rng.choice([0, 1 << 18])
+        | rng.choice([0, 0, 0, 1 << 6, 1 << 7])
+    )
     count = f"        ldi {rng.choice([1, 2, 5, 13, 40])},r9\n        sti r9,*+ar6({0xA3 + 16 * channel})\n"
     return count + constant(control) + f"        sti r9,*+ar6({0xA0 + 16 * channel})\n"
 
@@ -140,8 +159,19 @@ def subroutine(rng: random.Random, n: int) -> str:
 def branch(rng: random.Random, n: int) -> str:
     condition = rng.choice(["eq", "ne", "gt", "le", "u"])
     kind = rng.choice(["b{c} e{n}\n", "b{c}d e{n}\n{s}", "b{c}at e{n}\n{s}", "b{c}af e{n}\n{s}"])
-    annulled = rng.choice([slots(rng), "        lda ar4,ar2\n        ldpk 2fh\n        nop\n", "        ldi *ar4++(1)%,r0\n        nop *ar5++(1)%\n        ldi 5,r1\n"])
-    return "        cmpi r0,r2\n        " + kind.format(c=condition, n=n, s=annulled) + plain(rng, 2) + f"e{n}:    nop\n        ldp @words\n"
+    annulled = rng.choice(
+        [
+            slots(rng),
+            "        lda ar4,ar2\n        ldpk 2fh\n        nop\n",
+            "        ldi *ar4++(1)%,r0\n        nop *ar5++(1)%\n        ldi 5,r1\n",
+        ]
+    )
+    return (
+        "        cmpi r0,r2\n        "
+        + kind.format(c=condition, n=n, s=annulled)
+        + plain(rng, 2)
+        + f"e{n}:    nop\n        ldp @words\n"
+    )
 
 
 def loop(rng: random.Random, n: int) -> str:
@@ -151,7 +181,10 @@ def loop(rng: random.Random, n: int) -> str:
 
 
 def cache(rng: random.Random, n: int) -> str:
-    return f"        {rng.choice(['or 0800h,st', 'or 1800h,st', 'or 0400h,st', 'andn 0400h,st', 'andn 0800h,st', 'or 1000h,st', 'or 0C00h,st'])}\n" + rng.choice(["", single(rng)])
+    return (
+        f"        {rng.choice(['or 0800h,st', 'or 1800h,st', 'or 0400h,st', 'andn 0400h,st', 'andn 0800h,st', 'or 1000h,st', 'or 0C00h,st'])}\n"
+        + rng.choice(["", single(rng)])
+    )
 
 
 def interrupts(rng: random.Random, n: int) -> str:
@@ -181,7 +214,14 @@ KINDS: list[tuple[int, Callable[[random.Random, int], str]]] = [
     (4, interrupts),
     (2, waits),
     (1, lambda rng, n: f"        {rng.choice(['idle', 'idle', 'idle2'])}\n"),
-    (2, lambda rng, n: "        push r1\n        pop r2\n" if rng.random() < 0.5 else "        push r3\n        pushf r5\n        popf r6\n        pop r1\n"),
+    (
+        2,
+        lambda rng, n: (
+            "        push r1\n        pop r2\n"
+            if rng.random() < 0.5
+            else "        push r3\n        pushf r5\n        popf r6\n        pop r1\n"
+        ),
+    ),
     (1, lambda rng, n: f"        sti r1,*+ar6({0x42 + 0x10 * rng.randrange(3)})\n"),
 ]
 
@@ -245,7 +285,13 @@ def generate(seed: int) -> Program:
         source = ("words", 0) if into_code else ("", DATA[rng.choice(list(DATA))] + rng.randrange(16))
         destination = ("patch", 0) if into_code else ("", DATA[rng.choice(list(DATA))] + 0x20 + rng.randrange(16))
         steps = rng.choice([0, 1]) if not into_code else 0
-        channels[n] = {1: source, 2: ("", steps), 4: destination, 5: ("", rng.choice([0, 1]) if not into_code else 0), 3: ("", rng.choice([1, 3, 8, 30]))}
+        channels[n] = {
+            1: source,
+            2: ("", steps),
+            4: destination,
+            5: ("", rng.choice([0, 1]) if not into_code else 0),
+            3: ("", rng.choice([1, 3, 8, 30])),
+        }
     return Program(
         seed=seed,
         fragments=tuple(kind(rng, n) for n, kind in enumerate(picked)),
@@ -282,7 +328,9 @@ class Bench:
 
 
 def assembled(program: Program) -> Any:
-    return toolchain.assemble(program.text, f"nasty{program.seed}.asm", sections={".text": CODE[program.places["code"]]})
+    return toolchain.assemble(
+        program.text, f"nasty{program.seed}.asm", sections={".text": CODE[program.places["code"]]}
+    )
 
 
 def prepare(chip: Any, program: Program, symbols: dict[str, int]) -> None:
@@ -335,7 +383,12 @@ class Pins:
                 chip.raise_iiof(pin)
 
 
-def drive(chip: Any, program: Program, advance: Callable[[Any, int], dict[str, Any]], seen: Callable[[Any], None] | None = None) -> Outcome:
+def drive(
+    chip: Any,
+    program: Program,
+    advance: Callable[[Any, int], dict[str, Any]],
+    seen: Callable[[Any], None] | None = None,
+) -> Outcome:
     """Drives a chip. `advance(chip, cycle)` runs to that cycle at most; only the last instruction may end after it."""
     pins = Pins(program)
     stop: dict[str, Any] = {}
@@ -356,13 +409,17 @@ def difference(program: Program, way: str, chip: Any, other: Any) -> str:
         if chip.get(name) != other.get(name):
             lines.append(f"  {name}: {chip.get(name):X} {other.get(name):X}")
     lines.append(f"  pc: {chip.pc:08X} {other.pc:08X}")
-    for what, first, second in (("cause", chip.causes, other.causes), ("peripheral", chip.peripherals(), other.peripherals())):
+    for what, first, second in (
+        ("cause", chip.causes, other.causes),
+        ("peripheral", chip.peripherals(), other.peripherals()),
+    ):
         lines += [f"  {what} {name}: {first[name]:X} {second[name]:X}" for name in first if first[name] != second[name]]
     return "\n".join(lines)
 
 
 def disagreement(program: Program, bench: Bench) -> str | None:
-    """Runs the program by single steps; in one piece by blocks, and with every instruction timed; cut at random cycles in both ways; with the self-checks; in a network."""
+    """Runs the program by single steps; in one piece by blocks, and with every instruction timed; cut at random cycles
+    in both ways; with the self-checks; in a network."""
     board, image = bench.board(program), assembled(program)
     rng = random.Random(program.seed)
     instants: dict[int, tuple[bytes, int]] = {}
@@ -378,11 +435,17 @@ def disagreement(program: Program, bench: Bench) -> str | None:
     def parted(way: str, chip: Any, outcome: Outcome) -> str | None:
         stop, last, events = outcome
         if expected[0] != stop:
-            return f"seed {program.seed}, {way}: stops {expected[0]} {stop}\n" + difference(program, way, reference, chip)
+            return f"seed {program.seed}, {way}: stops {expected[0]} {stop}\n" + difference(
+                program, way, reference, chip
+            )
         if expected[1] != last:
             return difference(program, way, reference, chip)
         if expected[2] != events:
-            at = next(i for i, pair in enumerate(zip([*expected[2], None], [*events, None], strict=False)) if pair[0] != pair[1])
+            at = next(
+                i
+                for i, pair in enumerate(zip([*expected[2], None], [*events, None], strict=False))
+                if pair[0] != pair[1]
+            )
             return f"seed {program.seed}, {way}: event {at} of {len(expected[2])}: {expected[2][at : at + 3]} {events[at : at + 3]}"
         return None
 
@@ -401,7 +464,11 @@ def disagreement(program: Program, bench: Bench) -> str | None:
         def compare(chip: Any, way: str = way, wrong: list[str] = wrong) -> None:
             if not wrong and chip.cycle in instants and instants[chip.cycle] != state(chip):
                 again = made(program, board, image)
-                drive(again, replace(program, pins=tuple(p for p in program.pins if p[0] < chip.cycle)), lambda c, _: c.step() if c.cycle < chip.cycle else {"reason": "there"})
+                drive(
+                    again,
+                    replace(program, pins=tuple(p for p in program.pins if p[0] < chip.cycle)),
+                    lambda c, _: c.step() if c.cycle < chip.cycle else {"reason": "there"},
+                )
                 wrong.append(difference(program, f"{way}, in between", again, chip))
             if not wrong and chip.cycle not in instants:
                 wrong.append(f"seed {program.seed}, {way}: no instruction ended in cycle {chip.cycle} by single steps")
@@ -413,7 +480,8 @@ def disagreement(program: Program, bench: Bench) -> str | None:
 
 
 def in_network(program: Program, board: str, image: Any, instants: dict[int, tuple[bytes, int]]) -> str | None:
-    """In a network with a neighbour that does not affect the chip, in one piece and in slices: always as the chip alone."""
+    """In a network with a neighbour that does not affect the chip, in one piece and in slices: always as the chip
+    alone."""
     rng = random.Random(program.seed)
     neighbour = package.assemble("        .text\nstart:  bu start\n")
     for slices in (False, True):
@@ -446,11 +514,23 @@ def shrink(program: Program, fails: Callable[[Program], bool]) -> Program:
     changed = True
     while changed:
         changed = False
-        smaller = [replace(program, fragments=program.fragments[:i] + program.fragments[i + size :]) for size in (8, 4, 2, 1) for i in range(0, len(program.fragments), size)]
+        smaller = [
+            replace(program, fragments=program.fragments[:i] + program.fragments[i + size :])
+            for size in (8, 4, 2, 1)
+            for i in range(0, len(program.fragments), size)
+        ]
         smaller += [replace(program, pins=program.pins[:i] + program.pins[i + 1 :]) for i in range(len(program.pins))]
         smaller += [replace(program, rounds=0)] if program.rounds else []
-        smaller += [replace(program, registers=program.registers | {name: 0}) for name, value in program.registers.items() if value]
-        smaller += [replace(program, waits=program.waits | {name: 0}) for name, value in program.waits.items() if value and name in ("local", "fast", "page")]
+        smaller += [
+            replace(program, registers=program.registers | {name: 0})
+            for name, value in program.registers.items()
+            if value
+        ]
+        smaller += [
+            replace(program, waits=program.waits | {name: 0})
+            for name, value in program.waits.items()
+            if value and name in ("local", "fast", "page")
+        ]
         for i, fragment in enumerate(program.fragments):
             lines = fragment.splitlines(keepends=True)
             for j in range(len(lines)):

@@ -11,7 +11,8 @@ from nasty_programs import CYCLES, DATA, Bench, Program, assembled, constant, ge
 
 
 def exchange(rng: random.Random) -> str:
-    """Words to the next chip, from port 0, or from the one before, through port 3; by the processor, or by DMA when a FIFO is ready."""
+    """Words to the next chip, from port 0, or from the one before, through port 3; by the processor, or by DMA when a
+    FIFO is ready."""
     kind = rng.randrange(4)
     if kind == 0:
         return "        sti r1,*+ar6(42h)\n" * rng.randrange(1, 4)
@@ -20,7 +21,13 @@ def exchange(rng: random.Random) -> str:
     channel, die, sync = (0, 4, 1 << 7) if kind == 2 else (3, 1 << 14, 1 << 6)
     control = 3 << 22 | rng.choice([0, 1, 3]) | 1 << 2 | sync | rng.choice([0, 1 << 18])
     count = f"        ldi {rng.randrange(1, 9)},r9\n        sti r9,*+ar6({0xA3 + 16 * channel})\n"
-    return count + constant(control) + f"        sti r9,*+ar6({0xA0 + 16 * channel})\n" + constant(die) + "        or r9,die\n"
+    return (
+        count
+        + constant(control)
+        + f"        sti r9,*+ar6({0xA0 + 16 * channel})\n"
+        + constant(die)
+        + "        or r9,die\n"
+    )
 
 
 def ring(seed: int) -> list[Program]:
@@ -59,13 +66,20 @@ def ring_disagreement(programs: list[Program], bench: Bench) -> str | None:
             now = min(end, now + rng.uniform(0.05, 8)) if "slices" in way else end
             reason = network.run(until_us=now).reason
         # The state of a chip at its last branch shows only when the chip goes on.
-        stands = [("", "") if chip.status in ("running", "halt") else (chip.status, chip.message) for chip in network.chips]
-        chips = [(*stand, chip._core.cycle, chip._core.snapshot(), chip._core.digest()) for stand, chip in zip(stands, network.chips, strict=True)]
+        stands = [
+            ("", "") if chip.status in ("running", "halt") else (chip.status, chip.message) for chip in network.chips
+        ]
+        chips = [
+            (*stand, chip._core.cycle, chip._core.snapshot(), chip._core.digest())
+            for stand, chip in zip(stands, network.chips, strict=True)
+        ]
         found.append((reason, network.event_trace, chips))
         if found[-1] == found[0]:
             continue
         if found[-1][1] != found[0][1]:
-            pair = next(pair for pair in zip([*found[0][1], None], [*found[-1][1], None], strict=False) if pair[0] != pair[1])
+            pair = next(
+                pair for pair in zip([*found[0][1], None], [*found[-1][1], None], strict=False) if pair[0] != pair[1]
+            )
             return f"ring {seed}, {way}: {pair}"
         return f"ring {seed}, {way}: {[(a[:3], b[:3]) for a, b in zip(found[0][2], chips, strict=True) if a != b]}, {found[0][0]} {reason}"
     return None

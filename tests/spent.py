@@ -1,8 +1,8 @@
 """Processor time of each test, its subprocesses and new fixtures included: `pytest --spent FILE`.
 
 FILE gets a line for each test. `python tests/spent.py FILE` sums them by files of tests, dearest first; with a part of
-a file's name behind, it lists the tests of those files. `python tests/spent.py FILE --slow SECONDS` prints the functions
-of tests that take so long or longer: tests/slow_tests.txt, all that `pytest -m fast` leaves out.
+a file's name behind, it lists the tests of those files. `python tests/spent.py FILE --slow SECONDS` prints the
+functions of tests that take so long or longer: tests/slow_tests.txt, all that `pytest -m fast` leaves out.
 """
 
 import resource

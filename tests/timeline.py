@@ -162,7 +162,9 @@ def _draw(timeline: Timeline, raw: list[tuple[int, int, int, Any, _Sequence]]) -
             exact = notes.pop("at_ps", at * 1000)
             assert exact // 1000 == at
             inside = stack[-1] if stack else None
-            timeline.instants.append(Instant(track, name, exact, at, notes, list(event.flow_ids), list(event.terminating_flow_ids), inside))
+            timeline.instants.append(
+                Instant(track, name, exact, at, notes, list(event.flow_ids), list(event.terminating_flow_ids), inside)
+            )
     assert not any(open_slices.values()), "a slice has no end"
     for drawn_slices in timeline.slices.values():
         drawn_slices.sort(key=lambda one: (one.begin, -one.end))

@@ -12,16 +12,20 @@ def cycle_of(line: str) -> int:
 
 
 def without_operands(line: str) -> str:
-    """A line of a labelled trace as it is hashed: the instruction's mnemonics alone, so that no displacement, no immediate value and no
-    spelling of an operand enters; what the operands did stands in the registers and words that changed."""
+    """A line of a labelled trace as it is hashed: the instruction's mnemonics alone, so that no displacement, no
+    immediate value and no spelling of an operand enters; what the operands did stands in the registers and words that
+    changed."""
     start, dash, rest = line.partition(" -  ")
     instruction, semicolon, changes = rest.partition("  ;")
     mnemonics = [half.split(None, 1)[0] for half in instruction.split("||") if half.strip()]
     return start + dash + "||".join(mnemonics) + semicolon + changes
 
 
-def condensed(lines: Iterable[str], slot: int, keep: Callable[[int], bool], cycles_per_hash: int = CYCLES_PER_HASH) -> list[str]:
-    """Labelled instruction lines whose cycle is kept, and before each stretch of cycles the hash of all of its lines."""
+def condensed(
+    lines: Iterable[str], slot: int, keep: Callable[[int], bool], cycles_per_hash: int = CYCLES_PER_HASH
+) -> list[str]:
+    """Labelled instruction lines whose cycle is kept, and before each stretch of cycles the hash of all of its
+    lines."""
     out = []
     for stretch, group in groupby(lines, key=lambda line: cycle_of(line) // cycles_per_hash):
         text = list(group)

@@ -17,7 +17,9 @@ Kind = TypeVar("Kind")
 
 def refuse(name: str, value: object, right: str) -> NoReturn:
     shown = repr(value)
-    raise TypeError(f"{name}: {shown if len(shown) <= 60 else shown[:57] + '...'} ({type(value).__name__}) cannot be used; {right} is expected")
+    raise TypeError(
+        f"{name}: {shown if len(shown) <= 60 else shown[:57] + '...'} ({type(value).__name__}) cannot be used; {right} is expected"
+    )
 
 
 def mapping(name: str, value: object, right: str) -> dict[str, Any]:
@@ -56,7 +58,9 @@ def number(name: str, value: object, right: str = "a number", least: float = -ma
     if not isinstance(value, numbers.Real):
         refuse(name, value, right)
     if not float(value) >= least:  # nan is neither
-        raise ValueError(f"{name}: {value} is no {'number' if math.isnan(value) else 'possible value'}; {right} is expected")
+        raise ValueError(
+            f"{name}: {value} is no {'number' if math.isnan(value) else 'possible value'}; {right} is expected"
+        )
     return float(value)
 
 

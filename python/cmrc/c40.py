@@ -83,7 +83,13 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun):
     """
 
     def __init__(
-        self, program: Program | Path | None = None, *, board: str | Path = "default", checks: bool = False, devices: Mapping[int, Device] | None = None, boots_from: int | None = None
+        self,
+        program: Program | Path | None = None,
+        *,
+        board: str | Path = "default",
+        checks: bool = False,
+        devices: Mapping[int, Device] | None = None,
+        boots_from: int | None = None,
     ) -> None:
         self._devices = attached(devices)
         place = arguments.path("board", board, '"default", "flat" or the path of a board file')
@@ -92,7 +98,9 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun):
         elif checks:
             raise ValueError("checks: not with boots_from; a processor without a boot ROM has them")
         else:
-            core = _core.c40.Processor.bootable(place, arguments.whole("boots_from", boots_from, "a word address", 0, 2**32 - 1), self._devices)
+            core = _core.c40.Processor.bootable(
+                place, arguments.whole("boots_from", boots_from, "a word address", 0, 2**32 - 1), self._devices
+            )
         super().__init__(core, None)
         self._board, self._boots_from = place, boots_from
         if program is not None:
@@ -102,7 +110,9 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun):
         """Loads a program, or a COFF file, and sets PC to its entry. Raises CoffError; IndexError if there is no
         RAM."""
         given = read_coff(program) if isinstance(program, (str, os.PathLike)) else program
-        self.program = arguments.instance("program", given, Program, "a program, as assemble gives it, or the path of a COFF file")
+        self.program = arguments.instance(
+            "program", given, Program, "a program, as assemble gives it, or the path of a COFF file"
+        )
         self._core.load_image(self.program)
 
     def load_rom(self, path: Path, address: int, *, width: int | None = None) -> None:
@@ -159,7 +169,9 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun):
         elif name in INTERRUPT_FLAGS:
             self.registers["IIF"] |= 1 << INTERRUPT_FLAGS[name]
         else:
-            raise ValueError(f"{source} is not an interrupt that can be raised; {', '.join(('NMI', *INTERRUPT_PINS, *INTERRUPT_FLAGS))} are")
+            raise ValueError(
+                f"{source} is not an interrupt that can be raised; {', '.join(('NMI', *INTERRUPT_PINS, *INTERRUPT_FLAGS))} are"
+            )
 
     def snapshot(self) -> ChipSnapshot:
         """The whole state: registers, memory, pipeline, cache, peripherals, and the unanswered access. Raises

@@ -108,7 +108,10 @@ class _Memory:
 
     def write_floats(self, address: int, values: Sequence[float]) -> None:
         """Writes floats as words of the 32-bit single format, each rounded to the nearest."""
-        words = [float_to_single(arguments.number(f"values[{n}]", value)) for n, value in enumerate(arguments.items("values", values, "a list of numbers"))]
+        words = [
+            float_to_single(arguments.number(f"values[{n}]", value))
+            for n, value in enumerate(arguments.items("values", values, "a list of numbers"))
+        ]
         start = _place(address)
         self[start : start + len(words)] = words
 
@@ -120,7 +123,9 @@ def _register(name: object) -> str:
 def _place(where: object) -> int:
     """An address. Raises IndexError for any other value."""
     try:
-        return arguments.whole("memory", where, "an address (0 to FFFFFFFFh; address(\"label\") gives a label's) or a slice of addresses")
+        return arguments.whole(
+            "memory", where, 'an address (0 to FFFFFFFFh; address("label") gives a label\'s) or a slice of addresses'
+        )
     except ValueError as error:
         raise IndexError(str(error)) from None
 
@@ -161,7 +166,8 @@ class ChipState:
         return int(self.program.symbols[where])
 
     def port(self, number: int) -> dict[str, Any]:
-        """A communication port: ``input`` and ``output`` (FIFO contents, oldest first), ``token``, halts, ``control`` (CPCR), and words counted since the start."""
+        """A communication port: ``input`` and ``output`` (FIFO contents, oldest first), ``token``, halts, ``control``
+        (CPCR), and words counted since the start."""
         return dict(self._core.port(arguments.whole("number", number, "a port, 0 to 5,", 0, 5)))
 
     def peripheral(self, name: str) -> int:

@@ -92,7 +92,9 @@ class Register:
 
 
 def _stop(given: dict[str, Any]) -> Stop:
-    return Stop(given["reason"], given["time_ps"], given["chip"], given["text"], tuple(Hit(**hit) for hit in given["hits"]))
+    return Stop(
+        given["reason"], given["time_ps"], given["chip"], given["text"], tuple(Hit(**hit) for hit in given["hits"])
+    )
 
 
 class Debugger:
@@ -110,7 +112,9 @@ class Debugger:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self.close()
 
     def close(self) -> None:
@@ -129,9 +133,14 @@ class Debugger:
         """The addresses of a place: a number, a label, ``label+4``, or ``file.asm:LINE``. Raises DebugError."""
         if isinstance(place, int) and not isinstance(place, bool):
             return [arguments.whole("place", place, "an address", 0, 2**32 - 1)]
-        return [int(address) for address in self._d.places(chip, arguments.text("place", place, 'a label, a number or "FILE:LINE"'))]
+        return [
+            int(address)
+            for address in self._d.places(chip, arguments.text("place", place, 'a label, a number or "FILE:LINE"'))
+        ]
 
-    def break_at(self, place: int | str, *, chip: int | None = None, condition: str = "", ignore: int = 0, log: str = "") -> int:
+    def break_at(
+        self, place: int | str, *, chip: int | None = None, condition: str = "", ignore: int = 0, log: str = ""
+    ) -> int:
         """Stops before the instruction at a place, on one chip or (None) on every chip; returns the condition's number.
 
         ``condition``: an expression that must hold. ``ignore``: number of hits to ignore. ``log``: prints this text,
@@ -139,10 +148,22 @@ class Debugger:
         """
         number = -1
         for address in self.places(place, chip or 0):
-            number = self._add("code", chip=chip, address=address, condition=condition, ignore=ignore, log=log, text=str(place))
+            number = self._add(
+                "code", chip=chip, address=address, condition=condition, ignore=ignore, log=log, text=str(place)
+            )
         return number
 
-    def watch(self, place: int | str, words: int = 1, *, on: str = "write", chip: int | None = 0, condition: str = "", ignore: int = 0, log: str = "") -> int:
+    def watch(
+        self,
+        place: int | str,
+        words: int = 1,
+        *,
+        on: str = "write",
+        chip: int | None = 0,
+        condition: str = "",
+        ignore: int = 0,
+        log: str = "",
+    ) -> int:
         """Stops after an access to ``words`` words from a place on: ``write``, ``read``, ``access`` (both) or
         ``change`` (a write of another value).
 
@@ -152,17 +173,51 @@ class Debugger:
         if on not in ("write", "read", "access", "change"):
             raise ValueError(f'on: "{on}" is unknown; write, read, access or change is expected')
         count = arguments.whole("words", words, "a number of words", 1, 2**32 - 1)
-        return self._add("word", chip=chip, address=self.places(place, chip or 0)[0], words=count, on=on, condition=condition, ignore=ignore, log=log, text=str(place))
+        return self._add(
+            "word",
+            chip=chip,
+            address=self.places(place, chip or 0)[0],
+            words=count,
+            on=on,
+            condition=condition,
+            ignore=ignore,
+            log=log,
+            text=str(place),
+        )
 
     def watch_register(self, name: str, *, chip: int = 0, condition: str = "", ignore: int = 0, log: str = "") -> int:
         """Stops after an instruction that changes a register. The chip then runs instruction by instruction, many times
         slower."""
-        return self._add("register", chip=chip, name=arguments.text("name", name, "the name of a register"), condition=condition, ignore=ignore, log=log)
+        return self._add(
+            "register",
+            chip=chip,
+            name=arguments.text("name", name, "the name of a register"),
+            condition=condition,
+            ignore=ignore,
+            log=log,
+        )
 
-    def on(self, kind: str, *, chip: int | None = None, condition: str = "", ignore: int = 0, log: str = "", **fields: str | int) -> int:
+    def on(
+        self,
+        kind: str,
+        *,
+        chip: int | None = None,
+        condition: str = "",
+        ignore: int = 0,
+        log: str = "",
+        **fields: str | int,
+    ) -> int:
         """Stops at an event: ``claim``, ``miss``, ... (``happenings()``), with these fields: ``on("claim", chip=2,
         task="pid")``."""
-        return self._add("happening", chip=chip, name=kind, fields={k: str(v) for k, v in fields.items()}, condition=condition, ignore=ignore, log=log)
+        return self._add(
+            "happening",
+            chip=chip,
+            name=kind,
+            fields={k: str(v) for k, v in fields.items()},
+            condition=condition,
+            ignore=ignore,
+            log=log,
+        )
 
     def when(self, expression: str, *, chip: int = 0) -> int:
         """Stops when an expression becomes true, checked every 125 us: ``when("plant.payload_z_m < 1")``."""
@@ -267,7 +322,9 @@ class Debugger:
     def value(self, expression: str, *, chip: int | None = None) -> int | float:
         """The value of an expression: ``r0``, ``f(r1)``, ``[label + 2]``, ``chip1.pc``, ``TIMER0.counter``,
         ``plant.payload_z_m``, with operators as in C."""
-        result: int | float = self._d.evaluate(self._chip(chip), arguments.text("expression", expression, "an expression"))
+        result: int | float = self._d.evaluate(
+            self._chip(chip), arguments.text("expression", expression, "an expression")
+        )
         return result
 
     def word(self, place: int | str, *, chip: int | None = None) -> int | None:
@@ -278,11 +335,17 @@ class Debugger:
 
     def registers(self, *, chip: int | None = None) -> dict[str, Register]:
         """PC, R0 to R11, AR0 to AR7, and the other registers."""
-        return {name: Register(name, bits, value, dict(parts)) for name, bits, value, parts in self._d.registers(self._chip(chip))}
+        return {
+            name: Register(name, bits, value, dict(parts))
+            for name, bits, value, parts in self._d.registers(self._chip(chip))
+        }
 
     def peripherals(self, *, chip: int | None = None) -> dict[str, Register]:
         """Peripheral registers with their fields, and the contents of the ports' FIFOs."""
-        return {name: Register(name, bits, value, dict(parts)) for name, bits, value, parts in self._d.peripherals(self._chip(chip))}
+        return {
+            name: Register(name, bits, value, dict(parts))
+            for name, bits, value, parts in self._d.peripherals(self._chip(chip))
+        }
 
     def stack(self, *, chip: int | None = None) -> list[Frame]:
         """The calls of the present routine, the innermost first."""
@@ -292,7 +355,10 @@ class Debugger:
         """Address and text of ``count`` words."""
         number = self._chip(chip)
         first = self.places(place, number)[0]
-        return [(a, self._d.instruction(number, a) or "no memory") for a in range(first, first + arguments.whole("count", count, "a number of words", 1, 100_000))]
+        return [
+            (a, self._d.instruction(number, a) or "no memory")
+            for a in range(first, first + arguments.whole("count", count, "a number of words", 1, 100_000))
+        ]
 
     def describe(self, *, chip: int | None = None) -> str:
         """The state of a chip in one sentence."""

@@ -42,7 +42,13 @@ class Scene:
         """For a terminal."""
         table = [list(self.header), *self.rows]
         widths = [max(len(row[i]) for row in table) for i in range(len(self.header))]
-        lines = ["  " + "  ".join(cell.ljust(w) if i == 0 else cell.rjust(w) for i, (cell, w) in enumerate(zip(row, widths, strict=True))) for row in table]
+        lines = [
+            "  "
+            + "  ".join(
+                cell.ljust(w) if i == 0 else cell.rjust(w) for i, (cell, w) in enumerate(zip(row, widths, strict=True))
+            )
+            for row in table
+        ]
         return "\n".join([self.title, self.sentence, *lines, self.conclusion, ""])
 
     def page(self) -> str:
@@ -66,7 +72,9 @@ def _one(job: tuple[dict[str, Setting], float]) -> dict[str, Any]:
     return Simulation(settings={**settings, **QUIET, "duration_s": duration_s}, reference=_reference).run().report
 
 
-def _side_by_side(settings: Settings, changes: Sequence[Settings], duration_s: float, *, shared: bool) -> list[dict[str, Any]]:
+def _side_by_side(
+    settings: Settings, changes: Sequence[Settings], duration_s: float, *, shared: bool
+) -> list[dict[str, Any]]:
     """The reports of runs that differ by ``changes``, two at a time; ``shared``: one ideal run serves all of them."""
     global _reference
     jobs = [({**settings, **change}, duration_s) for change in changes]
@@ -98,7 +106,16 @@ def _length(metres: float) -> str:
     return f"{metres * 1e3:.2f} mm" if metres < 1 else f"{metres:.2f} m"
 
 
-COST = ("f_p missed", "f_p realised", "worst second", "f_t missed", "f_t realised", "load error", "of doing nothing", "lag")
+COST = (
+    "f_p missed",
+    "f_p realised",
+    "worst second",
+    "f_t missed",
+    "f_t realised",
+    "load error",
+    "of doing nothing",
+    "lag",
+)
 
 
 def _cost(report: Mapping[str, Any]) -> list[str]:
@@ -132,7 +149,9 @@ def one_long_block() -> Scene:
         identify = report["tasks"]["identify"]["response_ps"]["worst"] * 1e-9
         scene.rows.append([str(n), str(servo), f"{identify:.2f} ms", *_cost(report)])
     missed = [row[1] for row in scene.rows]
-    scene.conclusion = f"With one DSP {missed[0]} blocks of the servo wait too long behind identify; a second DSP leaves {missed[1]}."
+    scene.conclusion = (
+        f"With one DSP {missed[0]} blocks of the servo wait too long behind identify; a second DSP leaves {missed[1]}."
+    )
     return scene
 
 
@@ -146,7 +165,9 @@ def vehicles_together() -> Scene:
         ("DSPs", "avoidance missed", *COST),
     )
     for n, report in zip(counts, reports, strict=True):
-        scene.rows.append([str(n), _percent(report["errors"]["demand"]["obstacle_avoidance"]["missed_share"]), *_cost(report)])
+        scene.rows.append(
+            [str(n), _percent(report["errors"]["demand"]["obstacle_avoidance"]["missed_share"]), *_cost(report)]
+        )
     enough = next((row[0] for row in scene.rows if {row[1], row[2], row[5]} == {NONE}), None)
     scene.conclusion = f"{enough} DSPs are needed for no miss." if enough else "Not even 6 DSPs do without a miss."
     return scene
@@ -165,8 +186,14 @@ def vehicles_apart() -> Scene:
         "The vehicles' instants are staggered over the 20 ms; or at most 2 long blocks run at a time; or long blocks are cut into slices of 0.4 ms.",
         ("3 DSPs", "avoidance missed", *COST),
     )
-    for (name, remedy), report in zip(remedies.items(), _side_by_side({**TOGETHER, "machine.dsps": 3}, list(remedies.values()), 2.0, shared=False), strict=True):
-        scene.rows.append([name, _percent(report["errors"]["demand"]["obstacle_avoidance"]["missed_share"]), *_cost(report)])
+    for (name, remedy), report in zip(
+        remedies.items(),
+        _side_by_side({**TOGETHER, "machine.dsps": 3}, list(remedies.values()), 2.0, shared=False),
+        strict=True,
+    ):
+        scene.rows.append(
+            [name, _percent(report["errors"]["demand"]["obstacle_avoidance"]["missed_share"]), *_cost(report)]
+        )
     good = [row[0] for row in scene.rows[1:] if {row[1], row[2], row[5]} == {NONE}]
     scene.conclusion = f"No miss with 3 DSPs: {'; '.join(good)}." if good else "With 3 DSPs no remedy is enough."
     return scene
@@ -189,7 +216,9 @@ def killed() -> Scene:
         after = f"{(noticed[0] - time_s) * 1e3:.2f} ms" if noticed else "-"
         scene.rows.append([name, after, str(report["host"]["recomputed"]), *_cost(report)])
         lost += sum(int(task["lost"]) for task in report["tasks"].values())
-    scene.conclusion = f"{lost} blocks are lost." if lost else "No block is lost: the DSP that is left runs every block to its end."
+    scene.conclusion = (
+        f"{lost} blocks are lost." if lost else "No block is lost: the DSP that is left runs every block to its end."
+    )
     return scene
 
 
@@ -200,10 +229,20 @@ def plugged_in(recorded: Path) -> Scene:
         "One DSP whose cycles take 10 times as long misses much of the servo. After 2 s a second one of the kind is put into the empty slot, and boots by itself.",
         ("", "blocks taken by the new DSP", *COST),
     )
-    slow: dict[str, Setting] = {"machine.dsps": 1, "machine.slots": 2, "machine.cycle_time_factor": 10, "duration_s": 6.0, "report.misses_max": 0}
+    slow: dict[str, Setting] = {
+        "machine.dsps": 1,
+        "machine.slots": 2,
+        "machine.cycle_time_factor": 10,
+        "duration_s": 6.0,
+        "report.misses_max": 0,
+    }
     alone = Simulation(settings=slow)
     without = alone.run()
-    helped = Simulation(settings={**slow, "report.misses_max": 1000}, events=[{"at_s": 2.0, "action": "plug", "dsp": 1}], reference=alone.reference())
+    helped = Simulation(
+        settings={**slow, "report.misses_max": 1000},
+        events=[{"at_s": 2.0, "action": "plug", "dsp": 1}],
+        reference=alone.reference(),
+    )
     helped.record()
     result: Result = helped.run()
     helped.write_page(recorded, "Scene 5: a DSP is plugged in")

@@ -50,11 +50,23 @@ class Attached:
         self.where = f"the device {self.name} at {base:X}h"
         for method in ("read", "write"):
             if not callable(getattr(device, method, None)):
-                raise TypeError(f"devices: the one at {base:X}h has no {method}(); a device has words, read(offset, cycle) and write(offset, value, cycle)")
-        self.words = arguments.whole(f"devices: words of the one at {base:X}h", getattr(device, "words", None), "a number of words", 1, 2**32 - base)
-        self.waits = arguments.whole(f"devices: waits of the one at {base:X}h", getattr(device, "waits", 0), "a number of cycles", 0, 1_000_000)
+                raise TypeError(
+                    f"devices: the one at {base:X}h has no {method}(); a device has words, read(offset, cycle) and write(offset, value, cycle)"
+                )
+        self.words = arguments.whole(
+            f"devices: words of the one at {base:X}h",
+            getattr(device, "words", None),
+            "a number of words",
+            1,
+            2**32 - base,
+        )
+        self.waits = arguments.whole(
+            f"devices: waits of the one at {base:X}h", getattr(device, "waits", 0), "a number of cycles", 0, 1_000_000
+        )
         self.pin = self._pin(getattr(device, "pin", None))
-        self.acts_on_others = arguments.flag(f"devices: acts_on_others of the one at {base:X}h", getattr(device, "acts_on_others", False))
+        self.acts_on_others = arguments.flag(
+            f"devices: acts_on_others of the one at {base:X}h", getattr(device, "acts_on_others", False)
+        )
         self.has_state = all(callable(getattr(device, method, None)) for method in ("save", "load"))
 
     def _pin(self, pin: object) -> str | None:
@@ -63,7 +75,9 @@ class Attached:
         if pin not in PINS:
             raise ValueError(f"devices: pin of the one at {self.base:X}h: {', '.join(PINS)} is expected, not {pin!r}")
         if not callable(getattr(self.device, "interrupts", None)):
-            raise TypeError(f"devices: the one at {self.base:X}h has a pin, and no interrupts() to say whether it pulls the pin low")
+            raise TypeError(
+                f"devices: the one at {self.base:X}h has a pin, and no interrupts() to say whether it pulls the pin low"
+            )
         return str(pin)
 
     @contextmanager
@@ -85,7 +99,12 @@ class Attached:
 
     def read(self, offset: int, cycle: int) -> int:
         with self._named(f"read({offset}, cycle {cycle})"):
-            return arguments.whole("what read() gives", self.device.read(offset, cycle), "a 32-bit word", -(1 << 31), (1 << 32) - 1) & 0xFFFF_FFFF
+            return (
+                arguments.whole(
+                    "what read() gives", self.device.read(offset, cycle), "a 32-bit word", -(1 << 31), (1 << 32) - 1
+                )
+                & 0xFFFF_FFFF
+            )
 
     def write(self, offset: int, value: int, cycle: int) -> None:
         with self._named(f"write({offset}, {value:X}h, cycle {cycle})"):
@@ -101,7 +120,11 @@ class Attached:
             return None
         with self._named("next_event()"):
             found = ask()
-            return None if found is None else arguments.whole("what next_event() gives", found, "a cycle, or None,", 0, 2**62)
+            return (
+                None
+                if found is None
+                else arguments.whole("what next_event() gives", found, "a cycle, or None,", 0, 2**62)
+            )
 
     def interrupts(self) -> bool:
         if self.pin is None:
@@ -141,7 +164,9 @@ def refuse_call_that_acts(call: str) -> None:
     """Raises RuntimeError for a call from inside a device that does not declare that it acts on others."""
     device = getattr(_calls, "device", None)
     if device is not None and not device.acts_on_others:
-        raise RuntimeError(f"{call}() from inside {device.where}: that is possible for a device with acts_on_others = True (docs/boards.md)")
+        raise RuntimeError(
+            f"{call}() from inside {device.where}: that is possible for a device with acts_on_others = True (docs/boards.md)"
+        )
 
 
 class OneRun:
@@ -170,7 +195,11 @@ class Front:
 
     def type(self, text: str | bytes) -> None:
         """Characters for the console of the board file, after those that wait."""
-        self._core.type(text.encode("latin-1") if isinstance(text, str) else bytes(arguments.instance("text", text, bytes, "text or bytes")))
+        self._core.type(
+            text.encode("latin-1")
+            if isinstance(text, str)
+            else bytes(arguments.instance("text", text, bytes, "text or bytes"))
+        )
 
     @property
     def console(self) -> bytes:
@@ -184,19 +213,25 @@ class Front:
 
     @property
     def not_modelled(self) -> list[tuple[str, int, str]]:
-        """(name, cycle, what) of what the program asked of a device of the board file that the device does not do: what, and the first time."""
+        """(name, cycle, what) of what the program asked of a device of the board file that the device does not do:
+        what, and the first time."""
         return list(self._core.not_modelled)
 
     def send(self, name: str, words: Sequence[int]) -> None:
         """Words from a FIFO or mailbox of the board file to the program, after those that wait. Raises ValueError for
         an unknown name, with the known ones."""
-        given = [arguments.whole(f"words[{n}]", word, "a 32-bit word") for n, word in enumerate(arguments.items("words", words, "a list of words"))]
+        given = [
+            arguments.whole(f"words[{n}]", word, "a 32-bit word")
+            for n, word in enumerate(arguments.items("words", words, "a list of words"))
+        ]
         self._core.send(arguments.text("name", name, "the name of a device"), given)
 
     def send_script(self, name: str, script: str) -> None:
         """The same by a host script (docs/boards.md, Host scripts). Raises ValueError, with the line, for a text that
         is not a script."""
-        self._core.send_script(arguments.text("name", name, "the name of a device"), arguments.text("script", script, "a host script"))
+        self._core.send_script(
+            arguments.text("name", name, "the name of a device"), arguments.text("script", script, "a host script")
+        )
 
     def sent(self, name: str) -> list[int]:
         """Words that a FIFO, mailbox or console has sent. Raises ValueError for an unknown name, with the known

@@ -54,7 +54,9 @@ def built_in_tasks() -> tuple[str, ...]:
 
 
 def of_configuration(
-    config: str | os.PathLike[str], settings: Mapping[str, Setting] | None = None, on_progress: Callable[[float, float], object] | None = None
+    config: str | os.PathLike[str],
+    settings: Mapping[str, Setting] | None = None,
+    on_progress: Callable[[float, float], object] | None = None,
 ) -> Iterator[pa.RecordBatch]:
     """Runs a configuration and yields its events in batches of 0.1 s. ``on_progress(simulated_s, duration_s)`` is
     called for each. Raises ConfigError, ImportError."""
@@ -81,7 +83,7 @@ def of_trace(path: str | os.PathLike[str]) -> Iterator[pa.RecordBatch]:
     numbers = {name: number for number, (name, _) in _core.report.event_names().items()}
     with open(path, encoding="utf-8", errors="strict") as lines:
         if lines.readline().rstrip("\n") != HEADER:
-            raise ValueError(f"{path}: line 1: not an event trace; one begins with \"{HEADER}\"")
+            raise ValueError(f'{path}: line 1: not an event trace; one begins with "{HEADER}"')
         rows: list[tuple[int, str, str, dict[str, int]]] = []
         for number, line in enumerate(lines, 2):
             if line.startswith("#") or not line.strip():
@@ -89,7 +91,9 @@ def of_trace(path: str | os.PathLike[str]) -> Iterator[pa.RecordBatch]:
             try:
                 rows.append(_row(line, numbers))
             except (ValueError, IndexError) as error:
-                raise ValueError(f"{path}: line {number}: not a line of an event trace: {line.rstrip()[:80]!r}") from error
+                raise ValueError(
+                    f"{path}: line {number}: not a line of an event trace: {line.rstrip()[:80]!r}"
+                ) from error
             if len(rows) == BATCH:
                 yield _batch_of_rows(pa, rows, tasks)
                 rows = []
@@ -110,8 +114,14 @@ def _row(line: str, numbers: Mapping[str, int]) -> tuple[int, str, str, dict[str
     return int(seconds) * 10**12 + int(fraction), component, event, arguments
 
 
-def _batch_of_rows(pa: Any, rows: list[tuple[int, str, str, dict[str, int]]], tasks: Mapping[int, str]) -> pa.RecordBatch:
-    columns: Columns = {"time_ps": [row[0] for row in rows], "component": [row[1] for row in rows], "event": [row[2] for row in rows]}
+def _batch_of_rows(
+    pa: Any, rows: list[tuple[int, str, str, dict[str, int]]], tasks: Mapping[int, str]
+) -> pa.RecordBatch:
+    columns: Columns = {
+        "time_ps": [row[0] for row in rows],
+        "component": [row[1] for row in rows],
+        "event": [row[2] for row in rows],
+    }
     columns["task"] = [tasks.get(arguments["kind"]) if event in OF_TASKS else None for _, _, event, arguments in rows]
     for name in argument_columns():
         columns[name] = [row[3].get(name) for row in rows]
@@ -121,7 +131,9 @@ def _batch_of_rows(pa: Any, rows: list[tuple[int, str, str, dict[str, int]]], ta
 def _batch(pa: Any, events: NDArray[Any], tasks: Mapping[int, str]) -> pa.RecordBatch:
     kinds = _core.report.event_names()
     columns: Columns = {"time_ps": events["time"]}
-    columns["component"] = _named(pa, events["component"], {int(c): _core.report.component_name(int(c)) for c in np.unique(events["component"])})
+    columns["component"] = _named(
+        pa, events["component"], {int(c): _core.report.component_name(int(c)) for c in np.unique(events["component"])}
+    )
     columns["event"] = _named(pa, events["event"], {number: name for number, (name, _) in kinds.items()})
     values = {name: np.zeros(len(events), np.int64) for name in argument_columns()}
     there = {name: np.zeros(len(events), bool) for name in values}
@@ -146,12 +158,19 @@ def _named(pa: Any, numbers: NDArray[Any], names: Mapping[int, str]) -> Any:
     known = list(names)
     place = {number: i for i, number in enumerate(known)}
     index = np.array([place.get(int(n), -1) for n in range(-1, 1 << 16)], np.int32)[numbers.astype(np.int64) + 1]
-    return pa.DictionaryArray.from_arrays(pa.array(index, mask=index < 0), pa.array([names[n] for n in known], pa.string()))
+    return pa.DictionaryArray.from_arrays(
+        pa.array(index, mask=index < 0), pa.array([names[n] for n in known], pa.string())
+    )
 
 
 def _of_columns(pa: Any, columns: Columns) -> pa.RecordBatch:
     text = ("component", "event", "task")
-    arrays = [pa.array(column, pa.string()) if name in text and isinstance(column, list) else pa.array(column, None if name in text else pa.int64()) for name, column in columns.items()]
+    arrays = [
+        pa.array(column, pa.string())
+        if name in text and isinstance(column, list)
+        else pa.array(column, None if name in text else pa.int64())
+        for name, column in columns.items()
+    ]
     arrays = [array.cast(pa.string()) if name in text else array for name, array in zip(columns, arrays, strict=True)]
     order = ["time_ps", *text, *argument_columns()]
     batch = pa.RecordBatch.from_arrays(arrays, names=list(columns))

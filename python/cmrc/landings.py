@@ -1,7 +1,7 @@
 """Landings in wind: ``python -m cmrc.landings`` prints the table of docs/wind.md.
 
-Each run is the dock's first container, taken from the ship and set down on a vehicle by the DSPs: two landings. What counts is what the
-plant says of them (`Dock::handover`), not what the controller thinks.
+Each run is the dock's first container, taken from the ship and set down on a vehicle by the DSPs: two landings. What
+counts is what the plant says of them (`Dock::handover`), not what the controller thinks.
 """
 
 from __future__ import annotations
@@ -59,7 +59,8 @@ class Run:
 def land(
     mean_m_s: float, mass_kg: float, direction_deg: float, seed: int, limit_s: float = 300.0, **settings: Any
 ) -> Run:
-    """One container from the ship to the vehicle, in at most ``limit_s`` of simulated time. Wind in m/s, towards a direction in degrees.
+    """One container from the ship to the vehicle, in at most ``limit_s`` of simulated time. Wind in m/s, towards a
+    direction in degrees.
 
     Raises ConfigError for settings that cannot be.
     """

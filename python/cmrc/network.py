@@ -116,7 +116,8 @@ class Chip(ChipState, AccessesToNothing, Front):
 
     @property
     def status(self) -> str:
-        """``running``, ``waiting`` (for a port or a shared memory), ``sleeping`` (a port can wake it), ``halt``, ``idle``, ``until``, ``fault``, ``external_access``, ``held`` or ``pulled_out``."""
+        """``running``, ``waiting`` (for a port or a shared memory), ``sleeping`` (a port can wake it), ``halt``,
+        ``idle``, ``until``, ``fault``, ``external_access``, ``held`` or ``pulled_out``."""
         return str(self._core.status)
 
     @property
@@ -191,7 +192,11 @@ class Network(OneRun):
         record_words: bool = False,
         record_peripherals: bool = False,
     ) -> None:
-        given = [programs] if isinstance(programs, (str, os.PathLike, Program)) else arguments.items("programs", programs, "a program or a list of programs")
+        given = (
+            [programs]
+            if isinstance(programs, (str, os.PathLike, Program))
+            else arguments.items("programs", programs, "a program or a list of programs")
+        )
         images = [_program(program) for program in given]
         count = len(images)
         if topology is not None and count == 1:
@@ -199,18 +204,42 @@ class Network(OneRun):
         images = images * count if len(images) == 1 else images
         if len(images) != count:
             raise NetworkError(f"{len(images)} programs for {count} chips")
-        board = [arguments.path("boards", each, '"default", "flat" or the path of a board file') for each in _each(boards, count, "boards")]
-        clock = [None if each is None else arguments.number("clocks_mhz", each, "a number of MHz") for each in _each(clocks_mhz, count, "clocks_mhz")]
-        name = [arguments.text("names", each, "the name of a chip") for each in arguments.items("names", names, "a list of names")] or [""] * count
+        board = [
+            arguments.path("boards", each, '"default", "flat" or the path of a board file')
+            for each in _each(boards, count, "boards")
+        ]
+        clock = [
+            None if each is None else arguments.number("clocks_mhz", each, "a number of MHz")
+            for each in _each(clocks_mhz, count, "clocks_mhz")
+        ]
+        name = [
+            arguments.text("names", each, "the name of a chip")
+            for each in arguments.items("names", names, "a list of names")
+        ] or [""] * count
         if len(name) != count:
             raise NetworkError(f"{len(name)} names for {count} chips")
         chips: list[dict[str, Any]] = [
-            {"program": image, "board": board[n], "clock_mhz": clock[n], "name": name[n], "until": _address(image, until), "boot": n in boots}
+            {
+                "program": image,
+                "board": board[n],
+                "clock_mhz": clock[n],
+                "name": name[n],
+                "until": _address(image, until),
+                "boot": n in boots,
+            }
             for n, image in enumerate(images)
         ]
-        wires = [_wire(f"links[{n}]", link) for n, link in enumerate(arguments.items("links", links, "a list of links"))]
-        shared = [_shared(f"memories[{n}]", memory) for n, memory in enumerate(arguments.items("memories", memories, "a list of SharedMemory"))]
-        joined = [arguments.text(f"nets[{n}]", net, 'a net as "0.TCLK0>1.IIOF1"') for n, net in enumerate(arguments.items("nets", nets, "a list of nets"))]
+        wires = [
+            _wire(f"links[{n}]", link) for n, link in enumerate(arguments.items("links", links, "a list of links"))
+        ]
+        shared = [
+            _shared(f"memories[{n}]", memory)
+            for n, memory in enumerate(arguments.items("memories", memories, "a list of SharedMemory"))
+        ]
+        joined = [
+            arguments.text(f"nets[{n}]", net, 'a net as "0.TCLK0>1.IIOF1"')
+            for n, net in enumerate(arguments.items("nets", nets, "a list of nets"))
+        ]
         order = arguments.whole("turn_order", turn_order, "a seed", 0, 2**64 - 1)
         own = _devices(devices, count)
 
@@ -220,21 +249,30 @@ class Network(OneRun):
                 chip["devices"] = own[n]
             core = _core.network.Network(chips, wires, topology, shared, joined, order)
             its, met = own, dict[int, Any]()
-            own = [attached(copied(places, met)) for places in own]  # devices of a fork, made before they know this network
+            own = [
+                attached(copied(places, met)) for places in own
+            ]  # devices of a fork, made before they know this network
             return core, its
 
         self._take(make, record_words, record_peripherals)
 
     @classmethod
-    def from_file(cls, path: Path, *, turn_order: int = 0, record_words: bool = False, record_peripherals: bool = False) -> Network:
+    def from_file(
+        cls, path: Path, *, turn_order: int = 0, record_words: bool = False, record_peripherals: bool = False
+    ) -> Network:
         """A network from a TOML file (docs/networks.md, Files), the same as for ``emulator exec --network``. Raises
         NetworkError, with file and line."""
         network = cls.__new__(cls)
-        file, order = arguments.path("path", path, "the path of a network file"), arguments.whole("turn_order", turn_order, "a seed", 0, 2**64 - 1)
+        file, order = (
+            arguments.path("path", path, "the path of a network file"),
+            arguments.whole("turn_order", turn_order, "a seed", 0, 2**64 - 1),
+        )
         network._take(lambda: (_core.network.Network(file, _program, order), []), record_words, record_peripherals)
         return network
 
-    def _take(self, make: Callable[[], tuple[Any, list[list[Attached]]]], record_words: bool, record_peripherals: bool) -> None:
+    def _take(
+        self, make: Callable[[], tuple[Any, list[list[Attached]]]], record_words: bool, record_peripherals: bool
+    ) -> None:
         self._made = make, record_words, record_peripherals  # for fork
         self._core, devices = make()
         core = self._core
@@ -249,11 +287,17 @@ class Network(OneRun):
         """Executes everything before an instant (from the start of the network, in microseconds), or before
         ``max_cycles`` of chip 0."""
         if until_us is None:
-            limit = arguments.whole("max_cycles", max_cycles, f"a number of cycles, 0 to {MOST_CYCLES},", 0, MOST_CYCLES) * 10**12 // round(self._core.chip(0).hertz)
+            limit = (
+                arguments.whole("max_cycles", max_cycles, f"a number of cycles, 0 to {MOST_CYCLES},", 0, MOST_CYCLES)
+                * 10**12
+                // round(self._core.chip(0).hertz)
+            )
         else:
             limit = _instant("until_us", until_us)
             if limit < self.now_ps:
-                raise ValueError(f"until_us: {until_us} us has passed, the network is at {self.now_ps / 1e6} us; a later instant is expected")
+                raise ValueError(
+                    f"until_us: {until_us} us has passed, the network is at {self.now_ps / 1e6} us; a later instant is expected"
+                )
         with self._run("run"):
             reason, time = self._core.run_until(limit)
         return NetworkStop(reason, time)
@@ -269,7 +313,16 @@ class Network(OneRun):
         out = []
         for n in range(self._core.link_count):
             link = self._core.link(n)
-            out.append(Link(link["a"], link["b"], link["cut"], link["token_lost"], Traffic(**link["forth"]), Traffic(**link["back"])))
+            out.append(
+                Link(
+                    link["a"],
+                    link["b"],
+                    link["cut"],
+                    link["token_lost"],
+                    Traffic(**link["forth"]),
+                    Traffic(**link["back"]),
+                )
+            )
         return out
 
     @property
@@ -299,7 +352,10 @@ class Network(OneRun):
 
     def write_memory(self, number: int, at: int, words: Sequence[int]) -> None:
         """Writes words of a shared memory from word ``at`` on. Raises IndexError."""
-        content = [arguments.whole(f"words[{n}]", word, "a 32-bit word") for n, word in enumerate(arguments.items("words", words, "a list of words"))]
+        content = [
+            arguments.whole(f"words[{n}]", word, "a 32-bit word")
+            for n, word in enumerate(arguments.items("words", words, "a list of words"))
+        ]
         self._core.set_memory_words(self._memory(number), arguments.whole("at", at, "the number of a word"), content)
 
     def _memory(self, number: object) -> int:
@@ -372,7 +428,9 @@ class Network(OneRun):
         kind = "open" if level is None else "high" if arguments.flag("level", level) else "low"
         self._core.schedule(kind, _instant("at_us", at_us), self._net(net))
 
-    def pulse(self, net: int | str, at_us: float, *, width_us: float, period_us: float | None = None, count: int | None = None) -> None:
+    def pulse(
+        self, net: int | str, at_us: float, *, width_us: float, period_us: float | None = None, count: int | None = None
+    ) -> None:
         """Makes a net leave its level at rest for ``width_us``; with ``period_us`` repeatedly, or ``count`` times."""
         refuse_call_that_acts("pulse")
         width = arguments.number("width_us", width_us, "a duration in us", 0.0)
@@ -381,7 +439,11 @@ class Network(OneRun):
         self._core.schedule_pulses(_instant("at_us", at_us), self._net(net), width, period, pulses)
 
     def _net(self, net: object) -> int:
-        return int(self._core.net_named(net)) if isinstance(net, str) else arguments.whole("net", net, "the name or number of a net", 0, 2**31 - 1)
+        return (
+            int(self._core.net_named(net))
+            if isinstance(net, str)
+            else arguments.whole("net", net, "the name or number of a net", 0, 2**31 - 1)
+        )
 
     def _schedule(self, kind: str, target: object, at_us: float) -> None:
         refuse_call_that_acts(kind)
@@ -408,7 +470,11 @@ def _address(program: Program, where: int | str | None) -> int | None:
 
 def _instant(name: str, microseconds: float) -> int:
     """An instant in ps, within 64 bits."""
-    found = round(arguments.number(name, microseconds, "an instant in us, 0 to 9e12,", 0.0) * 1e6) if microseconds != math.inf else 2**63
+    found = (
+        round(arguments.number(name, microseconds, "an instant in us, 0 to 9e12,", 0.0) * 1e6)
+        if microseconds != math.inf
+        else 2**63
+    )
     if found > 9 * 10**18:
         raise ValueError(f"{name}: {microseconds} us is out of range; an instant in us, 0 to 9e12, is expected")
     return found
@@ -421,7 +487,10 @@ def _wire(name: str, link: object) -> tuple[str, dict[str, Any]]:
     if not isinstance(link, (tuple, list)) or len(link) != 2 or not isinstance(link[0], str):
         arguments.refuse(name, link, right)
     cycles = arguments.mapping(name, link[1], right)
-    return link[0], {key: arguments.whole(f"{name}, {key}", value, "a number of cycles", 0, 2**31 - 1) for key, value in cycles.items()}
+    return link[0], {
+        key: arguments.whole(f"{name}, {key}", value, "a number of cycles", 0, 2**31 - 1)
+        for key, value in cycles.items()
+    }
 
 
 def _shared(name: str, memory: object) -> dict[str, Any]:
@@ -434,7 +503,13 @@ def _shared(name: str, memory: object) -> dict[str, Any]:
         "waits": arguments.whole(f"{name}.waits", m.waits, "a number of cycles", 0, 2**31 - 1),
         "dual_port": arguments.flag(f"{name}.dual_port", m.dual_port),
         "pins": [_pin(f"{name}.pins", (m.pins or {}).get(chip)) for chip in m.places],
-        "places": [(arguments.whole(f"{name}.places", chip, "the number of a chip"), arguments.whole(f"{name}.places", at, "an address")) for chip, at in m.places.items()],
+        "places": [
+            (
+                arguments.whole(f"{name}.places", chip, "the number of a chip"),
+                arguments.whole(f"{name}.places", at, "an address"),
+            )
+            for chip, at in m.places.items()
+        ],
     }
 
 
@@ -449,12 +524,16 @@ def _devices(given: object, count: int) -> list[list[Attached]]:
         arguments.refuse("devices", given, "a dictionary of chips, each with a dictionary of addresses and devices,")
     own: list[list[Attached]] = [[] for _ in range(count)]
     for chip, places in (given or {}).items():
-        own[arguments.whole("devices", chip, f"the number of a chip, 0 to {count - 1},", 0, count - 1)] = attached(places)
+        own[arguments.whole("devices", chip, f"the number of a chip, 0 to {count - 1},", 0, count - 1)] = attached(
+            places
+        )
     seen: dict[int, int] = {}
     for number, mine in enumerate(own):
         for place in mine:
             if seen.setdefault(id(place.device), number) != number and not place.acts_on_others:
-                raise ValueError(f"devices: {place.where} is attached to chips {seen[id(place.device)]} and {number}; only a device with acts_on_others = True can be (docs/boards.md)")
+                raise ValueError(
+                    f"devices: {place.where} is attached to chips {seen[id(place.device)]} and {number}; only a device with acts_on_others = True can be (docs/boards.md)"
+                )
     return own
 
 
@@ -469,4 +548,17 @@ def _each(given: Any, count: int, what: str) -> list[Any]:
     return values
 
 
-__all__ = ["Chip", "ChipSnapshot", "Event", "Link", "Net", "Network", "NetworkError", "NetworkStop", "PeripheralEvent", "SharedMemory", "SnapshotError", "Traffic"]
+__all__ = [
+    "Chip",
+    "ChipSnapshot",
+    "Event",
+    "Link",
+    "Net",
+    "Network",
+    "NetworkError",
+    "NetworkStop",
+    "PeripheralEvent",
+    "SharedMemory",
+    "SnapshotError",
+    "Traffic",
+]

@@ -21,9 +21,32 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["cdf", "cost", "deadlines", "gantt", "grid", "histogram", "joints", "load_error", "misses", "overview", "plan", "sheet", "side", "sway", "tracking"]
+__all__ = [
+    "cdf",
+    "cost",
+    "deadlines",
+    "gantt",
+    "grid",
+    "histogram",
+    "joints",
+    "load_error",
+    "misses",
+    "overview",
+    "plan",
+    "sheet",
+    "side",
+    "sway",
+    "tracking",
+]
 
-JOINTS = {"s_m": "gantry, m", "psi_rad": "slew, rad", "phi_rad": "luff, rad", "trolley_m": "trolley, m", "l_m": "rope, m", "kappa_rad": "rotator, rad"}
+JOINTS = {
+    "s_m": "gantry, m",
+    "psi_rad": "slew, rad",
+    "phi_rad": "luff, rad",
+    "trolley_m": "trolley, m",
+    "l_m": "rope, m",
+    "kappa_rad": "rotator, rad",
+}
 
 
 MET_MISSED = {"all met": "#a9cfe0", "one missed": "#a03000"}
@@ -38,7 +61,8 @@ def _edges(recording: Recording) -> list[float]:
 
 
 def plan(recording: Recording, axes: Axes) -> None:
-    """From above: ship, fixed boxes, the crane's legs, containers, lanes, the load's path, the AGVs' paths with their outlines at the end."""
+    """From above: ship, fixed boxes, the crane's legs, containers, lanes, the load's path, the AGVs' paths with their
+    outlines at the end."""
     from matplotlib.patches import Circle, Polygon
     from matplotlib.transforms import ScaledTranslation
 
@@ -50,21 +74,36 @@ def plan(recording: Recording, axes: Axes) -> None:
         axes.add_patch(Polygon(turned, closed=True, **style))
 
     for box in [layout["ship"], *layout["boxes"]]:
-        outline((box[0] + box[1]) / 2, (box[2] + box[3]) / 2, 0.0, box[1] - box[0], box[3] - box[2], fc="0.85", ec="0.5")
+        outline(
+            (box[0] + box[1]) / 2, (box[2] + box[3]) / 2, 0.0, box[1] - box[0], box[3] - box[2], fc="0.85", ec="0.5"
+        )
     for x, y, _, yaw in layout["containers"]:
         outline(x, y, yaw, *layout["size"][:2], fc="tab:orange", ec="k", alpha=0.5)
     for x, y, heading, length, curvature in layout["lanes"]:
         d = np.linspace(0.0, length, 40)
         h = heading + curvature * d
         if curvature:
-            axes.plot(x + (np.sin(h) - np.sin(heading)) / curvature, y - (np.cos(h) - np.cos(heading)) / curvature, "0.8", lw=4)
+            axes.plot(
+                x + (np.sin(h) - np.sin(heading)) / curvature,
+                y - (np.cos(h) - np.cos(heading)) / curvature,
+                "0.8",
+                lw=4,
+            )
         else:
             axes.plot(x + d * np.cos(heading), y + d * np.sin(heading), "0.8", lw=4)
     axes.plot(signals["payload_x_m"], signals["payload_y_m"], lw=1, label="load", **style(0))
     for i in range(layout["agv"]["count"]):
         x, y = signals[f"agv{i}_x_m"], signals[f"agv{i}_y_m"]
         (path,) = axes.plot(x, y, lw=1.2, label=f"AGV {i}", **style(1 + i))
-        outline(x[-1], y[-1], signals[f"agv{i}_heading_rad"][-1], layout["agv"]["length"], layout["agv"]["width"], fill=False, ec=path.get_color())
+        outline(
+            x[-1],
+            y[-1],
+            signals[f"agv{i}_heading_rad"][-1],
+            layout["agv"]["length"],
+            layout["agv"]["width"],
+            fill=False,
+            ec=path.get_color(),
+        )
     portal = layout["crane"]["portal"]
     for rail in portal["rails"]:
         for along in (portal["along"], -portal["along"]):
@@ -74,7 +113,11 @@ def plan(recording: Recording, axes: Axes) -> None:
         axes.plot(x, y, "tab:red", lw=0.8, ls=":", label="obstacles" if i == 0 else None)
         axes.add_patch(Circle((x[-1], y[-1]), radius, fc="tab:red", ec="k", alpha=0.6))
     axes.set(aspect="equal", xlabel="x, m", ylabel="y, m", title="plan")
-    below = axes.transAxes + ScaledTranslation(0.0, -0.45, figure.dpi_scale_trans) if (figure := axes.get_figure()) else axes.transAxes
+    below = (
+        axes.transAxes + ScaledTranslation(0.0, -0.45, figure.dpi_scale_trans)
+        if (figure := axes.get_figure())
+        else axes.transAxes
+    )
     axes.legend(fontsize=7, ncols=5, loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=below, frameon=False)
 
 
@@ -83,10 +126,17 @@ def side(recording: Recording, axes: Axes) -> None:
     signals, layout = recording.signals, recording.header["layout"]
     ship = layout["ship"]
     axes.fill([ship[2], ship[3], ship[3], ship[2]], [0, 0, ship[5], ship[5]], color="0.85")
-    axes.plot(signals["tip_y_m"], signals["tip_z_m"], "0.5", lw=1, label="trolley" if "trolley_m" in signals else "jib tip")
+    axes.plot(
+        signals["tip_y_m"], signals["tip_z_m"], "0.5", lw=1, label="trolley" if "trolley_m" in signals else "jib tip"
+    )
     axes.plot(signals["payload_y_m"], signals["payload_z_m"], lw=1, label="load", **style(1))
     for every in range(0, len(signals["time_s"]), max(1, len(signals["time_s"]) // 12)):
-        axes.plot([signals[f"{p}_y_m"][every] for p in ("tip", "payload")], [signals[f"{p}_z_m"][every] for p in ("tip", "payload")], "k", lw=0.4)
+        axes.plot(
+            [signals[f"{p}_y_m"][every] for p in ("tip", "payload")],
+            [signals[f"{p}_z_m"][every] for p in ("tip", "payload")],
+            "k",
+            lw=0.4,
+        )
     axes.set(aspect="equal", xlabel="y, m", ylabel="z, m", title="side view, ropes at twelve instants")
     legend(axes)
 
@@ -99,7 +149,13 @@ def joints(recording: Recording, axes: Axes) -> None:
             continue  # a joint of the other crane, or a gantry's slewing, which does not move
         values = np.array(signals[name])
         span = max(float(np.ptp(values)), 0.02)  # a joint that is held is a flat line
-        axes.plot(signals["time_s"], (values - values.min()) / span, lw=1, label=f"{label}: {values.min():.2f} to {values.max():.2f}", **style(n))
+        axes.plot(
+            signals["time_s"],
+            (values - values.min()) / span,
+            lw=1,
+            label=f"{label}: {values.min():.2f} to {values.max():.2f}",
+            **style(n),
+        )
     axes.set(xlabel="time, s", ylabel="share of its range", title="joints")
     legend(axes)
 
@@ -129,7 +185,9 @@ def sway(recording: Recording, axes: Axes) -> None:
     for n, (name, label) in enumerate((("sway_alpha_rad", "radial"), ("sway_beta_rad", "tangential"))):
         axes.plot(time, np.degrees(signals[name]), lw=1, label=label, **style(n))
     low, high = axes.get_ylim()
-    axes.fill_between(time, low, high, where=(np.array(signals["contact"]) > 0.5).tolist(), color="0.85", label="contact")
+    axes.fill_between(
+        time, low, high, where=(np.array(signals["contact"]) > 0.5).tolist(), color="0.85", label="contact"
+    )
     axes.set(xlabel="time, s", ylabel="sway, degrees", title="sway")
     legend(axes)
 
@@ -150,10 +208,20 @@ def deadlines(recording: Recording, axes: Axes) -> None:
             rows.append(np.where(counts[1] > 0, 2, counts[0] > 0))
     if kinds:
         table = np.array(rows)
-        axes.pcolormesh(edges, np.arange(len(kinds) + 1), table, cmap=ListedColormap(["white", *MET_MISSED.values()]), vmin=0, vmax=2)
+        axes.pcolormesh(
+            edges,
+            np.arange(len(kinds) + 1),
+            table,
+            cmap=ListedColormap(["white", *MET_MISSED.values()]),
+            vmin=0,
+            vmax=2,
+        )
         axes.set_yticks(np.arange(len(kinds)) + 0.5, kinds, fontsize=7)
     axes.set(xlabel="time, s", title="deadlines")
-    legend(axes, handles=[Patch(facecolor=colour, edgecolor="k", lw=0.4, label=name) for name, colour in MET_MISSED.items()])
+    legend(
+        axes,
+        handles=[Patch(facecolor=colour, edgecolor="k", lw=0.4, label=name) for name, colour in MET_MISSED.items()],
+    )
 
 
 def overview(recording: Recording) -> Figure:

@@ -26,15 +26,28 @@ def _options(
     include_dirs: object, symbols: object, sections: object, entry: object, dialect: object, cpu: object
 ) -> tuple[list[Path], dict[str, int], dict[str, int], str, str | None, str]:
     """The options of ``assemble`` besides the source."""
-    folders: list[Path] = [arguments.path(f"include_dirs[{n}]", folder, "a folder") for n, folder in enumerate(arguments.items("include_dirs", include_dirs, "a list of folders"))]
+    folders: list[Path] = [
+        arguments.path(f"include_dirs[{n}]", folder, "a folder")
+        for n, folder in enumerate(arguments.items("include_dirs", include_dirs, "a list of folders"))
+    ]
 
     def words(name: str, given: object, right: str) -> dict[str, int]:
         found = arguments.mapping(name, given, f"a dictionary of names and {right}s")
-        return {key: arguments.whole(f"{name}[{key!r}]", value, f"a {right} (0 to FFFFFFFFh)") for key, value in found.items()}
+        return {
+            key: arguments.whole(f"{name}[{key!r}]", value, f"a {right} (0 to FFFFFFFFh)")
+            for key, value in found.items()
+        }
 
     way = None if dialect is None else arguments.text("dialect", dialect, '"ti" or "gnu"')
     start = arguments.text("entry", entry, "the name of a symbol")
-    return folders, words("symbols", symbols, "number"), words("sections", sections, "32-bit address"), start, way, arguments.text("cpu", cpu, A_CPU)
+    return (
+        folders,
+        words("symbols", symbols, "number"),
+        words("sections", sections, "32-bit address"),
+        start,
+        way,
+        arguments.text("cpu", cpu, A_CPU),
+    )
 
 
 def assemble(
@@ -56,7 +69,9 @@ def assemble(
     ``Processor`` runs it. Raises AssemblyError; ValueError for another dialect or processor.
     """
     source = arguments.text("text", text, "the source as a text (assemble_file takes a path)")
-    return _core.toolchain.assemble(source, arguments.text("name", name), *_options(include_dirs, symbols, sections, entry, dialect, cpu))
+    return _core.toolchain.assemble(
+        source, arguments.text("name", name), *_options(include_dirs, symbols, sections, entry, dialect, cpu)
+    )
 
 
 def assemble_file(
@@ -71,7 +86,9 @@ def assemble_file(
 ) -> Program:
     """Assembles a file; see ``assemble``. Included files are looked for first in the file's folder. Raises
     AssemblyError."""
-    return _core.toolchain.assemble_file(arguments.path("path", path), *_options(include_dirs, symbols, sections, entry, dialect, cpu))
+    return _core.toolchain.assemble_file(
+        arguments.path("path", path), *_options(include_dirs, symbols, sections, entry, dialect, cpu)
+    )
 
 
 def read_coff(path: Path) -> Program:
@@ -81,7 +98,10 @@ def read_coff(path: Path) -> Program:
 
 def write_coff(program: Program, path: Path) -> None:
     """Writes a COFF version-2 executable with all symbols, whole or not at all."""
-    _core.toolchain.write_coff(arguments.instance("program", program, Program, "a program, as assemble gives it,"), arguments.path("path", path))
+    _core.toolchain.write_coff(
+        arguments.instance("program", program, Program, "a program, as assemble gives it,"),
+        arguments.path("path", path),
+    )
 
 
 @overload

@@ -34,7 +34,10 @@ class Profile:
     def groups(self) -> Table:
         """One row per group: jobs, instructions, cycles, causes, and the causes outside all instructions
         (``outside_...``)."""
-        return Table.from_rows({key: value for key, value in group.items() if key not in ("routines", "lines")} for group in self.data["groups"])
+        return Table.from_rows(
+            {key: value for key, value in group.items() if key not in ("routines", "lines")}
+            for group in self.data["groups"]
+        )
 
     @cached_property
     def routines(self) -> Table:
@@ -61,8 +64,14 @@ class Result:
     the units of the report's keys: ``_s`` seconds, ``_ps`` picoseconds, ``cycles``, ``clocks``.
     """
 
-    def __init__(self, report: Mapping[str, Any], text: str, signals: Table, profile: Profile | None = None,
-                 events: str | None = None) -> None:
+    def __init__(
+        self,
+        report: Mapping[str, Any],
+        text: str,
+        signals: Table,
+        profile: Profile | None = None,
+        events: str | None = None,
+    ) -> None:
         self.report: dict[str, Any] = dict(report)
         """The whole report, as in the JSON of ``emulator --report``."""
         self.text = text
@@ -163,7 +172,8 @@ class Result:
 
     @property
     def errors(self) -> dict[str, Any]:
-        """Load, joints, sway, vehicles and lag against the ideal run (docs/report.md, Errors). KeyError without a reference."""
+        """Load, joints, sway, vehicles and lag against the ideal run (docs/report.md, Errors). KeyError without a
+        reference."""
         if self.report["errors"] is None:
             raise KeyError("errors: the run has no reference, or is not over")
         return dict(self.report["errors"])

@@ -46,8 +46,11 @@ def configured(
     """A configuration from the arguments common to all runs. Raises ConfigError; TypeError with the argument's name."""
     file = None if config is None else arguments.path("config", config, "the path of a TOML file")
     name = None if preset is None else arguments.text("preset", preset, "the name of a preset")
-    given = arguments.mapping("settings", settings, "a dictionary of keys and values, {\"machine.dsps\": 2},")
-    rows = [arguments.mapping(f"events[{n}]", event, "a dictionary with the fields of [[events]]") for n, event in enumerate(arguments.items("events", events, "a list of dictionaries"))]
+    given = arguments.mapping("settings", settings, 'a dictionary of keys and values, {"machine.dsps": 2},')
+    rows = [
+        arguments.mapping(f"events[{n}]", event, "a dictionary with the fields of [[events]]")
+        for n, event in enumerate(arguments.items("events", events, "a list of dictionaries"))
+    ]
     return _core.cmrc.config(file=file, preset=name, settings={**given, **keywords}, events=rows)
 
 
@@ -122,7 +125,10 @@ class Simulation:
         if reference is None:
             self._core = _core.cmrc.Simulation(self.config)
         else:
-            self._core = _core.cmrc.Simulation(self.config, arguments.instance("reference", reference, Reference, "what Simulation.reference() gives, or None,"))
+            self._core = _core.cmrc.Simulation(
+                self.config,
+                arguments.instance("reference", reference, Reference, "what Simulation.reference() gives, or None,"),
+            )
         self._profiled = profile
         if profile:
             self._core.profile()
@@ -233,7 +239,9 @@ class Simulation:
 
     def dsp(self, slot: int) -> Dsp:
         """The DSP in a slot, between two calls of ``run_until``. Raises IndexError if there is no such slot."""
-        return Dsp(self._core.dsp(arguments.whole("slot", slot, "the number of a slot", -(2**63), 2**63 - 1)), self.program)
+        return Dsp(
+            self._core.dsp(arguments.whole("slot", slot, "the number of a slot", -(2**63), 2**63 - 1)), self.program
+        )
 
     @cached_property
     def program(self) -> Program:
@@ -241,8 +249,11 @@ class Simulation:
         return self._core.program
 
     def peek(self, offset: int) -> int:
-        """The word at an offset of shared memory (``c40_programs/include/areas.inc``), between two calls of ``run_until``. Takes no time."""
-        return int(self._core.peek(arguments.whole("offset", offset, "an offset in shared memory, 0 to FFFFh,", 0, 0xFFFF)))
+        """The word at an offset of shared memory (``c40_programs/include/areas.inc``), between two calls of
+        ``run_until``. Takes no time."""
+        return int(
+            self._core.peek(arguments.whole("offset", offset, "an offset in shared memory, 0 to FFFFh,", 0, 0xFFFF))
+        )
 
     @property
     def time_s(self) -> float:
@@ -277,5 +288,13 @@ def run(
     them with their values: ``cmrc.config().to_dict()``."""
     given: dict[str, Any] = {"dsps": dsps, "duration_s": duration_s}
     all_keywords: Any = {**{name: value for name, value in given.items() if value is not None}, **keywords}
-    return Simulation(config=config, preset=preset, settings=settings, events=events, profile=profile,
-                      keep_events=keep_events, reference=reference, **all_keywords).run(on_progress)
+    return Simulation(
+        config=config,
+        preset=preset,
+        settings=settings,
+        events=events,
+        profile=profile,
+        keep_events=keep_events,
+        reference=reference,
+        **all_keywords,
+    ).run(on_progress)

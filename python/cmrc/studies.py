@@ -38,7 +38,9 @@ class Limits:
     @property
     def points(self) -> Table:
         """One row per run: its scan, value, whether it passed, and its first miss."""
-        return Table.from_rows({"scan": name, **point} for name, scan in self.report["scans"].items() for point in scan["points"])
+        return Table.from_rows(
+            {"scan": name, **point} for name, scan in self.report["scans"].items() for point in scan["points"]
+        )
 
     def __repr__(self) -> str:
         return f"<cmrc.Limits: {', '.join(f'{name} {self.limit(name)}' for name in self.report['scans'])}>"
@@ -68,7 +70,10 @@ class Comparison:
 def _grid(name: str, values: Iterable[float] | None) -> list[float] | None:
     if values is None:
         return None
-    return [arguments.number(f"{name}[{n}]", value, least=-math.inf) for n, value in enumerate(arguments.items(name, values, "a list of numbers"))]
+    return [
+        arguments.number(f"{name}[{n}]", value, least=-math.inf)
+        for n, value in enumerate(arguments.items(name, values, "a list of numbers"))
+    ]
 
 
 @listed
@@ -124,7 +129,8 @@ def compare(
     on_progress: Progress | None = None,
     **keywords: Unpack[Settings],
 ) -> Comparison:
-    """The run beside the same run with instant execution (``run.ideal``), both at the same time. Arguments as of ``run``."""
+    """The run beside the same run with instant execution (``run.ideal``), both at the same time. Arguments as of
+    ``run``."""
     return compared(configured(config, preset, settings, events, keywords), on_progress)
 
 

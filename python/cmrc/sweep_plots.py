@@ -80,7 +80,9 @@ def _axes_of(
     lines = axis_name(lines, "lines") if lines is not None else next((name for name in varied if name != x), None)
     for name in (x, lines):
         if name is not None and name not in values:
-            raise ValueError(f"grid: {name or 'nothing'} is not an axis of the sweep; {', '.join(values) or 'none'} are")
+            raise ValueError(
+                f"grid: {name or 'nothing'} is not an axis of the sweep; {', '.join(values) or 'none'} are"
+            )
     places = {(repr(place[x]), repr(place.get(lines)) if lines else "") for place, _ in summary}
     if len(places) < len(summary):
         raise ValueError(

@@ -70,4 +70,11 @@ def low(chip: Any, register: str) -> int:
 
 
 def emulator(*arguments: object, stdin: str = "") -> subprocess.CompletedProcess[str]:
-    return subprocess.run([str(word) for word in (BUILD / "bin" / "emulator", *arguments)], input=stdin, capture_output=True, text=True, timeout=60, check=False)
+    return subprocess.run(
+        [str(word) for word in (BUILD / "bin" / "emulator", *arguments)],
+        input=stdin,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )

@@ -40,7 +40,10 @@ class Supervisor:
         self.writes = state[0]
 
 
-ACTS = "        ldi {loops},rc\n        rptb last\nlast:   nop\n        ldi {after},r0\n        sti r0,*ar2\n        ldi *ar2,r4\n" + END
+ACTS = (
+    "        ldi {loops},rc\n        rptb last\nlast:   nop\n        ldi {after},r0\n        sti r0,*ar2\n        ldi *ar2,r4\n"
+    + END
+)
 # Chip 1 counts in R6 and in memory (which a reset leaves alone); an NMI ends it.
 COUNTS = (
     vector(1)
@@ -51,16 +54,34 @@ COUNTS = (
 )
 
 
-def outcome(tmp_path: Path, act: Callable[[Any, float], None], order: int, loops: int, after: int, nets: tuple[str, ...] = (), fork_us: float | None = None) -> tuple[Any, ...]:
+def outcome(
+    tmp_path: Path,
+    act: Callable[[Any, float], None],
+    order: int,
+    loops: int,
+    after: int,
+    nets: tuple[str, ...] = (),
+    fork_us: float | None = None,
+) -> tuple[Any, ...]:
     network = Network(
-        [assembled(ACTS.format(loops=loops, after=after)), assembled(COUNTS)], boards=str(board(tmp_path)), clocks_mhz=[40, 33], nets=nets, devices={0: {PLACE: Supervisor(act)}}, turn_order=order
+        [assembled(ACTS.format(loops=loops, after=after)), assembled(COUNTS)],
+        boards=str(board(tmp_path)),
+        clocks_mhz=[40, 33],
+        nets=nets,
+        devices={0: {PLACE: Supervisor(act)}},
+        turn_order=order,
     )
     if fork_us is not None:
         network.run(until_us=fork_us)
         network = network.fork()
     stop = network.run(until_us=2000)
     chips = [(chip.cycles, chip.pc, chip.status, *(low(chip, f"R{n}") for n in (4, 5, 6, 7))) for chip in network.chips]
-    return stop.reason, chips, network.chips[1].memory[0x308001], [(event.kind, event.time_ps) for event in network.events]
+    return (
+        stop.reason,
+        chips,
+        network.chips[1].memory[0x308001],
+        [(event.kind, event.time_ps) for event in network.events],
+    )
 
 
 def reset(network: Any, at_us: float) -> None:
@@ -73,7 +94,9 @@ def nmi(network: Any, at_us: float) -> None:
 
 @pytest.mark.parametrize(("loops", "after"), [(3, 0), (401, 0), (401, 1), (900, 7)])
 @pytest.mark.parametrize(("act", "nets"), [(reset, ()), (nmi, ("bell: >1.NMI",))])
-def test_a_reset_or_nmi_from_a_device_comes_when_it_is_written(tmp_path: Path, act: Callable[[Any, float], None], nets: tuple[str, ...], loops: int, after: int) -> None:
+def test_a_reset_or_nmi_from_a_device_comes_when_it_is_written(
+    tmp_path: Path, act: Callable[[Any, float], None], nets: tuple[str, ...], loops: int, after: int
+) -> None:
     first = outcome(tmp_path, act, 0, loops, after, nets)
     counted = first[1][1]
     assert first[0] == "ended" and first[1][0][3] == 1
@@ -115,8 +138,16 @@ class Box:
         self.word = eval(state)
 
 
-SENDER = "        ldi 500,rc\n        rptb last\nlast:   nop\n        ldi 77,r0\n        sti r0,*ar2\n        ldi 300,rc\n        rptb lost\nlost:   nop\n        ldi *ar2,r4\n" + END
-TAKER = vector(4) + "        ldi 0b0h,iif\n        or 2000h,st\nwait:   idle\n" + END + "isr:    ldi *ar2,r4\n        addi 1,r2\n        reti\n"
+SENDER = (
+    "        ldi 500,rc\n        rptb last\nlast:   nop\n        ldi 77,r0\n        sti r0,*ar2\n        ldi 300,rc\n        rptb lost\nlost:   nop\n        ldi *ar2,r4\n"
+    + END
+)
+TAKER = (
+    vector(4)
+    + "        ldi 0b0h,iif\n        or 2000h,st\nwait:   idle\n"
+    + END
+    + "isr:    ldi *ar2,r4\n        addi 1,r2\n        reti\n"
+)
 POLLER = "poll:   ldi *ar2,r4\n        addi 1,r2\n        cmpi 77,r4\n        bnz poll\n" + END
 
 
@@ -125,7 +156,13 @@ def test_one_device_at_two_chips_is_one_in_every_order(tmp_path: Path, taker: st
     outcomes = []
     for order in ORDERS:
         box = Box()
-        network = Network([assembled(SENDER), assembled(taker)], boards=str(board(tmp_path)), clocks_mhz=[40, 50], devices={0: {PLACE: box}, 1: {PLACE: box}}, turn_order=order)
+        network = Network(
+            [assembled(SENDER), assembled(taker)],
+            boards=str(board(tmp_path)),
+            clocks_mhz=[40, 50],
+            devices={0: {PLACE: box}, 1: {PLACE: box}},
+            turn_order=order,
+        )
         network.run(until_us=20)
         if order == 7:
             network = network.fork()
@@ -168,9 +205,16 @@ def test_a_device_acts_by_itself_also_when_every_program_has_ended(tmp_path: Pat
     outcomes = []
     for order in ORDERS:
         program = "        ldi 3000,r0\n        sti r0,*ar2\n" + END
-        network = Network([assembled(program), assembled(counts)], boards=str(board(tmp_path)), devices={0: {PLACE: Watchdog()}}, turn_order=order)
+        network = Network(
+            [assembled(program), assembled(counts)],
+            boards=str(board(tmp_path)),
+            devices={0: {PLACE: Watchdog()}},
+            turn_order=order,
+        )
         assert network.run(until_us=5000).reason == "ended"
-        outcomes.append(([(chip.cycles, low(chip, "R7")) for chip in network.chips], [event.time_ps for event in network.events]))
+        outcomes.append(
+            ([(chip.cycles, low(chip, "R7")) for chip in network.chips], [event.time_ps for event in network.events])
+        )
     assert all(each == outcomes[0] for each in outcomes)
     assert outcomes[0][0][1][1] == 2 and outcomes[0][1][0] == pytest.approx(150e6, rel=0.01)
 
@@ -179,8 +223,14 @@ def test_a_device_that_does_not_say_so_may_not(tmp_path: Path) -> None:
     class Quiet(Supervisor):
         acts_on_others = False
 
-    network = Network([assembled(ACTS.format(loops=1, after=0)), assembled(COUNTS)], boards=str(board(tmp_path)), devices={0: {PLACE: Quiet(reset)}})
-    with pytest.raises(RuntimeError, match=r"reset\(\) from inside the device Quiet at A0000000h: .* acts_on_others = True"):
+    network = Network(
+        [assembled(ACTS.format(loops=1, after=0)), assembled(COUNTS)],
+        boards=str(board(tmp_path)),
+        devices={0: {PLACE: Quiet(reset)}},
+    )
+    with pytest.raises(
+        RuntimeError, match=r"reset\(\) from inside the device Quiet at A0000000h: .* acts_on_others = True"
+    ):
         network.run()
 
     class Shared(Box):
@@ -196,7 +246,11 @@ def test_what_such_a_device_raises_comes_out_and_can_be_mended(tmp_path: Path) -
         network.reset(1, at_us - 1)
 
     supervisor = Supervisor(wrong)
-    network = Network([assembled(ACTS.format(loops=100, after=0)), assembled(COUNTS)], boards=str(board(tmp_path)), devices={0: {PLACE: supervisor}})
+    network = Network(
+        [assembled(ACTS.format(loops=100, after=0)), assembled(COUNTS)],
+        boards=str(board(tmp_path)),
+        devices={0: {PLACE: supervisor}},
+    )
     for _ in range(2):
         with pytest.raises(ValueError, match="has already run to"):
             network.run()

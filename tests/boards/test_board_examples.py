@@ -15,7 +15,15 @@ def run(file: str, folder: Path, stdin: str = "") -> str:
     (folder / "examples").symlink_to(ROOT / "examples")
     output = ""
     for command in COMMAND.findall((ROOT / file).read_text()):
-        done = subprocess.run([BUILD / "bin" / "emulator", *shlex.split(command)], input=stdin, capture_output=True, text=True, check=False, cwd=folder, timeout=60)
+        done = subprocess.run(
+            [BUILD / "bin" / "emulator", *shlex.split(command)],
+            input=stdin,
+            capture_output=True,
+            text=True,
+            check=False,
+            cwd=folder,
+            timeout=60,
+        )
         assert done.returncode == 0, (command, done.stderr)
         output = done.stdout
     assert output

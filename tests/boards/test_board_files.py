@@ -21,16 +21,29 @@ def refused(tmp_path: Path, text: str) -> list[str]:
 
 
 def test_all_errors_are_told_at_once_with_their_lines(tmp_path: Path) -> None:
-    text = 'clock_mhz = -1\ngmicrr = 5\n' + HEAD.replace('words = 0x10000\nbus = "local"', 'words = 0x10000\nbuss = "local"\nwaits = 99\nbus = "locale"')
-    text += device("fofo") + device("timer", 0xA0000010, name="T", pin="IIOF7", count_cycles=0, dept=4) + device("led", 0xB0000000, name="lamp", depth=3) + '\n[pins]\nromem = true\n'
+    text = "clock_mhz = -1\ngmicrr = 5\n" + HEAD.replace(
+        'words = 0x10000\nbus = "local"', 'words = 0x10000\nbuss = "local"\nwaits = 99\nbus = "locale"'
+    )
+    text += (
+        device("fofo")
+        + device("timer", 0xA0000010, name="T", pin="IIOF7", count_cycles=0, dept=4)
+        + device("led", 0xB0000000, name="lamp", depth=3)
+        + "\n[pins]\nromem = true\n"
+    )
     errors = refused(tmp_path, text)
     expected = [
         (1, "clock_mhz: the frequency of CLKIN"),
-        (2, 'no such key gmicrr; known are name, clock_mhz, gmicr, lmicr, pins, reserved, region, device; did you mean "gmicr"?'),
-        (10, 'no such key region.buss'),
+        (
+            2,
+            'no such key gmicrr; known are name, clock_mhz, gmicr, lmicr, pins, reserved, region, device; did you mean "gmicr"?',
+        ),
+        (10, "no such key region.buss"),
         (11, "region.waits: a whole number from 0 to 15"),
         (12, "region.bus of RAM: local or global is expected"),
-        (23, 'device.kind of D: "fofo" is unknown; console, registers, led, fifo, mailbox, timer, vic068a, vme is expected; did you mean "fifo"?'),
+        (
+            23,
+            'device.kind of D: "fofo" is unknown; console, registers, led, fifo, mailbox, timer, vic068a, vme is expected; did you mean "fifo"?',
+        ),
         (30, "device.pin of T: IIOF0 to IIOF3 or NMI is expected"),
         (31, "device.count_cycles of T: a whole number from 1"),
         (32, "no such key device.dept"),
@@ -94,7 +107,9 @@ def test_a_rom_that_is_cut_short_or_too_large_is_refused(tmp_path: Path, image: 
 def test_roms_that_overlap_are_refused(tmp_path: Path) -> None:
     for name in ("a", "b"):
         (tmp_path / name).write_bytes(b"\x08\0\0\0" + b"\0" * 60)
-    done = emulator("exec", "--rom", f"{tmp_path / 'a'}@300000h", "--rom", f"{tmp_path / 'b'}@300020h", "--boot", "300000h")
+    done = emulator(
+        "exec", "--rom", f"{tmp_path / 'a'}@300000h", "--rom", f"{tmp_path / 'b'}@300020h", "--boot", "300000h"
+    )
     assert done.returncode == 2 and "its words 00300020h to 0030005Fh overlap those of" in done.stderr, done.stderr
 
 
@@ -115,23 +130,33 @@ def test_regions_without_a_name_are_numbered_as_in_the_file(tmp_path: Path) -> N
 
 
 def test_a_program_boots_on_the_dakar_f5_and_meets_its_registers() -> None:
-    text = SRAM_TEST.format(base="0c030") + "        ldhi 0c022h,ar4\n        or 30h,ar4\n        ldi 77,r0\n        sti r0,*+ar4(7)\n        ldi *+ar4(7),r5\n        ldhi 10h,ar5\n        ldi *ar5,r6\n"
+    text = (
+        SRAM_TEST.format(base="0c030")
+        + "        ldhi 0c022h,ar4\n        or 30h,ar4\n        ldi 77,r0\n        sti r0,*+ar4(7)\n        ldi *+ar4(7),r5\n        ldhi 10h,ar5\n        ldi *ar5,r6\n"
+    )
     processor = Processor(assembled(text + END), board=EXAMPLES / "dakar_f5.toml")
     assert processor.run(until="done").reason == "until"
     assert (low(processor, "R4"), low(processor, "R5"), low(processor, "R6")) == (123, 77, 0x3D840000)
 
 
 def test_a_program_boots_on_the_tdm435() -> None:
-    text = SRAM_TEST.format(base="03f") + "        ldhi 0bd00h,ar4\n        sti r0,*+ar4(0ch)\n        ldi *+ar4(0ch),r5\n"
+    text = (
+        SRAM_TEST.format(base="03f") + "        ldhi 0bd00h,ar4\n        sti r0,*+ar4(0ch)\n        ldi *+ar4(0ch),r5\n"
+    )
     processor = Processor(assembled(text + END), board=EXAMPLES / "tdm435.toml")
     assert processor.run(until="done").reason == "until" and (low(processor, "R4"), low(processor, "R5")) == (123, 123)
-    beyond = Processor(assembled("        ldhi 0b000h,ar4\n        ldi *ar4,r5\n" + END), board=EXAMPLES / "tdm435.toml")
+    beyond = Processor(
+        assembled("        ldhi 0b000h,ar4\n        ldi *ar4,r5\n" + END), board=EXAMPLES / "tdm435.toml"
+    )
     assert beyond.run(until="done").reason == "external_access"
 
 
 def test_a_program_sets_up_the_hydras_bridge() -> None:
     """Register 27h of the VIC is at BFFF0009h: (FFFC0000h or 27h) / 4, as the monitor's writeVIC() has it."""
-    text = SRAM_TEST.format(base="0c000") + "        ldhi 0bfffh,ar4\n        ldi 55h,r0\n        sti r0,*+ar4(9)\n        ldi *+ar4(9),r5\n        ldi *+ar4(1dh),r6\n"
+    text = (
+        SRAM_TEST.format(base="0c000")
+        + "        ldhi 0bfffh,ar4\n        ldi 55h,r0\n        sti r0,*+ar4(9)\n        ldi *+ar4(9),r5\n        ldi *+ar4(1dh),r6\n"
+    )
     processor = Processor(assembled(text + END), board=EXAMPLES / "hydra.toml")
     assert processor.run(until="done").reason == "until"
     assert (low(processor, "R4"), low(processor, "R5"), low(processor, "R6")) == (123, 0x55, 0xF1)

@@ -12,7 +12,10 @@ from cmrc.c40 import Processor
 from locations import BUILD
 
 # Sends back what is typed, in capitals, until a full stop.
-SHOUT = "wait:   ldi *+ar2(1),r0\n        tstb 1,r0\n        bz wait\n        ldi *ar2,r1\n        cmpi 2eh,r1\n        bz done\n        andn 20h,r1\n        sti r1,*ar2\n        b wait\n" + END
+SHOUT = (
+    "wait:   ldi *+ar2(1),r0\n        tstb 1,r0\n        bz wait\n        ldi *ar2,r1\n        cmpi 2eh,r1\n        bz done\n        andn 20h,r1\n        sti r1,*ar2\n        b wait\n"
+    + END
+)
 
 
 @pytest.fixture
@@ -29,13 +32,29 @@ def test_standard_input_is_recorded_and_replayed(shout: list[object], tmp_path: 
     assert replayed["hash"] == first["hash"] and replayed["cycles"] == first["cycles"]
     (tmp_path / "typed").write_text("hellO.")
     other = json.loads(emulator(*shout, "--console-input", tmp_path / "typed").stdout)
-    assert other["console"] == "HELLO" and other["hash"] != first["hash"] and other["inputs"][0]["sha256"] != first["inputs"][0]["sha256"]
+    assert (
+        other["console"] == "HELLO"
+        and other["hash"] != first["hash"]
+        and other["inputs"][0]["sha256"] != first["inputs"][0]["sha256"]
+    )
 
 
 def test_a_live_run_replays_from_its_recording(shout: list[object], tmp_path: Path) -> None:
     """Typed input arrives at any time: the recording has the cycles."""
     record = tmp_path / "record"
-    command = [str(word) for word in (BUILD / "bin" / "emulator", *shout, "--console-input", "live", "--console-record", record, "--max-cycles", 10**10)]
+    command = [
+        str(word)
+        for word in (
+            BUILD / "bin" / "emulator",
+            *shout,
+            "--console-input",
+            "live",
+            "--console-record",
+            record,
+            "--max-cycles",
+            10**10,
+        )
+    ]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as running:
         assert running.stdin is not None
         for text in ("ab", "c."):
@@ -53,7 +72,10 @@ def test_a_script_answers_what_the_program_sends(tmp_path: Path) -> None:
     text = "        ldi 0,r4\n"
     for sent in (0x3E, 1, 2):
         text += f"        ldi {sent},r0\n        sti r0,*ar2\n"
-    text += "        ldi 0,r5\nloop:   ldi *+ar2(2),r0\n        bz loop\n        ldi *ar2,r3\n        addi 1,r5\n        mpyi 10,r4\n        addi r3,r4\n        cmpi 8,r5\n        blt loop\n" + END
+    text += (
+        "        ldi 0,r5\nloop:   ldi *+ar2(2),r0\n        bz loop\n        ldi *ar2,r3\n        addi 1,r5\n        mpyi 10,r4\n        addi r3,r4\n        cmpi 8,r5\n        blt loop\n"
+        + END
+    )
     processor = Processor(assembled(text), board=board(tmp_path, device("fifo", script="host")))
     assert processor.run(10_000, until="done").reason == "until" and processor.cycles > 2100
     expected = 0
@@ -99,7 +121,14 @@ def test_a_script_that_makes_no_sense_is_refused_with_its_line(tmp_path: Path, t
 def test_inputs_that_cannot_be_are_refused(tmp_path: Path, options: tuple[str, ...], message: str) -> None:
     (tmp_path / "p.asm").write_text(START + END)
     path = board(tmp_path, device("fifo"), device("led", 0xA0000100, name="lamp"))
-    done = subprocess.run([str(BUILD / "bin" / "emulator"), "exec", str(tmp_path / "p.asm"), "--board", str(path), *options], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run(
+        [str(BUILD / "bin" / "emulator"), "exec", str(tmp_path / "p.asm"), "--board", str(path), *options],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
     assert done.returncode == 2 and message in done.stderr, done.stderr
     assert not (tmp_path / "x").exists()
 
@@ -108,5 +137,14 @@ def test_an_output_is_no_input(tmp_path: Path) -> None:
     (tmp_path / "p.asm").write_text(START + END)
     (tmp_path / "words").write_text("1\n")
     path = board(tmp_path, device("fifo"))
-    done = emulator("exec", tmp_path / "p.asm", "--board", path, "--device-input", f"D={tmp_path / 'words'}", "--device-output", f"D={tmp_path / 'words'}")
+    done = emulator(
+        "exec",
+        tmp_path / "p.asm",
+        "--board",
+        path,
+        "--device-input",
+        f"D={tmp_path / 'words'}",
+        "--device-output",
+        f"D={tmp_path / 'words'}",
+    )
     assert done.returncode == 2 and (tmp_path / "words").read_text() == "1\n"

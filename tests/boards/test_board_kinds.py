@@ -1,4 +1,5 @@
-"""FIFO, mailbox, timer, VIC068A and VME space: their registers, their interrupts, and one outcome however a run is driven."""
+"""FIFO, mailbox, timer, VIC068A and VME space: their registers, their interrupts, and one outcome however a run is
+driven."""
 
 from __future__ import annotations
 
@@ -12,7 +13,13 @@ from cmrc.c40 import Processor, assemble_file
 from cmrc.network import Network
 
 # Takes a word by interrupt, adds one, sends it back.
-ECHO = vector(4) + "        ldi 1,r0\n        sti r0,*+ar2(4)\n" + enabled(1, 0xB) + "wait:   idle\n        cmpi 5,r2\n        blt wait\n" + END
+ECHO = (
+    vector(4)
+    + "        ldi 1,r0\n        sti r0,*+ar2(4)\n"
+    + enabled(1, 0xB)
+    + "wait:   idle\n        cmpi 5,r2\n        blt wait\n"
+    + END
+)
 SERVICE = "isr:    ldi *ar2,r3\n        addi 1,r3\n        sti r3,*ar2\n        addi 1,r2\n        reti\n"
 
 
@@ -69,7 +76,13 @@ def test_a_mailbox_holds_one_word_each_way(tmp_path: Path) -> None:
     assert [low(processor, f"R{n}") for n in (3, 4, 5, 6)] == [1, 1, 2, 3] and processor.sent("D") == [7, 8]
 
 
-TICKS = vector(4) + "        ldi 20,r0\n        sti r0,*+ar2(1)\n        ldi 3,r0\n        sti r0,*+ar2(2)\n" + enabled(1) + "wait:   idle\n        cmpi 6,r2\n        blt wait\n" + END
+TICKS = (
+    vector(4)
+    + "        ldi 20,r0\n        sti r0,*+ar2(1)\n        ldi 3,r0\n        sti r0,*+ar2(2)\n"
+    + enabled(1)
+    + "wait:   idle\n        cmpi 6,r2\n        blt wait\n"
+    + END
+)
 TICK = "isr:    ldi 1,r0\n        sti r0,*+ar2(3)\n        addi 1,r2\n        reti\n"
 
 
@@ -82,7 +95,9 @@ def test_a_timer_interrupts_at_its_rate(tmp_path: Path, count_cycles: int) -> No
     assert processor.run(100_000, until="done").reason == "until"
     cycles = [cycle for kind, cycle, *_ in processor._core.events if kind == "interrupt"]
     # Each is taken at the end of an instruction, and no delay adds up.
-    assert len(cycles) >= 6 and all(abs(cycle - cycles[0] - 20 * count_cycles * n) <= 2 for n, cycle in enumerate(cycles)), cycles
+    assert len(cycles) >= 6 and all(
+        abs(cycle - cycles[0] - 20 * count_cycles * n) <= 2 for n, cycle in enumerate(cycles)
+    ), cycles
 
 
 def test_a_timer_says_what_is_left_and_that_it_overran(tmp_path: Path) -> None:
@@ -117,11 +132,20 @@ BERR = "isr:    addi 1,r2\n        ldi 0,r0\n        sti r0,*+ar2(2eh)\n        
 
 
 @pytest.mark.parametrize(("answer", "status", "interrupts"), [("bus error", 0x30, 1), ("ignored", 0, 0)])
-def test_a_bridge_keeps_registers_and_notes_accesses_to_nobody(tmp_path: Path, answer: str, status: int, interrupts: int) -> None:
-    path = board(tmp_path, device("vic068a", name="VIC", pin="NMI", value=0xF5), device("vme", 0xA0008000, name="VME", words=0x8000, answer=answer, vic="VIC", waits=640))
+def test_a_bridge_keeps_registers_and_notes_accesses_to_nobody(
+    tmp_path: Path, answer: str, status: int, interrupts: int
+) -> None:
+    path = board(
+        tmp_path,
+        device("vic068a", name="VIC", pin="NMI", value=0xF5),
+        device("vme", 0xA0008000, name="VME", words=0x8000, answer=answer, vic="VIC", waits=640),
+    )
     processor = finished(assembled(vector(1) + BRIDGE + VME + END + BERR), path)
     assert [low(processor, f"R{n}") for n in (3, 4, 5, 6)] == [0xFF, 0x0F, 0xF5, 0xFFFFFFFF]
-    assert (low(processor, "R7") | low(processor, "R8"), low(processor, "R2")) in {(status, interrupts), (0, interrupts)} and processor.cycles > 640
+    assert (low(processor, "R7") | low(processor, "R8"), low(processor, "R2")) in {
+        (status, interrupts),
+        (0, interrupts),
+    } and processor.cycles > 640
     if not interrupts:
         assert low(processor, "R7") == 0
 
@@ -143,29 +167,53 @@ REQUESTS = [
 
 
 @pytest.mark.parametrize(("register", "value", "what"), REQUESTS)
-def test_what_a_bridge_is_asked_for_and_does_not_do_is_told(tmp_path: Path, register: int, value: int, what: str | None) -> None:
+def test_what_a_bridge_is_asked_for_and_does_not_do_is_told(
+    tmp_path: Path, register: int, value: int, what: str | None
+) -> None:
     path = board(tmp_path, device("vic068a", name="VIC", pin="NMI"))
-    (tmp_path / "p.asm").write_text(START + f"        ldi 0{value:x}h,r0\n        sti r0,*+ar2(0{register:x}h)\n        sti r0,*+ar2(0{register:x}h)\n" + END)
+    (tmp_path / "p.asm").write_text(
+        START
+        + f"        ldi 0{value:x}h,r0\n        sti r0,*+ar2(0{register:x}h)\n        sti r0,*+ar2(0{register:x}h)\n"
+        + END
+    )
     told = emulator("exec", tmp_path / "p.asm", "--board", path).stdout
     found = json.loads(emulator("exec", tmp_path / "p.asm", "--board", path, "--json").stdout).get("not_modelled", [])
     processor = finished(assemble_file(tmp_path / "p.asm"), path)
     network = Network([tmp_path / "p.asm"], boards=str(path), until="done")
     network.run()
     if what is None:
-        assert "not modelled" not in told and found == [] and processor.not_modelled == network.chips[0].not_modelled == []
+        assert (
+            "not modelled" not in told and found == [] and processor.not_modelled == network.chips[0].not_modelled == []
+        )
     else:
-        assert told.count("not modelled") == 1 and f"vic068a VIC: asked for and not modelled: {what} (first at cycle {found[0]['cycle']})" in told
-        assert [(one["name"], one["cycle"], one["what"]) for one in found] == processor.not_modelled == network.chips[0].not_modelled
+        assert (
+            told.count("not modelled") == 1
+            and f"vic068a VIC: asked for and not modelled: {what} (first at cycle {found[0]['cycle']})" in told
+        )
+        assert (
+            [(one["name"], one["cycle"], one["what"]) for one in found]
+            == processor.not_modelled
+            == network.chips[0].not_modelled
+        )
         assert processor.fork().not_modelled == processor.not_modelled
 
 
 def test_one_run_however_it_is_driven(tmp_path: Path) -> None:
-    """exec, a processor in pieces and by snapshots, a network of one in other orders, and the debugger there and back."""
-    path = board(tmp_path, device("fifo", pin="IIOF1", depth=4, input="in.txt", input_cycles=137), device("timer", 0xA0000100, name="T", pin="IIOF0", count_cycles=7))
+    """exec, a processor in pieces and by snapshots, a network of one in other orders, and the debugger there and
+    back."""
+    path = board(
+        tmp_path,
+        device("fifo", pin="IIOF1", depth=4, input="in.txt", input_cycles=137),
+        device("timer", 0xA0000100, name="T", pin="IIOF0", count_cycles=7),
+    )
     (tmp_path / "in.txt").write_text("1 2 3 4 5\n")
     ticks = "        ldi 13,r0\n        sti r0,*+ar3(1)\n        ldi 3,r0\n        sti r0,*+ar3(2)\n"
     text = "        ldhi 0a000h,ar3\n        or 100h,ar3\n        ldi 0,r4\n" + vector(3, "tick") + ticks
-    text += ECHO.replace("        ldi 0b0h,iif\n", "        ldi 0b9h,iif\n") + SERVICE + "tick:   addi 1,r4\n        push r0\n        ldi 1,r0\n        sti r0,*+ar3(3)\n        pop r0\n        reti\n"
+    text += (
+        ECHO.replace("        ldi 0b0h,iif\n", "        ldi 0b9h,iif\n")
+        + SERVICE
+        + "tick:   addi 1,r4\n        push r0\n        ldi 1,r0\n        sti r0,*+ar3(3)\n        pop r0\n        reti\n"
+    )
     program = assembled(text)
     whole = finished(program, path)
     expected = (whole.cycles, low(whole, "R4"), whole.sent("D"))
@@ -192,7 +240,13 @@ def test_one_run_however_it_is_driven(tmp_path: Path) -> None:
 
 def test_two_devices_may_pull_one_pin(tmp_path: Path) -> None:
     path = board(tmp_path, device("mailbox", pin="IIOF1"), device("mailbox", 0xA0000100, name="E", pin="IIOF1"))
-    text = vector(4) + "        ldi 1,r0\n        sti r0,*+ar2(4)\n        ldhi 0a000h,ar3\n        or 100h,ar3\n        sti r0,*+ar3(4)\n" + enabled(1) + "wait:   idle\n        b wait\n" + END
+    text = (
+        vector(4)
+        + "        ldi 1,r0\n        sti r0,*+ar2(4)\n        ldhi 0a000h,ar3\n        or 100h,ar3\n        sti r0,*+ar3(4)\n"
+        + enabled(1)
+        + "wait:   idle\n        b wait\n"
+        + END
+    )
     processor = Processor(assembled(text + "isr:    addi 1,r2\n        reti\n"), board=path)
     processor.run(500)
     assert low(processor, "R2") == 0

@@ -13,7 +13,8 @@ from cmrc.network import Network, NetworkError, SharedMemory
 
 
 class Alarm:
-    """Interrupts a given number of cycles after each write, and counts the interrupts. Each part of its state is one number."""
+    """Interrupts a given number of cycles after each write, and counts the interrupts. Each part of its state is one
+    number."""
 
     words = 2
     pin = "IIOF2"
@@ -51,7 +52,13 @@ class Alarm:
         self.due, self.rings, self.count = json.loads(state)
 
 
-ALARM = vector(5) + enabled(2) + "        ldi 100,r0\n        sti r0,*ar2\nwait:   idle\n        cmpi 3,r2\n        blt wait\n" + END + "isr:    ldi *ar2,r3\n        addi 1,r2\n        ldi 100,r0\n        sti r0,*ar2\n        reti\n"
+ALARM = (
+    vector(5)
+    + enabled(2)
+    + "        ldi 100,r0\n        sti r0,*ar2\nwait:   idle\n        cmpi 3,r2\n        blt wait\n"
+    + END
+    + "isr:    ldi *ar2,r3\n        addi 1,r2\n        ldi 100,r0\n        sti r0,*ar2\n        reti\n"
+)
 PLACE = 0xA0000000
 
 
@@ -63,7 +70,9 @@ def test_classes_of_ones_own_interrupt_and_are_saved(tmp_path: Path) -> None:
     for one in (alone, other):
         assert one.run(until="done").reason == "until" and (low(one, "R2"), low(one, "R3")) == (3, 3)
     assert alone.cycles == other.cycles > 300
-    network = Network([program, program], boards=str(path), until="done", devices={0: {PLACE: Alarm()}, 1: {PLACE: Alarm()}})
+    network = Network(
+        [program, program], boards=str(path), until="done", devices={0: {PLACE: Alarm()}, 1: {PLACE: Alarm()}}
+    )
     network.run(max_cycles=150)
     fork = network.fork()
     for each in (network, fork):
@@ -92,7 +101,9 @@ def test_what_a_device_raises_comes_out_of_a_network_and_can_be_mended(tmp_path:
 
 def test_a_device_may_not_run_what_runs_it(tmp_path: Path) -> None:
     alarm = Alarm()
-    network = Network([assembled("        sti r0,*ar2\n" + END)], boards=str(board(tmp_path)), devices={0: {PLACE: alarm}})
+    network = Network(
+        [assembled("        sti r0,*ar2\n" + END)], boards=str(board(tmp_path)), devices={0: {PLACE: alarm}}
+    )
     processor = Processor(assembled("        sti r0,*ar2\n" + END), board=board(tmp_path), devices={PLACE: alarm})
     for runner in (network, processor):
         for call in (runner.run, runner.snapshot):
@@ -103,7 +114,12 @@ def test_a_device_may_not_run_what_runs_it(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("devices", "message"),
-    [({2: {PLACE: Alarm()}}, "number of a chip"), ({0: {0x300000: Alarm(), 0x300001: Alarm()}}, "overlap"), ({0: {PLACE: 5}}, r"no read\(\)"), ({0: {PLACE: Alarm()}}, "D is there")],
+    [
+        ({2: {PLACE: Alarm()}}, "number of a chip"),
+        ({0: {0x300000: Alarm(), 0x300001: Alarm()}}, "overlap"),
+        ({0: {PLACE: 5}}, r"no read\(\)"),
+        ({0: {PLACE: Alarm()}}, "D is there"),
+    ],
 )
 def test_wrong_devices_of_a_network_are_refused(tmp_path: Path, devices: Any, message: str) -> None:
     with pytest.raises((TypeError, ValueError), match=message):
@@ -113,14 +129,32 @@ def test_wrong_devices_of_a_network_are_refused(tmp_path: Path, devices: Any, me
 def test_a_network_file_has_devices_per_chip(tmp_path: Path) -> None:
     board(tmp_path, device("fifo"), device("console", 0xA0000100, name="TTY"), device("led", 0xA0000300, name="lamp"))
     text = "        ldi *ar2,r3\n        addi 1,r3\n        sti r3,*ar2\n        ldhi 0a000h,ar3\n        or 100h,ar3\n        addi 30h,r0\n        sti r0,*ar3\n        or 200h,ar3\n        sti r3,*ar3\n"
-    (tmp_path / "p.asm").write_text(START.replace("start:", "start:  ldi r0,r10\n        nop\n") + "        ldi r10,r0\n" + text + END)
-    (tmp_path / "n.toml").write_text('[[chip]]\nprogram = "p.asm"\nboard = "board.toml"\n[[chip]]\nname = "b"\nprogram = "p.asm"\nboard = "board.toml"\n')
+    (tmp_path / "p.asm").write_text(
+        START.replace("start:", "start:  ldi r0,r10\n        nop\n") + "        ldi r10,r0\n" + text + END
+    )
+    (tmp_path / "n.toml").write_text(
+        '[[chip]]\nprogram = "p.asm"\nboard = "board.toml"\n[[chip]]\nname = "b"\nprogram = "p.asm"\nboard = "board.toml"\n'
+    )
     for name, words in (("a", "7"), ("b", "9")):
         (tmp_path / name).write_text(words)
-    run = ("exec", "--network", tmp_path / "n.toml", "--device-input", f"0.D={tmp_path / 'a'}", "--device-input", f"b.D={tmp_path / 'b'}", "--device-output", f"b.D={tmp_path / 'out'}")
+    run = (
+        "exec",
+        "--network",
+        tmp_path / "n.toml",
+        "--device-input",
+        f"0.D={tmp_path / 'a'}",
+        "--device-input",
+        f"b.D={tmp_path / 'b'}",
+        "--device-output",
+        f"b.D={tmp_path / 'out'}",
+    )
     done = emulator(*run)
     assert done.returncode == 0, done.stderr
-    assert "console of chip 0:\n0\n" in done.stdout and "console of chip b:\n1\n" in done.stdout and "led lamp of chip b: Ah at cycle" in done.stdout
+    assert (
+        "console of chip 0:\n0\n" in done.stdout
+        and "console of chip b:\n1\n" in done.stdout
+        and "led lamp of chip b: Ah at cycle" in done.stdout
+    )
     assert (tmp_path / "out").read_text() == "0000000A\n"
     report = json.loads(emulator(*run, "--json").stdout)
     assert report["console"] == ["0", "1"] and report["hash"] in done.stdout and len(report["inputs"]) == 2
@@ -132,7 +166,13 @@ def test_a_network_file_has_devices_per_chip(tmp_path: Path) -> None:
 
 def test_what_is_sent_between_runs_comes_when_the_next_begins(tmp_path: Path) -> None:
     """A chip that sleeps is woken, and time does not go back."""
-    text = vector(4) + "        ldi 1,r0\n        sti r0,*+ar2(4)\n" + enabled(1, 0xB) + "wait:   idle\n        b wait\nisr:    ldi *ar2,r3\n        addi 1,r2\n        reti\n" + END
+    text = (
+        vector(4)
+        + "        ldi 1,r0\n        sti r0,*+ar2(4)\n"
+        + enabled(1, 0xB)
+        + "wait:   idle\n        b wait\nisr:    ldi *ar2,r3\n        addi 1,r2\n        reti\n"
+        + END
+    )
     network = Network([assembled(text)], boards=str(board(tmp_path, device("fifo", pin="IIOF1"))))
     for n, us in enumerate((10, 30, 70), 1):
         network.run(until_us=us)
@@ -144,20 +184,41 @@ def test_what_is_sent_between_runs_comes_when_the_next_begins(tmp_path: Path) ->
 
 
 DPRAM = SharedMemory("dual", 16, {0: PLACE, 1: PLACE}, dual_port=True, pins={0: "IIOF1", 1: "IIOF2"})
-LEFT = vector(4) + enabled(1) + "        ldi 5,r0\n        sti r0,*+ar2(3)\n        sti r0,*+ar2(15)\nwait:   idle\n        ldi *+ar2(14),r3\n        ldi *+ar2(4),r4\n" + END + "isr:    addi 1,r2\n        reti\n"
-RIGHT = vector(5) + enabled(2) + "wait:   idle\n        ldi *+ar2(15),r3\n        ldi *+ar2(3),r4\n        addi r3,r4\n        sti r4,*+ar2(4)\n        sti r4,*+ar2(14)\n" + END + "isr:    addi 1,r2\n        reti\n"
+LEFT = (
+    vector(4)
+    + enabled(1)
+    + "        ldi 5,r0\n        sti r0,*+ar2(3)\n        sti r0,*+ar2(15)\nwait:   idle\n        ldi *+ar2(14),r3\n        ldi *+ar2(4),r4\n"
+    + END
+    + "isr:    addi 1,r2\n        reti\n"
+)
+RIGHT = (
+    vector(5)
+    + enabled(2)
+    + "wait:   idle\n        ldi *+ar2(15),r3\n        ldi *+ar2(3),r4\n        addi r3,r4\n        sti r4,*+ar2(4)\n        sti r4,*+ar2(14)\n"
+    + END
+    + "isr:    addi 1,r2\n        reti\n"
+)
 
 
 def test_a_dual_port_memory_rings_the_other_side(tmp_path: Path) -> None:
     outcomes = []
     for order in (0, 3, 8):
-        network = Network([assembled(LEFT), assembled(RIGHT)], boards=str(board(tmp_path)), memories=[DPRAM], turn_order=order, clocks_mhz=[40, 33])
+        network = Network(
+            [assembled(LEFT), assembled(RIGHT)],
+            boards=str(board(tmp_path)),
+            memories=[DPRAM],
+            turn_order=order,
+            clocks_mhz=[40, 33],
+        )
         network.run(until_us=3)
         if order == 8:
             fork = network.fork()
             network = fork
         assert network.run().reason == "ended"
-        outcomes.append([(chip.cycles, low(chip, "R2"), low(chip, "R3"), low(chip, "R4")) for chip in network.chips] + [net.edges for net in network.nets])
+        outcomes.append(
+            [(chip.cycles, low(chip, "R2"), low(chip, "R3"), low(chip, "R4")) for chip in network.chips]
+            + [net.edges for net in network.nets]
+        )
     assert outcomes[0] == outcomes[1] == outcomes[2]
     assert [each[1:] for each in outcomes[0][:2]] == [(1, 10, 10), (1, 5, 10)] and outcomes[0][2:] == [2, 2]
 
@@ -167,7 +228,9 @@ def busy(word: int, dual: bool) -> int:
     text = "        ldi 49,rc\n        rptb last\nlast:   ldi *+ar2({}),r3\n" + END
     memory = SharedMemory("dual", 16, {0: PLACE, 1: PLACE}, waits=6, dual_port=dual)
     with_board = Path(__file__).parent / "window.toml"
-    network = Network([assembled(text.format(0)), assembled(text.format(word))], boards=str(with_board), memories=[memory])
+    network = Network(
+        [assembled(text.format(0)), assembled(text.format(word))], boards=str(with_board), memories=[memory]
+    )
     network.run()
     return max(chip.cycles for chip in network.chips)
 
@@ -196,7 +259,13 @@ def test_a_pin_has_one_net(tmp_path: Path) -> None:
         Network([assembled(END)], boards=str(board(tmp_path, device("timer", pin="IIOF1"))), nets=["wire: >0.IIOF1"])
 
 
-HELLO = "        ldhi hi16(text),ar3\n        or lo16(text),ar3\n" + "".join(f"        ldi *ar3++,r0\n        sti r0,*ar2\nat{n}:    nop\n" for n in range(3)) + "        ldi *ar2,r7\n" + END + "text:   .word 41h, 42h, 43h\n"
+HELLO = (
+    "        ldhi hi16(text),ar3\n        or lo16(text),ar3\n"
+    + "".join(f"        ldi *ar3++,r0\n        sti r0,*ar2\nat{n}:    nop\n" for n in range(3))
+    + "        ldi *ar2,r7\n"
+    + END
+    + "text:   .word 41h, 42h, 43h\n"
+)
 
 
 def test_the_debugger_shows_the_console_and_goes_back_through_devices(tmp_path: Path) -> None:
@@ -209,7 +278,10 @@ def test_the_debugger_shows_the_console_and_goes_back_through_devices(tmp_path: 
     shown = [line for line in done.stdout.splitlines() if line in ("A", "B", "C", "AB", "BC")]
     assert shown == ["A", "B", "B", "C"] or shown == ["A", "B", "A", "B", "C"], done.stdout
     assert "console TTY at A0000000h, has sent 3 words" in done.stdout
-    for options, message in ((("--console-input", "-"), "the debugger reads standard input itself"), (("--console-record", "x"), "only exec writes this file")):
+    for options, message in (
+        (("--console-input", "-"), "the debugger reads standard input itself"),
+        (("--console-record", "x"), "only exec writes this file"),
+    ):
         refused = emulator("debug", tmp_path / "p.asm", "--board", path, *options)
         assert refused.returncode == 2 and message in refused.stderr
     debugger = Processor(assembled(HELLO), board=path).debug()
@@ -219,7 +291,9 @@ def test_the_debugger_shows_the_console_and_goes_back_through_devices(tmp_path: 
 def test_a_region_of_a_networks_chip_holds_a_rom(tmp_path: Path) -> None:
     (tmp_path / "p.asm").write_text("start: ldi 42,r5\nend: b end\n")
     assert emulator("asm", tmp_path / "p.asm", "-o", tmp_path / "p.out", "--section", ".text=2FFC00h").returncode == 0
-    assert emulator("image", tmp_path / "p.out", "--format", "srec", "--width", 8, "-o", tmp_path / "boot").returncode == 0
+    assert (
+        emulator("image", tmp_path / "p.out", "--format", "srec", "--width", 8, "-o", tmp_path / "boot").returncode == 0
+    )
     rom = '\n[[region]]\nname = "EPROM"\nbase = 0x80000000\nwords = 0x1000\nbus = "global"\nfile = "boot"\n\n[pins]\nromen = true\niiof = "0111"\n'
     (tmp_path / "b.toml").write_text(HEAD + rom)
     (tmp_path / "n.toml").write_text('[[chip]]\nboard = "b.toml"\nboot = true\n')
@@ -228,12 +302,17 @@ def test_a_region_of_a_networks_chip_holds_a_rom(tmp_path: Path) -> None:
 
 
 def test_a_chip_whose_pin_a_device_pulls_has_done_nothing_before_the_first_run(tmp_path: Path) -> None:
-    """The level of the pin at the start is there before the first instruction, which a poke or a breakpoint may be for."""
+    """The level of the pin at the start is there before the first instruction, which a poke or a breakpoint may be
+    for."""
     (tmp_path / "p.asm").write_text("        .text\nstart:  ldi 1,r5\ndone:   b done\n")
     path = board(tmp_path, device("fifo", pin="IIOF1"))
     network = Network([tmp_path / "p.asm"], boards=str(path), until="done")
     assert (network.chips[0].cycles, network.chips[0].pc) == (0, network.chips[0].address("start"))
-    poked = emulator("exec", tmp_path / "p.asm", tmp_path / "p.asm", "--board", path, "--poke", "0:start=08650009h", "--json")  # ldi 9,r5
+    poked = emulator(
+        "exec", tmp_path / "p.asm", tmp_path / "p.asm", "--board", path, "--poke", "0:start=08650009h", "--json"
+    )  # ldi 9,r5
     assert [chip["registers"]["R5"] & 0xFFFF for chip in json.loads(poked.stdout)["chips"]] == [9, 1]
     told = emulator("debug", tmp_path / "p.asm", "--board", path, stdin="print pc\nprint r5\nstep\nprint r5\n").stdout
-    assert told.splitlines()[1].endswith("ldi 1,r5") and [line for line in told.splitlines() if line.endswith("h)")][1:] == ["0 (00000000h)", "1 (00000001h)"]
+    assert told.splitlines()[1].endswith("ldi 1,r5") and [line for line in told.splitlines() if line.endswith("h)")][
+        1:
+    ] == ["0 (00000000h)", "1 (00000001h)"]

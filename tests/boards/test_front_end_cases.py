@@ -1,4 +1,5 @@
-"""Inputs of users, by every front end: ROMs, words before the start, conditions of the end, sources of any form. Correct input runs alike; each front end refuses wrong input, and names the place."""
+"""Inputs of users, by every front end: ROMs, words before the start, conditions of the end, sources of any form.
+Correct input runs alike; each front end refuses wrong input, and names the place."""
 
 from __future__ import annotations
 
@@ -63,7 +64,14 @@ def by_debug(folder: Path, given: Given) -> tuple[int, int]:
 
 
 def by_dap(folder: Path, given: Given) -> tuple[int, int]:
-    keys = {name: [in_folder(folder, one) for one in value] if isinstance(value, list) else value if name == "romWidth" else in_folder(folder, value) for name, value in given.items()}
+    keys = {
+        name: [in_folder(folder, one) for one in value]
+        if isinstance(value, list)
+        else value
+        if name == "romWidth"
+        else in_folder(folder, value)
+        for name, value in given.items()
+    }
     with Editor() as editor:
         editor.wait(responses.Initialized)
         editor.client.send_request("launch", {**keys, "stopAtEnd": True})
@@ -134,23 +142,39 @@ RIGHT: list[tuple[Given, tuple[int, int]]] = [
     ({"program": "p.out", "load": ["data@300200h", "rom.bin@300210h"]}, (42, 77)),
     ({"program": "p.asm", "poke": "300200h=5", "until": "end"}, (42, 5)),
     ({"program": "p.asm", "poke": "300200h=5", "until": ["300001h"]}, (42, 0)),
-    *(({"program": name, "poke": "300200h=5"}, (42, 5)) for name in ("dos.asm", "latin.asm", "doubled.asm", "behind.asm", "no.end.asm")),
+    *(
+        ({"program": name, "poke": "300200h=5"}, (42, 5))
+        for name in ("dos.asm", "latin.asm", "doubled.asm", "behind.asm", "no.end.asm")
+    ),
 ]
 
 
 @pytest.mark.parametrize("front", FRONTS)
-@pytest.mark.parametrize(("given", "expected"), RIGHT, ids=[" ".join(f"{k}={v}" for k, v in given.items()) for given, _ in RIGHT])
-def test_what_is_right_runs_alike_by_every_front_end(folder: Path, front: str, given: Given, expected: tuple[int, int]) -> None:
+@pytest.mark.parametrize(
+    ("given", "expected"), RIGHT, ids=[" ".join(f"{k}={v}" for k, v in given.items()) for given, _ in RIGHT]
+)
+def test_what_is_right_runs_alike_by_every_front_end(
+    folder: Path, front: str, given: Given, expected: tuple[int, int]
+) -> None:
     assert FRONTS[front](folder, given) == expected
 
 
 WRONG: list[tuple[Given, str]] = [
-    ({"rom": "cut.hex@80000000h", "boot": "80000000h"}, "cut.hex:1: the file ends without its last record: it is cut short"),
-    ({"rom": "odd.bin@80000000h", "boot": "80000000h"}, "odd.bin: its 55 bytes are no whole number of words of 32 bits: the last has 3 of 4 bytes"),
+    (
+        {"rom": "cut.hex@80000000h", "boot": "80000000h"},
+        "cut.hex:1: the file ends without its last record: it is cut short",
+    ),
+    (
+        {"rom": "odd.bin@80000000h", "boot": "80000000h"},
+        "odd.bin: its 55 bytes are no whole number of words of 32 bits: the last has 3 of 4 bytes",
+    ),
     ({"rom": "no.width@80000000h", "boot": "80000000h"}, "does not say how wide it is"),
     ({"rom": "rom.hex@80000000h", "romWidth": 7, "boot": "80000000h"}, "idth"),
     ({"rom": "rom.hex@400000h", "boot": "80000000h"}, "do not lie in memory"),
-    ({"rom": ["rom.hex@80000000h", "rom.bin@80000020h"], "boot": "80000000h"}, "its words 80000020h to 8000002Dh overlap those of"),
+    (
+        {"rom": ["rom.hex@80000000h", "rom.bin@80000020h"], "boot": "80000000h"},
+        "its words 80000020h to 8000002Dh overlap those of",
+    ),
     ({"rom": "rom.hex@80000000h"}, "--rom: needs --boot"),
     ({"rom": "rom.hex@80000000h", "boot": "310000h"}, "the pins choose"),
     ({"rom": "rom.hex@80000000h", "boot": "reset"}, "has no [pins]"),
@@ -163,17 +187,26 @@ WRONG: list[tuple[Given, str]] = [
     ({"board": "bseven.toml", "boot": "reset"}, "bseven.toml:23: region.width of EPROM: 8, 16 or 32 is expected"),
     ({"board": "bgone.toml", "boot": "reset"}, "cannot be read"),
     ({"board": "bsmall.toml", "boot": "reset"}, "words do not go into 4"),
-    ({"board": "b16.toml", "boot": "reset"}, "b16.toml:1: the text is in UTF-16; a text in ASCII, Latin-1 or UTF-8 is expected"),
+    (
+        {"board": "b16.toml", "boot": "reset"},
+        "b16.toml:1: the text is in UTF-16; a text in ASCII, Latin-1 or UTF-8 is expected",
+    ),
     ({"board": "blatin.toml", "boot": "reset"}, "blatin.toml:1: "),
     ({"program": "p.asm", "board": "bfifo.toml"}, "words16:1: the text is in UTF-16"),
-    ({"program": "p.asm", "load": "three@300200h"}, "three: its 3 bytes are no whole number of words of 32 bits: the last has 3 of 4 bytes"),
+    (
+        {"program": "p.asm", "load": "three@300200h"},
+        "three: its 3 bytes are no whole number of words of 32 bits: the last has 3 of 4 bytes",
+    ),
     ({"program": "p.asm", "load": "data@0A0000000h"}, "do not lie in memory"),
     ({"program": "p.asm", "load": "data"}, "is not FILE@"),
     ({"program": "p.asm", "load": "gone@300200h"}, "gone"),
     ({"program": "p.asm", "poke": "300200h"}, "is not ADDRESS=WORD"),
     ({"program": "p.asm", "poke": "nowhere=1"}, '"nowhere"'),
     ({"program": "p.asm", "until": "nowhere"}, '"nowhere"'),
-    *(({"program": name}, f"{name}:1:1: error: the text is in UTF-16; a text in ASCII, Latin-1 or UTF-8 is expected") for name in ("utf16.asm", "utf16be.asm", "unmarked.asm")),
+    *(
+        ({"program": name}, f"{name}:1:1: error: the text is in UTF-16; a text in ASCII, Latin-1 or UTF-8 is expected")
+        for name in ("utf16.asm", "utf16be.asm", "unmarked.asm")
+    ),
     ({"program": "utf32.asm"}, "utf32.asm:1:1: error: the text is in UTF-32"),
     ({"program": "mac.asm"}, "mac.asm:1:1: error: the lines end in a carriage return alone"),
     ({"program": "zeros.asm"}, "zeros.asm:6:1: error: a byte 0 is here"),
@@ -182,7 +215,9 @@ WRONG: list[tuple[Given, str]] = [
 
 
 @pytest.mark.parametrize("front", FRONTS)
-@pytest.mark.parametrize(("given", "message"), WRONG, ids=[" ".join(f"{k}={v}" for k, v in given.items()) for given, _ in WRONG])
+@pytest.mark.parametrize(
+    ("given", "message"), WRONG, ids=[" ".join(f"{k}={v}" for k, v in given.items()) for given, _ in WRONG]
+)
 def test_what_is_wrong_is_refused_by_every_front_end(folder: Path, front: str, given: Given, message: str) -> None:
     with pytest.raises(Refused) as refused:
         FRONTS[front](folder, given)
@@ -196,7 +231,11 @@ BOARDS = [(given["board"], message) for given, message in WRONG if "board" in gi
 def test_a_board_that_cannot_be_is_refused_by_python_and_in_networks(folder: Path, name: str, message: str) -> None:
     program = assemble_file(folder / "p.asm")
     (folder / "n.toml").write_text(f'[[chip]]\nboard = "{name}"\nboot = true\n')
-    for make in (lambda: Processor(program, board=folder / name), lambda: Network([program], boards=str(folder / name)), lambda: Network.from_file(folder / "n.toml")):
+    for make in (
+        lambda: Processor(program, board=folder / name),
+        lambda: Network([program], boards=str(folder / name)),
+        lambda: Network.from_file(folder / "n.toml"),
+    ):
         with pytest.raises(ValueError, match=re.escape(message)):
             make()
     done = emulator("exec", "--network", folder / "n.toml")
@@ -213,7 +252,9 @@ def test_a_board_that_cannot_be_is_refused_by_python_and_in_networks(folder: Pat
         ("three", 16, "no whole number of words of 16 bits"),
     ],
 )
-def test_a_rom_that_cannot_be_is_refused_by_a_processor(folder: Path, name: str, width: int | None, message: str) -> None:
+def test_a_rom_that_cannot_be_is_refused_by_a_processor(
+    folder: Path, name: str, width: int | None, message: str
+) -> None:
     processor = Processor(board="default", boots_from=0x80000000)
     with pytest.raises(ValueError, match=re.escape(message)):
         processor.load_rom(folder / name, 0x80000000, width=width)
@@ -228,9 +269,18 @@ def test_a_rom_that_cannot_be_is_refused_by_a_processor(folder: Path, name: str,
 @pytest.mark.parametrize("name", ["utf16.asm", "utf16be.asm", "unmarked.asm", "utf32.asm", "mac.asm", "zeros.asm"])
 def test_every_reader_of_sources_names_a_form_that_it_does_not_read(folder: Path, tmp_path: Path, name: str) -> None:
     place = f"{name}:"
-    for arguments in (("asm", folder / name, "-o", tmp_path / "o"), ("asm", folder / name, "-c", "-o", tmp_path / "o"), ("disasm", folder / name), ("image", folder / name, "--format", "binary", "-o", tmp_path / "o")):
+    for arguments in (
+        ("asm", folder / name, "-o", tmp_path / "o"),
+        ("asm", folder / name, "-c", "-o", tmp_path / "o"),
+        ("disasm", folder / name),
+        ("image", folder / name, "--format", "binary", "-o", tmp_path / "o"),
+    ):
         done = emulator(*arguments)
-        assert done.returncode == 2 and place in done.stderr and ("the text is in" in done.stderr or "carriage return" in done.stderr or "byte 0" in done.stderr), done.stderr
+        assert (
+            done.returncode == 2
+            and place in done.stderr
+            and ("the text is in" in done.stderr or "carriage return" in done.stderr or "byte 0" in done.stderr)
+        ), done.stderr
         assert not (tmp_path / "o").exists()
     with pytest.raises(ValueError, match="the text is in|carriage return|byte 0"):
         assemble_file(folder / name)

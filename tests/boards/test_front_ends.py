@@ -41,7 +41,9 @@ def by_exec(folder: Path) -> tuple[int, int]:
 def by_exec_with_option(folder: Path) -> tuple[int, int]:
     text = (folder / "board.toml").read_text().replace('input = "words"\n', "")
     (folder / "bare.toml").write_text(text)
-    done = emulator("exec", folder / "p.asm", "--board", folder / "bare.toml", "--device-input", "D=-", "--json", stdin="70 7")
+    done = emulator(
+        "exec", folder / "p.asm", "--board", folder / "bare.toml", "--device-input", "D=-", "--json", stdin="70 7"
+    )
     assert done.returncode == 0, done.stderr
     return of_json(json.loads(done.stdout)["registers"])
 
@@ -53,7 +55,9 @@ def by_network_file(folder: Path) -> tuple[int, int]:
 
 
 def by_debug(folder: Path) -> tuple[int, int]:
-    done = emulator("debug", folder / "p.asm", "--board", folder / "board.toml", stdin="break done\ncontinue\nprint r3\nprint r4\n")
+    done = emulator(
+        "debug", folder / "p.asm", "--board", folder / "board.toml", stdin="break done\ncontinue\nprint r3\nprint r4\n"
+    )
     assert done.returncode == 0, done.stderr
     found = [int(text, 16) & 0xFFFFFFFF for text in re.findall(r"([0-9A-F]{8,10})h", done.stdout)[-2:]]
     return found[0], found[1]
@@ -77,7 +81,10 @@ def by_network_file_in_python(folder: Path) -> tuple[int, int]:
     return low(network.chips[0], "R3"), low(network.chips[0], "R4")
 
 
-@pytest.mark.parametrize("front", [by_exec, by_exec_with_option, by_network_file, by_debug, by_processor, by_network, by_network_file_in_python])
+@pytest.mark.parametrize(
+    "front",
+    [by_exec, by_exec_with_option, by_network_file, by_debug, by_processor, by_network, by_network_file_in_python],
+)
 def test_every_way_of_running_gives_a_program_its_rom_and_its_words(folder: Path, front: Front) -> None:
     assert front(folder) == (0x77, 0xABCD)
 
@@ -85,7 +92,9 @@ def test_every_way_of_running_gives_a_program_its_rom_and_its_words(folder: Path
 def test_an_image_is_made_for_a_board_that_names_it(folder: Path) -> None:
     (folder / "rom").unlink()
     (folder / "words").unlink()
-    made = emulator("image", folder / "p.asm", "--format", "binary", "--board", folder / "board.toml", "-o", folder / "rom")
+    made = emulator(
+        "image", folder / "p.asm", "--format", "binary", "--board", folder / "board.toml", "-o", folder / "rom"
+    )
     assert made.returncode == 0 and (folder / "rom").exists(), made.stderr
     missing = emulator("exec", folder / "p.asm", "--board", folder / "board.toml")
     assert missing.returncode == 2 and "device.input of D" in missing.stderr
@@ -95,11 +104,17 @@ STRIDES = [("console", 2, 1), ("fifo", 4, 1), ("mailbox", 2, 1), ("timer", 3, 3)
 
 
 @pytest.mark.parametrize(("kind", "stride", "last"), STRIDES)
-def test_registers_stand_a_stride_apart_and_nothing_is_between(tmp_path: Path, kind: str, stride: int, last: int) -> None:
+def test_registers_stand_a_stride_apart_and_nothing_is_between(
+    tmp_path: Path, kind: str, stride: int, last: int
+) -> None:
     """The second register (of a timer the fourth) is read where it is; a write between does nothing, a read gives 0."""
     (tmp_path / "b.toml").write_text(HEAD + device(kind, stride=stride))
     at = stride * last
-    text = START + f"        ldi *+ar2({at}),r3\n        ldi 41h,r0\n        sti r0,*+ar2(1)\n        ldi *+ar2(1),r4\n        sti r0,*ar2\n        ldi *+ar2({at}),r5\n" + END
+    text = (
+        START
+        + f"        ldi *+ar2({at}),r3\n        ldi 41h,r0\n        sti r0,*+ar2(1)\n        ldi *+ar2(1),r4\n        sti r0,*ar2\n        ldi *+ar2({at}),r5\n"
+        + END
+    )
     (tmp_path / "p.asm").write_text(text)
     done = json.loads(emulator("exec", tmp_path / "p.asm", "--board", tmp_path / "b.toml", "--json").stdout)
     words = [done["registers"][name] & 0xFFFFFFFF for name in ("R3", "R4", "R5")]

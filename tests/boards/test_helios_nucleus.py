@@ -1,4 +1,5 @@
-"""The host of examples/helios_nucleus.py, with a nucleus of our own that has the same form; and with Helios's, where it was fetched."""
+"""The host of examples/helios_nucleus.py, with a nucleus of our own that has the same form; and with Helios's, where it
+was fetched."""
 
 from __future__ import annotations
 
@@ -69,7 +70,11 @@ def example() -> ModuleType:
 
 def nucleus(source: str) -> bytes:
     """Its size, distances to seven parts and a 0; the fifth part is the bootstrap, all others are one word."""
-    (code,) = [list(section.words) for section in c40.assemble(source, sections={".text": 0x2FFC00}).sections if section.name == ".text"]
+    (code,) = [
+        list(section.words)
+        for section in c40.assemble(source, sections={".text": 0x2FFC00}).sections
+        if section.name == ".text"
+    ]
     parts = [[0x60F160F1]] * 4 + [code] + [[0x60F060F0]] * 2
     at, distances = 9, []
     for number, part in enumerate(parts, start=1):

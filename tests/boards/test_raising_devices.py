@@ -1,4 +1,5 @@
-"""A device of Python that raises in each of its members: the exception comes out with its place, nothing is half done, and after a repair the device goes on."""
+"""A device of Python that raises in each of its members: the exception comes out with its place, nothing is half done,
+and after a repair the device goes on."""
 
 from __future__ import annotations
 
@@ -14,7 +15,13 @@ from cmrc.network import Network
 
 PLACE = 0xA0000000
 # One write, one read, an interrupt that the device makes by itself 50 cycles after the write.
-PROGRAM = vector(5) + enabled(2) + "        ldi 5,r0\n        sti r0,*ar2\n        ldi *+ar2(1),r3\n        idle\n        addi 1,r9\n" + END + "isr:    addi 1,r2\n        reti\n"
+PROGRAM = (
+    vector(5)
+    + enabled(2)
+    + "        ldi 5,r0\n        sti r0,*ar2\n        ldi *+ar2(1),r3\n        idle\n        addi 1,r9\n"
+    + END
+    + "isr:    addi 1,r2\n        reti\n"
+)
 
 
 class Fragile:
@@ -78,7 +85,9 @@ def one_chip(device: Fragile, path: Path) -> tuple[Any, Callable[[], Any], Any]:
 
 
 def one_of_two(device: Fragile, path: Path) -> tuple[Any, Callable[[], Any], Any]:
-    network = Network([assembled(PROGRAM), assembled(END)], boards=str(path), until="done", devices={0: {PLACE: device}})
+    network = Network(
+        [assembled(PROGRAM), assembled(END)], boards=str(path), until="done", devices={0: {PLACE: device}}
+    )
     return network, network.run, network.chips[0]
 
 
@@ -87,7 +96,9 @@ MAKERS = {"processor": one_chip, "network": one_of_two}
 
 @pytest.mark.parametrize("maker", MAKERS)
 @pytest.mark.parametrize("member", ["read", "write", "next_event", "advance_to", "interrupts"])
-def test_what_a_member_raises_comes_out_of_a_run_and_a_mended_device_goes_on(tmp_path: Path, maker: str, member: str) -> None:
+def test_what_a_member_raises_comes_out_of_a_run_and_a_mended_device_goes_on(
+    tmp_path: Path, maker: str, member: str
+) -> None:
     whole = MAKERS[maker](Fragile(), board(tmp_path))
     whole[1]()
     device = Fragile()
@@ -106,7 +117,9 @@ def test_what_a_member_raises_comes_out_of_a_run_and_a_mended_device_goes_on(tmp
 
 @pytest.mark.parametrize("maker", MAKERS)
 @pytest.mark.parametrize("call", ["snapshot", "fork"])
-def test_what_save_raises_comes_out_of_snapshots_and_forks_and_the_run_goes_on(tmp_path: Path, maker: str, call: str) -> None:
+def test_what_save_raises_comes_out_of_snapshots_and_forks_and_the_run_goes_on(
+    tmp_path: Path, maker: str, call: str
+) -> None:
     device = Fragile()
     runner, run, chip = MAKERS[maker](device, board(tmp_path))
     device.raising = "save"

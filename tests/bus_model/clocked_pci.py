@@ -172,7 +172,9 @@ class Bus:
             elif stopped:
                 master.asks = free + self.board.off
             else:
-                master.asks = clock if full else clock + 1  # a master that ends its transaction itself, and has more words, keeps REQ#
+                master.asks = (
+                    clock if full else clock + 1
+                )  # a master that ends its transaction itself, and has more words, keeps REQ#
             stay = None
             winner = self.choose(clock)
             if winner is not None:

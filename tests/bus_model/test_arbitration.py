@@ -1,5 +1,5 @@
-"""Arbiters, parking, timers and bursts: random traffic against a second bus that steps clock by clock, and tables counted
-by hand from plant-and-bus.md 3.1."""
+"""Arbiters, parking, timers and bursts: random traffic against a second bus that steps clock by clock, and tables
+counted by hand from plant-and-bus.md 3.1."""
 
 import random
 
@@ -9,7 +9,12 @@ from bus_model.clocked_pci import Bus as ClockedBus
 from cmrc_test import bus_model as pci
 
 RULES = ["round_robin", "fixed", "two_level", "host_fair"]
-TARGETS = [Timing(2, (3, 0), (1, 0)), Timing(1, (8, 1), (2, 1), 4), Timing(3, (0, 0), (0, 2)), Timing(2, (6, 0), (2, 0), 8)]
+TARGETS = [
+    Timing(2, (3, 0), (1, 0)),
+    Timing(1, (8, 1), (2, 1), 4),
+    Timing(3, (0, 0), (0, 2)),
+    Timing(2, (6, 0), (2, 0), 8),
+]
 
 
 def event_driven(board: Board, jobs: list[list[Job]], clocks: int) -> tuple[pci.Bus, list[tuple[int, int, int, int]]]:
@@ -36,7 +41,9 @@ def event_driven(board: Board, jobs: list[list[Job]], clocks: int) -> tuple[pci.
         if left[master]:
             job = left[master].pop(0)
             address, when = job.target * 0x1000, clock + job.gap
-            bus.write(master, address, [1] * job.words, when) if job.write else bus.read(master, address, job.words, when)
+            bus.write(master, address, [1] * job.words, when) if job.write else bus.read(
+                master, address, job.words, when
+            )
 
     for master in range(len(jobs)):
         submit(master, 0)
@@ -63,7 +70,10 @@ def test_random_traffic_as_on_a_bus_that_steps_clock_by_clock(rule: str, seed: i
     )
     busy = draw.choice([3, 30, 200])  # gaps, from a crowded bus to a mostly idle one
     jobs = [
-        [Job(draw.randrange(busy), draw.random() < 0.5, draw.randrange(4), draw.choice([1, 1, 2, 5, 12, 40])) for _ in range(120)]
+        [
+            Job(draw.randrange(busy), draw.random() < 0.5, draw.randrange(4), draw.choice([1, 1, 2, 5, 12, 40]))
+            for _ in range(120)
+        ]
         for _ in range(masters)
     ]
     clocks = 8000
@@ -221,6 +231,9 @@ def test_impossible_parameters_are_refused() -> None:
 def test_the_audit_finds_nothing_under_random_traffic() -> None:
     board = Board("round_robin", "last_owner", 2, 0, [16] * 4, [False] * 4, [0] * 4, TARGETS)
     draw = random.Random(5)
-    jobs = [[Job(draw.randrange(20), draw.random() < 0.5, draw.randrange(4), draw.choice([1, 9, 30])) for _ in range(80)] for _ in range(4)]
+    jobs = [
+        [Job(draw.randrange(20), draw.random() < 0.5, draw.randrange(4), draw.choice([1, 9, 30])) for _ in range(80)]
+        for _ in range(4)
+    ]
     bus, _ = event_driven(board, jobs, 6000)
     assert bus.audit(bus.now()) == [] and len(bus.attempts) > 300

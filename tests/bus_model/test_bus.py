@@ -47,7 +47,8 @@ def test_the_table_of_transaction_lengths(words: int, zero_wait: int, slow_read:
 
 
 def test_an_s5933_burst_of_four_words_takes_thirteen_clocks() -> None:
-    """The vendor's own sum: disconnect after 4 words, REQ# off for 2 clocks, 4 clocks to regain the grant: 390 ns per 16 bytes."""
+    """The vendor's own sum: disconnect after 4 words, REQ# off for 2 clocks, 4 clocks to regain the grant: 390 ns per
+    16 bytes."""
     bus, memory = one_master(
         config(pci.TargetConfig, max_burst=4, **ZERO_WAIT), parking=pci.Parking.none, grant_clocks=4
     )
@@ -153,7 +154,8 @@ def test_round_robin_bounds_every_wait(masters: int, latency_timer: int, seed: i
 def traffic(
     seed: int, arbitration: pci.Arbitration = pci.Arbitration.round_robin
 ) -> tuple[pci.Bus, list[pci.Memory], list[pci.Transaction], list[tuple[int, int, list[int]]]]:
-    """Random transactions of four masters over an SRAM, an S5933, a drive card and a target with posted writes and delayed reads."""
+    """Random transactions of four masters over an SRAM, an S5933, a drive card and a target with posted writes and
+    delayed reads."""
     draw = random.Random(seed)
     bus = pci.Bus(config(pci.BusConfig, arbitration=arbitration, fast_back_to_back=seed % 2 == 0))
     for _ in range(4):
@@ -264,7 +266,8 @@ def test_a_delayed_read_is_fetched_while_the_bus_is_free() -> None:
 
 
 def test_a_delayed_read_is_answered_from_the_clock_on_in_which_its_word_is_there() -> None:
-    """The target fetches for `fetch` clocks from the first attempt on, and refuses attempts before the end of that time."""
+    """The target fetches for `fetch` clocks from the first attempt on, and refuses attempts before the end of that
+    time."""
     just_in_time = 0
     for fetch in range(1, 40):
         bus = pci.Bus()

@@ -35,7 +35,8 @@ def agent(number: int) -> pci.MasterConfig:
 
 @dataclass
 class Processor:
-    """Makes one access after the other. `think` chooses each from the answer of the last one: (write?, address, words)."""
+    """Makes one access after the other. `think` chooses each from the answer of the last one: (write?, address,
+    words)."""
 
     bus: int
     master: int
@@ -95,7 +96,8 @@ def test_a_read_and_a_write_across_by_hand() -> None:
         ended = [e for bus, e in buses.step() if bus == 0 and e.master == 2]
     assert ended[0].words == [55] and ended[0].retries >= 1
     (fetch,) = [a for a in buses[1].attempts if not a.write]
-    # FRAME# asks the bridge; 3 clocks; another 2, the grant being parked with the writes; address, devsel 2, 3 waits, data
+    # FRAME# asks the bridge; 3 clocks; another 2, the grant being parked with the writes; address, devsel 2, 3 waits,
+    # data
     assert fetch.frame == start + 3 + 2 and fetch.last == fetch.frame + 5
     assert ended[0].first_data > fetch.last
 
@@ -121,7 +123,9 @@ def test_posted_words_combine_and_a_full_bridge_refuses() -> None:
     assert max(a.words for a in buses[1].attempts) == 8
 
 
-@pytest.mark.parametrize("count, depth, delayed, seed", [(2, 32, 4, 1), (3, 2, 1, 2), (4, 1, 1, 3), (4, 4, 2, 4), (4, 1, 1, 5)])
+@pytest.mark.parametrize(
+    "count, depth, delayed, seed", [(2, 32, 4, 1), (3, 2, 1, 2), (4, 1, 1, 3), (4, 4, 2, 4), (4, 1, 1, 5)]
+)
 def test_nothing_is_lost_doubled_reordered_or_locked_up(count: int, depth: int, delayed: int, seed: int) -> None:
     """Two agents on each bus write and read everywhere; each reads its own words as it last wrote them."""
     draw = random.Random(seed)

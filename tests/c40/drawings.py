@@ -1,8 +1,9 @@
 """Drawings of sequences in the pipeline, which test_counted_by_hand.py holds against the emulator.
 
-Columns are cycles. The first row is fetched in cycle -3, so an instruction without any wait executes in the cycle of its number. F fetch, D decode,
-R read (the first cycle of the access), E execute, `-` holds. A drawing may leave off the rest of a program; its count is that of the whole.
-Code is in RAM block 1 unless the case says otherwise; B0 and B1 are data in blocks 0 and 1, WAIT is external memory of one wait state.
+Columns are cycles. The first row is fetched in cycle -3, so an instruction without any wait executes in the cycle of
+its number. F fetch, D decode, R read (the first cycle of the access), E execute, `-` holds. A drawing may leave off the
+rest of a program; its count is that of the whole. Code is in RAM block 1 unless the case says otherwise; B0 and B1 are
+data in blocks 0 and 1, WAIT is external memory of one wait state.
 """
 
 from __future__ import annotations
@@ -27,7 +28,8 @@ class Case:
 
 
 def parse(case: Case) -> tuple[str, list[tuple[str, str]]]:
-    """The program, and (cells, instruction) of the rows that are drawn, in the order of execution (that of the fetches)."""
+    """The program, and (cells, instruction) of the rows that are drawn, in the order of execution (that of the
+    fetches)."""
     if "\n" not in case.drawing:
         return case.drawing, []
     lines = [line[8:] for line in case.drawing.splitlines()[1:-1]]

@@ -1,4 +1,5 @@
-"""Sequences in which accesses wait for each other: ports of the RAM blocks, external buses, fetches beside data (c40-hardware.md 7.4)."""
+"""Sequences in which accesses wait for each other: ports of the RAM blocks, external buses, fetches beside data
+(c40-hardware.md 7.4)."""
 
 from drawings import B0, B1, GLOBAL, LOCAL, WAIT, Case
 

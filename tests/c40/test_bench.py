@@ -1,4 +1,5 @@
-"""c40_bench compares the registers of its plain interpreter with those of the chip: they agree after every instruction that the interpreter knows."""
+"""c40_bench compares the registers of its plain interpreter with those of the chip: they agree after every instruction
+that the interpreter knows."""
 
 import subprocess
 from pathlib import Path
@@ -26,6 +27,12 @@ def test_the_plain_interpreter_agrees_about_integers(tmp_path: Path, more: int) 
     image = toolchain.assemble("        ldi     r1, r1\n" * more + INTEGERS, "integers.asm", sections={".text": 0x1000})
     hexadecimal = tmp_path / "integers.hex"
     hexadecimal.write_text("".join(f"{word:08x}\n" for word in image.sections[0].words))
-    done = subprocess.run([BUILD / "bin" / "c40_bench", "--millions", "1", "--repeat", "1", hexadecimal], capture_output=True, text=True, check=False, timeout=60)
+    done = subprocess.run(
+        [BUILD / "bin" / "c40_bench", "--millions", "1", "--repeat", "1", hexadecimal],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[1].startswith("integers ")

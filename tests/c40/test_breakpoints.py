@@ -1,4 +1,5 @@
-"""A breakpoint in a loop stops each round, however the loop is run: by blocks that follow each other, or one instruction at a time."""
+"""A breakpoint in a loop stops each round, however the loop is run: by blocks that follow each other, or one
+instruction at a time."""
 
 from itertools import pairwise
 

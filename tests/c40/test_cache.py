@@ -1,4 +1,5 @@
-"""The instruction cache (c40-hardware.md 6). Where a word is fetched from shows in what its fetch costs: SLOW has one wait state, a hit none."""
+"""The instruction cache (c40-hardware.md 6). Where a word is fetched from shows in what its fetch costs: SLOW has one
+wait state, a hit none."""
 
 from typing import Any
 
@@ -21,7 +22,8 @@ def processor() -> Any:
 
 
 def misses(processor: Any, address: int) -> bool:
-    """One instruction from an empty pipeline: a miss waits once, and says why; a fetch with the cache off waits for its memory."""
+    """One instruction from an empty pipeline: a miss waits once, and says why; a fetch with the cache off waits for its
+    memory."""
     before = processor.causes
     processor.pc = address
     processor.step()
@@ -45,7 +47,16 @@ def waits_for_memory(processor: Any, address: int) -> bool:
 
 
 def test_a_miss_loads_one_word(processor: Any) -> None:
-    assert [misses(processor, SLOW + n) for n in (0, 0, 1, 0, 1, 31, 31, 2)] == [True, False, True, False, False, True, False, True]
+    assert [misses(processor, SLOW + n) for n in (0, 0, 1, 0, 1, 31, 31, 2)] == [
+        True,
+        False,
+        True,
+        False,
+        False,
+        True,
+        False,
+        True,
+    ]
 
 
 def test_four_segments_fit_and_the_least_recently_used_one_goes(processor: Any) -> None:
@@ -159,11 +170,15 @@ new:    addi 100,r1
     assert small_programs.consistent(processor)
 
 
-def cycles_per_pass(body: str, status: int, registers: dict[str, int], at: int, exact: bool) -> tuple[int, dict[str, int]]:
+def cycles_per_pass(
+    body: str, status: int, registers: dict[str, int], at: int, exact: bool
+) -> tuple[int, dict[str, int]]:
     """Of a repeated block once it is in the cache: the difference of 30 passes and 10."""
     cycles, causes = [], []
     for count in (10, 30):
-        processor, image = small_programs.load(f"        ldi {count - 1},rc\n        rptb e\n{body}\nstop:   bu stop\n", at=at)
+        processor, image = small_programs.load(
+            f"        ldi {count - 1},rc\n        rptb e\n{body}\nstop:   bu stop\n", at=at
+        )
         processor.set_exact(exact)
         for name, value in (registers | {"ST": status}).items():
             processor.set(name, value)
@@ -172,7 +187,9 @@ def cycles_per_pass(body: str, status: int, registers: dict[str, int], at: int, 
         cycles.append(processor.cycle)
         causes.append(processor.causes)
     assert (cycles[1] - cycles[0]) % 20 == 0
-    return (cycles[1] - cycles[0]) // 20, {c: (causes[1][c] - causes[0][c]) // 20 for c in causes[0] if causes[1][c] != causes[0][c]}
+    return (cycles[1] - cycles[0]) // 20, {
+        c: (causes[1][c] - causes[0][c]) // 20 for c in causes[0] if causes[1][c] != causes[0][c]
+    }
 
 
 EIGHT_LOADS = "        ldi *ar0,r0\n" * 7 + "e:      ldi *ar0,r0"

@@ -117,7 +117,9 @@ def test_a_masked_edge_is_kept_and_a_general_purpose_pin_ignores_it() -> None:
 
 
 def test_a_window_read_stops_before_and_takes_the_answer() -> None:
-    processor, image = small_programs.load("        addi 1,r1\n        ldi *ar0++,r0\n        addi r0,r1\nstop:   bu stop\n")
+    processor, image = small_programs.load(
+        "        addi 1,r1\n        ldi *ar0++,r0\n        addi r0,r1\nstop:   bu stop\n"
+    )
     processor.set("AR0", WINDOW_A)
     stop = processor.run(100)
     assert (stop["reason"], stop["address"], stop["write"]) == ("external_access", WINDOW_A, False)
@@ -190,7 +192,9 @@ def test_what_is_not_modelled_is_a_fault_that_names_it(text: str, kind: str, wor
 
 
 def test_interface_control_registers_can_be_read_and_written() -> None:
-    processor, image = small_programs.load("        ldi *ar0,r0\n        sti r1,*ar0\n        ldi *ar0,r2\nstop:   bu stop\n")
+    processor, image = small_programs.load(
+        "        ldi *ar0,r0\n        sti r1,*ar0\n        ldi *ar0,r2\nstop:   bu stop\n"
+    )
     processor.set("AR0", 0x100000)
     processor.set("R1", 0x1E4A4000)
     processor.run(100, until=image.symbols["stop"])
@@ -206,8 +210,9 @@ def test_a_held_chip_only_counts() -> None:
 
 
 def test_a_window_access_begins_when_its_address_is_ready() -> None:
-    # Written in execute, used as an address by the next instruction: its read stage is two cycles later than without (c40-hardware.md 7.3). The read
-    # stage is one cycle before execute, which stands at cycle(); no access begins before that.
+    # Written in execute, used as an address by the next instruction: its read stage is two cycles later than without
+    # (c40-hardware.md 7.3). The read stage is one cycle before execute, which stands at cycle(); no access begins
+    # before that.
     begins = {}
     for first in ("addi 1,r5", "addi 1,ar0"):
         processor, _ = small_programs.load(f"        nop\n        {first}\n        ldi *ar0,r0\nstop:   bu stop\n")
@@ -221,10 +226,14 @@ def test_a_window_access_begins_when_its_address_is_ready() -> None:
     assert begins == {"addi 1,r5": max(-1, 0), "addi 1,ar0": -1 + 2}
 
 
-@pytest.mark.parametrize(("before", "begins"), [("        nop\n", 0), ("        addi 0,ar0\n", 1)], ids=["nothing holds it up", "its address register does"])
+@pytest.mark.parametrize(
+    ("before", "begins"),
+    [("        nop\n", 0), ("        addi 0,ar0\n", 1)],
+    ids=["nothing holds it up", "its address register does"],
+)
 def test_a_read_through_a_bus_window_begins_in_its_read_stage_where_that_is_held_up(before: str, begins: int) -> None:
-    """c40-hardware.md 7.1, 7.3: ADDI to AR0 holds up the read stage by two cycles, so that R is in the second cycle that LDI adds. Else R
-    was before the first one, and the read begins there (docs/fidelity.md)."""
+    """c40-hardware.md 7.1, 7.3: ADDI to AR0 holds up the read stage by two cycles, so that R is in the second cycle
+    that LDI adds. Else R was before the first one, and the read begins there (docs/fidelity.md)."""
     text = f"        .text\nstart:  ldhi {WINDOW_A >> 16:#x},ar0\n        nop\n        nop\n        nop\n{before}read:   ldi *ar0,r1\nend:    bu end\n"
     image = toolchain.assemble(text.replace("0xc000", "0c000h"), "window.asm", sections={".text": 0x2FFC00})
     processor = c40.Processor("default")

@@ -1,4 +1,5 @@
-"""Sequences that c40-hardware.md 7.6 does not count: computed by hand from c40-hardware.md 7.1 to 7.5, and drawn (drawings.py)."""
+"""Sequences that c40-hardware.md 7.6 does not count: computed by hand from c40-hardware.md 7.1 to 7.5, and drawn
+(drawings.py)."""
 
 import drawn_accesses
 import drawn_hazards
@@ -8,10 +9,20 @@ from drawings import B0, LOCAL, WAIT, Case, load, parse
 
 # 4 cycles, then what a pass costs
 REPEATS = [
-    Case("a pass of RPTS reads and writes one block: 1 + 4 + 10", "ldf *ar0++,r0 / rpts 9 / ldf *ar0++,r0 || stf r0,*ar1++", 15, {"AR0": B0, "AR1": B0 + 32}),
+    Case(
+        "a pass of RPTS reads and writes one block: 1 + 4 + 10",
+        "ldf *ar0++,r0 / rpts 9 / ldf *ar0++,r0 || stf r0,*ar1++",
+        15,
+        {"AR0": B0, "AR1": B0 + 32},
+    ),
     Case("RPTS of a read without wait states: 4 + 4", "rpts 3 / ldi *ar0++,r0", 8, {"AR0": LOCAL}),
     Case("with one: 4 + 4 x 2", "rpts 3 / ldi *ar0++,r0", 12, {"AR0": WAIT}),
-    Case("of a write: each waits for the one before, the last for nobody: 4 + 4 x 2 - 1", "rpts 3 / sti r0,*ar0++", 11, {"AR0": LOCAL}),
+    Case(
+        "of a write: each waits for the one before, the last for nobody: 4 + 4 x 2 - 1",
+        "rpts 3 / sti r0,*ar0++",
+        11,
+        {"AR0": LOCAL},
+    ),
     Case(
         "a store and two loads of its block in a loop: 1 + 4 + 3 x 3",
         "ldi 2,rc / rptb l / stf r0,*ar0 / l: ldf *ar1,r1 || ldf *ar2,r2",
@@ -43,7 +54,9 @@ def test_stages_are_where_they_were_drawn(case: Case) -> None:
     processor, _ = load(case, True)
     records = processor.trace(case.cycles)
     for (cells, text), record in zip(parse(case)[1], records, strict=False):
-        assert dict(zip("FDRE", record["stages"], strict=True)) == {letter: cells.index(letter) - 3 for letter in "FDRE"}, text
+        assert dict(zip("FDRE", record["stages"], strict=True)) == {
+            letter: cells.index(letter) - 3 for letter in "FDRE"
+        }, text
 
 
 def test_what_is_drawn_ends_with_the_count() -> None:

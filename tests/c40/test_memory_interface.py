@@ -1,4 +1,5 @@
-"""GMICR and LMICR, strobes, pages, LOCK, the peripheral bus (c40-hardware.md 1.4, 7.4, 8.2, 8.3). Code is on chip, so that only data uses the buses."""
+"""GMICR and LMICR, strobes, pages, LOCK, the peripheral bus (c40-hardware.md 1.4, 7.4, 8.2, 8.3). Code is on chip, so
+that only data uses the buses."""
 
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,9 @@ def fields(**values: int) -> int:
     return sum(value << places[name] for name, value in values.items())
 
 
-def run(text: str, registers: dict[str, int], pokes: dict[int, int], board: str = "default", exact: bool = False) -> Any:
+def run(
+    text: str, registers: dict[str, int], pokes: dict[int, int], board: str = "default", exact: bool = False
+) -> Any:
     processor, image = small_programs.load(text + "\nstop:   nop\n        nop\n", board)
     processor.set_exact(exact)
     for address, value in pokes.items():
@@ -56,14 +59,18 @@ def test_either_and_both_with_a_longer_pin() -> None:
 
 
 def test_after_the_reset_value_everything_waits_seven_times() -> None:
-    processor = run("        ldi *ar0,r0\n        ldi *ar1,r0", {"AR0": LOCAL, "AR1": GLOBAL}, {LMICR: 0x3E39FFF0, GMICR: 0x3E39FFF0})
+    processor = run(
+        "        ldi *ar0,r0\n        ldi *ar1,r0",
+        {"AR0": LOCAL, "AR1": GLOBAL},
+        {LMICR: 0x3E39FFF0, GMICR: 0x3E39FFF0},
+    )
     assert (processor.cycle, processor.causes["wait_state"]) == (16, 14)
 
 
 @pytest.mark.parametrize("exact", [True, False])
 def test_a_program_that_writes_the_register_waits_from_then_on(exact: bool) -> None:
-    """Two reads, the store of the new value (its write is over in its cycle), two reads with four wait states each; and round again in the
-    blocks that were recorded before."""
+    """Two reads, the store of the new value (its write is over in its cycle), two reads with four wait states each; and
+    round again in the blocks that were recorded before."""
     control = fields(sww0=1, wtcnt0=4, active=29)
     text = """
         ldi 1,rc
@@ -83,7 +90,10 @@ e:      ldi *ar0,r0"""
 
 def test_pins_and_reserved_bits_are_not_written() -> None:
     before = run("        nop", {}, {}).peek(GMICR)
-    assert run("        sti r0,*ar0\n        nop\n        nop", {"R0": 0xFFFFFFFF, "AR0": GMICR}, {}).peek(GMICR) == 0x3FFFFFF0 | before & 0xF
+    assert (
+        run("        sti r0,*ar0\n        nop\n        nop", {"R0": 0xFFFFFFFF, "AR0": GMICR}, {}).peek(GMICR)
+        == 0x3FFFFFF0 | before & 0xF
+    )
 
 
 @pytest.mark.parametrize("exact", [True, False])
@@ -94,7 +104,9 @@ def test_each_strobe_has_its_wait_states_and_active_says_where_it_begins(exact: 
         assert run("        ldi *ar0,r0", {"AR0": GLOBAL + offset}, {GMICR: control}, exact=exact).cycle == 1 + waits
     both = run("        ldi *ar0++(1),r0\n" * 2, {"AR0": GLOBAL + 0x7FFFF}, {GMICR: control}, exact=exact)
     assert both.cycle == (1 + 2) + (1 + 5)
-    assert run("        ldi *ar0,r0", {"AR0": GLOBAL + 0xFFFFF}, {GMICR: control & ~(31 << 24) | 30 << 24}).cycle == 1 + 2
+    assert (
+        run("        ldi *ar0,r0", {"AR0": GLOBAL + 0xFFFFF}, {GMICR: control & ~(31 << 24) | 30 << 24}).cycle == 1 + 2
+    )
 
 
 # Reads follow each other without a gap: a change of strobe costs a cycle if STRB SWITCH says so.
@@ -138,7 +150,10 @@ def test_another_page_waits_longer(tmp_path: Path, exact: bool) -> None:
     board = tmp_path / "b.toml"
     board.write_text(PAGED.format(gmicr=fields(page0=7, page1=7, active=30)))
     offsets = [0, 1, 255, 256, 257, 0, 600]
-    words = "\n".join(f"        ldi *+ar0(ir0),r0\n        addi {b - a},ir0\n        nop\n        nop" for a, b in zip(offsets, offsets[1:] + [0]))
+    words = "\n".join(
+        f"        ldi *+ar0(ir0),r0\n        addi {b - a},ir0\n        nop\n        nop"
+        for a, b in zip(offsets, offsets[1:] + [0])
+    )
     processor = run(words, {"AR0": GLOBAL}, {}, str(board), exact)
     opened = [True, False, False, True, False, True, True]
     assert processor.causes["wait_state"] == sum(1 + 4 * new for new in opened)
@@ -151,11 +166,15 @@ def test_another_page_waits_longer(tmp_path: Path, exact: bool) -> None:
 def test_the_counter_alone_knows_no_pages(tmp_path: Path) -> None:
     board = tmp_path / "b.toml"
     board.write_text(PAGED.format(gmicr=fields(sww0=1, wtcnt0=2, page0=7, active=30)))
-    assert run("        ldi *ar0,r0\n        ldi *ar1,r0", {"AR0": GLOBAL, "AR1": GLOBAL + 0x1000}, {}, str(board)).cycle == 6
+    assert (
+        run("        ldi *ar0,r0\n        ldi *ar1,r0", {"AR0": GLOBAL, "AR1": GLOBAL + 0x1000}, {}, str(board)).cycle
+        == 6
+    )
 
 
 def test_code_in_paged_memory(tmp_path: Path) -> None:
-    """A fetch waits 1 and, at the first word of a page, 4 more: by the exact engine and by blocks, with the cache and without."""
+    """A fetch waits 1 and, at the first word of a page, 4 more: by the exact engine and by blocks, with the cache and
+    without."""
     board = tmp_path / "b.toml"
     board.write_text(PAGED.format(gmicr=fields(page0=3, page1=7, active=30)))  # 16 words
     for status, first, later in ((0, 32 * 2 + 2 * 4, 32 * 2 + 2 * 4), (0x800, 32 * 2 + 2 * 4, 32)):

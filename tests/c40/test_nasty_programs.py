@@ -52,14 +52,16 @@ def test_rings_of_nasty_programs_run_alike_however_they_are_cut(first: int, tmp_
 @pytest.mark.parametrize("seed", [93, 122, 184, 193, 258, 262, 145, 412, 436, 515, 713, 1172, 2243, 2627,
                                   3050, 3247, 3287, 4085, 4408, 4609, 5202, 7798, 9232, 300057])  # fmt: skip
 def test_rings_that_once_depended_on_how_they_were_cut(seed: int, tmp_path: Path) -> None:
-    """Breakpoints in loops of blocks; what a link, a DMA, a timer and a processor do in one cycle; when a processor, or the DMA of one that waits, came to
-    rest; a DMA that faults while its processor waits; timers that drive a DMA beside a processor that sleeps."""
+    """Breakpoints in loops of blocks; what a link, a DMA, a timer and a processor do in one cycle; when a processor, or
+    the DMA of one that waits, came to rest; a DMA that faults while its processor waits; timers that drive a DMA beside
+    a processor that sleeps."""
     check_rings(range(seed, seed + 1), tmp_path)
 
 
 @pytest.mark.parametrize("seed", [57946, 58028, 84837])
 def test_programs_that_once_depended_on_how_they_were_cut(seed: int, tmp_path: Path) -> None:
-    """Control of the cache while the processor idles beside a DMA; a network's end; a DMA that never lets the processor to its bus."""
+    """Control of the cache while the processor idles beside a DMA; a network's end; a DMA that never lets the processor
+    to its bus."""
     check(range(seed, seed + 1), tmp_path)
 
 

@@ -1,11 +1,16 @@
-"""A chip that is stopped anywhere in its code and put elsewhere goes on there: what was known of the code around is forgotten."""
+"""A chip that is stopped anywhere in its code and put elsewhere goes on there: what was known of the code around is
+forgotten."""
 
 from typing import Any
 
 from cmrc import c40 as package
 from cmrc._core import c40
 
-LOOP = "        .text\nstart:  ldi 20,ar3\nl:\n" + "".join(f"        addi 1,r{n % 8}\n" for n in range(16)) + "        dbu ar3,l\nend:    bu end\n"
+LOOP = (
+    "        .text\nstart:  ldi 20,ar3\nl:\n"
+    + "".join(f"        addi 1,r{n % 8}\n" for n in range(16))
+    + "        dbu ar3,l\nend:    bu end\n"
+)
 OTHER = "other:\n" + "".join(f"        addi {3 + n},r{n % 8}\n" for n in range(16)) + "end2:   bu end2\n"
 
 

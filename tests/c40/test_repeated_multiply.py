@@ -10,11 +10,30 @@ SHAPES = {
     "circular": "        mpyf3 *ar0++(1)%,*ar1++(1)%,r0\n||      addf3 r0,r2,r2\n",
     "straight": "        mpyf3 *ar0++(1),*ar1++(1),r1\n||      addf3 r3,r1,r3\n",
 }
-EDGES = [0x80000000, 0x00000000, 0x7F7FFFFF, 0x7F800000, 0x817FFFFF, 0x81000000, 0x80FFFFFF, 0x3F000000, 0x40800000, 0xC0000001]
+EDGES = [
+    0x80000000,
+    0x00000000,
+    0x7F7FFFFF,
+    0x7F800000,
+    0x817FFFFF,
+    0x81000000,
+    0x80FFFFFF,
+    0x3F000000,
+    0x40800000,
+    0xC0000001,
+]
 STATE = ("R0", "R1", "R2", "R3", "AR0", "AR1", "RC", "RS", "RE", "ST")
 
 
-def run(shape: str, passes: int, words: list[int], registers: dict[str, int], exact: bool, at: int = DATA, board: str = "default") -> tuple[dict[str, int], dict[str, int], int]:
+def run(
+    shape: str,
+    passes: int,
+    words: list[int],
+    registers: dict[str, int],
+    exact: bool,
+    at: int = DATA,
+    board: str = "default",
+) -> tuple[dict[str, int], dict[str, int], int]:
     processor, image = small_programs.load(f"        rpts r5\n{SHAPES[shape]}stop:   bu stop\n", board)
     processor.set_exact(exact)
     for i, word in enumerate(words):
@@ -28,7 +47,9 @@ def run(shape: str, passes: int, words: list[int], registers: dict[str, int], ex
 
 
 def float40(rng: random.Random) -> int:
-    return rng.choice([0x8000000000, 0x7F7FFFFFFF, 0x7F80000000, 0x8180000000, 0x8100000000, rng.getrandbits(40), rng.getrandbits(40)])
+    return rng.choice(
+        [0x8000000000, 0x7F7FFFFFFF, 0x7F80000000, 0x8180000000, 0x8100000000, rng.getrandbits(40), rng.getrandbits(40)]
+    )
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -36,7 +57,10 @@ def float40(rng: random.Random) -> int:
 def test_the_same_as_one_at_a_time(shape: str, seed: int) -> None:
     rng = random.Random(seed)
     length = rng.choice([1, 2, 3, 7, 8, 63, 64])
-    words = [rng.choice(EDGES) if rng.random() < 0.3 else (rng.randint(-10, 10) & 0xFF) << 24 | rng.getrandbits(24) for _ in range(512)]
+    words = [
+        rng.choice(EDGES) if rng.random() < 0.3 else (rng.randint(-10, 10) & 0xFF) << 24 | rng.getrandbits(24)
+        for _ in range(512)
+    ]
     if seed % 4 == 0:  # the whole range of exponents: overflow and underflow on the way
         words = [rng.getrandbits(32) for _ in range(512)]
     registers = {
@@ -56,4 +80,6 @@ def test_the_same_as_one_at_a_time(shape: str, seed: int) -> None:
 def test_what_it_cannot_do_is_left_to_the_instruction(shape: str, registers: dict[str, int]) -> None:
     words = [0x01000000 + i for i in range(600)]
     given = {"AR0": DATA, "AR1": DATA + 256, "BK": 8, **registers}
-    assert run(shape, 40, words, given, exact=False, board="flat") == run(shape, 40, words, given, exact=True, board="flat")
+    assert run(shape, 40, words, given, exact=False, board="flat") == run(
+        shape, 40, words, given, exact=True, board="flat"
+    )

@@ -53,7 +53,9 @@ def test_a_broken_rule_is_named_with_its_place(name: str, text: str, rule: str, 
 
 def test_the_rule_behind_a_chip_that_stops_at_the_end_of_a_block_is_named() -> None:
     """Ruling 42: a branch that becomes a block's last instruction by what is written to RE, not by RPTB."""
-    found = checked(" ldi 2,rc\n ldhi 2fh,rs\n or 0fc06h,rs\n ldhi 2fh,re\n or 0fc07h,re\n or 100h,st\n nop\nend: b stop\nstop: b stop")
+    found = checked(
+        " ldi 2,rc\n ldhi 2fh,rs\n or 0fc06h,rs\n ldhi 2fh,re\n or 0fc07h,re\n or 100h,st\n nop\nend: b stop\nstop: b stop"
+    )
     assert [(d.rule, d.pc) for d in found] == [("repeat_block", CODE + 7)]
     assert "may not end with program control" in found[0].message
 
@@ -61,7 +63,8 @@ def test_the_rule_behind_a_chip_that_stops_at_the_end_of_a_block_is_named() -> N
 @pytest.mark.parametrize("before", [1, 2, 3])
 def test_the_rule_behind_a_chip_that_stops_at_a_delayed_branch_near_the_end_of_a_block_is_named(before: int) -> None:
     found = checked(
-        f" ldi 2,rc\n ldhi 2fh,rs\n or 0fc06h,rs\n ldhi 2fh,re\n or 0fc{7 + before:02x}h,re\n or 100h,st\n nop\n beqd stop\n nop\n nop\n nop\nstop: b stop", R0=1
+        f" ldi 2,rc\n ldhi 2fh,rs\n or 0fc06h,rs\n ldhi 2fh,re\n or 0fc{7 + before:02x}h,re\n or 100h,st\n nop\n beqd stop\n nop\n nop\n nop\nstop: b stop",
+        R0=1,
     )
     assert [(d.rule, d.pc) for d in found] == [("repeat_block", CODE + 7)]
     assert f"may not stand {before} word" in found[0].message
@@ -134,6 +137,8 @@ def test_on_the_command_line(tmp_path: Path) -> None:
     command = [BUILD / "bin" / "emulator", "exec", source, "--board", "flat"]
     text = subprocess.run([*command, "--check"], capture_output=True, text=True, check=True).stdout
     assert "checks: 1 found" in text and "circular (c40-isa.md 3.9): BK is 0" in text
-    found = json.loads(subprocess.run([*command, "--check", "--json"], capture_output=True, text=True, check=True).stdout)["diagnostics"]
+    found = json.loads(
+        subprocess.run([*command, "--check", "--json"], capture_output=True, text=True, check=True).stdout
+    )["diagnostics"]
     assert [(d["rule"], d["pc"]) for d in found] == [("circular", 0x300000)]
     assert "checks" not in subprocess.run(command, capture_output=True, text=True, check=True).stdout

@@ -1,4 +1,5 @@
-"""States between a stop and its answer, and states that only debuggers and pins set: the second chip gets the answer without having run."""
+"""States between a stop and its answer, and states that only debuggers and pins set: the second chip gets the answer
+without having run."""
 
 import pytest
 from cmrc import c40 as package

@@ -1,4 +1,5 @@
-"""The sequences with exact counts of c40-hardware.md 7.6, on chip and on the external buses; the counts are the document's."""
+"""The sequences with exact counts of c40-hardware.md 7.6, on chip and on the external buses; the counts are the
+document's."""
 
 import pytest
 import small_programs
@@ -74,7 +75,9 @@ def assembly(text: str) -> str:
 @pytest.mark.parametrize(("number", "text", "registers", "cycles"), CASES)
 def test_sequence_takes_its_cycles(number: int, text: str, registers: object, cycles: int, exact: bool) -> None:
     flat = registers == "flat"
-    processor, image = small_programs.load(assembly(text), "flat" if flat else "default", 0x1000 if flat else small_programs.CODE)
+    processor, image = small_programs.load(
+        assembly(text), "flat" if flat else "default", 0x1000 if flat else small_programs.CODE
+    )
     processor.set_exact(exact)
     if isinstance(registers, dict):
         for name, value in registers.items():
@@ -91,11 +94,15 @@ def test_sequence_takes_its_cycles(number: int, text: str, registers: object, cy
 
 def test_wait_states_of_a_slow_region() -> None:
     """c40-hardware.md 8.2 for one wait state: a read takes 2, a write occupies the bus for 3."""
-    processor, image = small_programs.load("        ldi *ar0,r0\n        ldi *ar0,r1\n        ldi *ar0,r2\nstop:   nop\n")
+    processor, image = small_programs.load(
+        "        ldi *ar0,r0\n        ldi *ar0,r1\n        ldi *ar0,r2\nstop:   nop\n"
+    )
     processor.set("AR0", SLOW)
     processor.run(100, until=image.symbols["stop"])
     assert (processor.cycle, processor.causes["wait_state"]) == (6, 3)
-    processor, image = small_programs.load("        sti r0,*ar0\n        sti r1,*ar0\n        sti r2,*ar0\nstop:   nop\n")
+    processor, image = small_programs.load(
+        "        sti r0,*ar0\n        sti r1,*ar0\n        sti r2,*ar0\nstop:   nop\n"
+    )
     processor.set("AR0", SLOW)
     processor.run(100, until=image.symbols["stop"])
     assert (processor.cycle, processor.causes["memory_conflict"]) == (7, 4)

@@ -1,4 +1,5 @@
-"""Blocks against the exact engine, and runs cut into pieces against whole ones: every register, word, cycle and cause."""
+"""Blocks against the exact engine, and runs cut into pieces against whole ones: every register, word, cycle and
+cause."""
 
 import random
 from pathlib import Path
@@ -155,7 +156,9 @@ def agree(fast: Any, exact: Any, seed: int) -> None:
 
 
 # With the cache on, 40 pieces fit into its 128 words and 100 do not.
-CASES = [(seed, 0, 40) for seed in range(40)] + [(seed, CACHE_ENABLE, pieces) for seed in range(1, 30, 2) for pieces in (40, 70, 100)]
+CASES = [(seed, 0, 40) for seed in range(40)] + [
+    (seed, CACHE_ENABLE, pieces) for seed in range(1, 30, 2) for pieces in (40, 70, 100)
+]
 
 
 @pytest.mark.parametrize(("seed", "status", "pieces"), CASES)
@@ -192,7 +195,8 @@ bus = "global"
 @pytest.mark.parametrize("status", [0, CACHE_ENABLE])
 @pytest.mark.parametrize("seed", range(1, 26, 2))
 def test_interrupted_programs_agree(seed: int, status: int, lmicr: int | None, tmp_path: Path) -> None:
-    """An interrupt freezes the cache until RETI; on the paged boards the wait states of a fetch depend on what was accessed before."""
+    """An interrupt freezes the cache until RETI; on the paged boards the wait states of a fetch depend on what was
+    accessed before."""
     board = "default"
     if lmicr is not None:
         board = str(tmp_path / "b.toml")
@@ -251,7 +255,8 @@ def test_repeated_nop_is_advanced_in_closed_form() -> None:
 
 
 def test_the_boot_loader_looking_for_a_word_takes_as_long_however_its_run_is_cut() -> None:
-    """Blocks that end before a read of a peripheral register: the next instruction meets the same pipeline as before that read."""
+    """Blocks that end before a read of a peripheral register: the next instruction meets the same pipeline as before
+    that read."""
     whole, pieces, exact = (c40.Processor.bootable() for _ in range(3))
     exact.set_exact(True)
     for processor in (whole, pieces, exact):

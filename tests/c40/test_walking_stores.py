@@ -1,5 +1,6 @@
-"""A store that walks into words that have been executed, as the last instruction of a repeated block: the block is left after it, and what follows is
-timed from there. Blocks and the exact engine, which asks the pipeline model about every instruction, agree."""
+"""A store that walks into words that have been executed, as the last instruction of a repeated block: the block is left
+after it, and what follows is timed from there. Blocks and the exact engine, which asks the pipeline model about every
+instruction, agree."""
 
 import pytest
 from cmrc._core import c40, toolchain

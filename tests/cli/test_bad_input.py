@@ -65,7 +65,7 @@ def test_arguments(run, tmp_path: Path, arguments: list[str], messages: list[str
     ("toml", "messages"),
     [
         ("[machine]\ndspss = 4\n", ["c.toml:2:", "dspss", "dsps"]),
-        ("[machine]\ndsps = \"four\"\n", ["c.toml:2:", "dsps", "integer"]),
+        ('[machine]\ndsps = "four"\n', ["c.toml:2:", "dsps", "integer"]),
         ("[machine]\ndsps = 10000\n", ["c.toml:2:", "dsps", "16"]),
         ("[rates]\nrefresh_frequency_hz = 1500\n", ["c.toml", "refresh_frequency_hz"]),  # f_s >= 2 f_p
         ("[scheduling]\nq = 0x5000\n", ["q"]),  # 0 < q < p
@@ -98,7 +98,9 @@ def test_asm_keeps_an_older_output_when_it_fails(run, tmp_path: Path) -> None:
     assert (tmp_path / "old.out").read_text() == "precious"
 
 
-@pytest.mark.parametrize("content", [b"", b"hello, world\n" * 50, bytes(64), b"\xc2\x00" + bytes(10), bytes(range(256)) * 8])
+@pytest.mark.parametrize(
+    "content", [b"", b"hello, world\n" * 50, bytes(64), b"\xc2\x00" + bytes(10), bytes(range(256)) * 8]
+)
 def test_a_program_that_is_no_coff(run, tmp_path: Path, content: bytes) -> None:
     (tmp_path / "p.out").write_bytes(content)
     refused(run("exec", "p.out"), "p.out")

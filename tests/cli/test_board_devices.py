@@ -88,16 +88,29 @@ def source(tmp_path: Path) -> Path:
 
 
 def emulator(*arguments: object, stdin: str = "") -> subprocess.CompletedProcess[str]:
-    return subprocess.run([str(word) for word in (BUILD / "bin" / "emulator", *arguments)], input=stdin, capture_output=True, text=True, timeout=60, check=False)
+    return subprocess.run(
+        [str(word) for word in (BUILD / "bin" / "emulator", *arguments)],
+        input=stdin,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
 
 
 def test_a_console_and_an_led_in_exec(board: Path, source: Path, tmp_path: Path) -> None:
     done = emulator("exec", source, "--board", board, "--console-input", "-", stdin="hello.")
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("HELLO\n") and "led front: 55h at cycle" in done.stdout and "led front: 7h at cycle" in done.stdout
+    assert (
+        done.stdout.startswith("HELLO\n")
+        and "led front: 55h at cycle" in done.stdout
+        and "led front: 7h at cycle" in done.stdout
+    )
     assert done.stdout.count("led front") == 2
     (tmp_path / "typed").write_text("hello.")
-    report = json.loads(emulator("exec", source, "--board", board, "--console-input", tmp_path / "typed", "--json").stdout)
+    report = json.loads(
+        emulator("exec", source, "--board", board, "--console-input", tmp_path / "typed", "--json").stdout
+    )
     assert report["console"] == "HELLO\n" and [led["value"] for led in report["leds"]] == [0x55, 7]
 
 
@@ -106,7 +119,11 @@ def test_an_access_takes_the_waits_of_its_device(tmp_path: Path) -> None:
     cycles = []
     for waits in (0, 5):
         (tmp_path / "b.toml").write_text(BOARD.replace("waits = 3", f"waits = {waits}"))
-        cycles.append(json.loads(emulator("exec", tmp_path / "one.asm", "--board", tmp_path / "b.toml", "--json").stdout)["cycles"])
+        cycles.append(
+            json.loads(emulator("exec", tmp_path / "one.asm", "--board", tmp_path / "b.toml", "--json").stdout)[
+                "cycles"
+            ]
+        )
     assert cycles[1] == cycles[0] + 5
 
 
@@ -183,7 +200,12 @@ class NoRead:
 
 @pytest.mark.parametrize(
     ("devices", "message"),
-    [({0: NoRead()}, r"no read\(\)"), ({"x": Counter()}, "word address"), ({0: Counter(), 2: Counter()}, "overlap"), ({2**32 - 1: Counter()}, "words of the one at FFFFFFFFh")],
+    [
+        ({0: NoRead()}, r"no read\(\)"),
+        ({"x": Counter()}, "word address"),
+        ({0: Counter(), 2: Counter()}, "overlap"),
+        ({2**32 - 1: Counter()}, "words of the one at FFFFFFFFh"),
+    ],
 )
 def test_wrong_devices_are_refused(devices: Any, message: str) -> None:
     with pytest.raises((TypeError, ValueError), match=message):
@@ -194,8 +216,16 @@ def test_wrong_devices_are_refused(devices: Any, message: str) -> None:
 def test_a_region_holds_a_rom_and_the_board_boots_from_it(tmp_path: Path, width: int) -> None:
     (tmp_path / "p.asm").write_text("start: ldi 42,r0\nend: b end\n")
     assert emulator("asm", tmp_path / "p.asm", "-o", tmp_path / "p.out", "--section", ".text=2FFC00h").returncode == 0
-    assert emulator("image", tmp_path / "p.out", "--format", "intel-hex", "--width", width, "-o", tmp_path / "boot.hex").returncode == 0
-    text = BOARD + '\n[[region]]\nname = "EPROM"\nbase = 0x80000000\nwords = 0x1000\nbus = "global"\nfile = "boot.hex"\n\n[pins]\nromen = true\niiof = "0111"\n'
+    assert (
+        emulator(
+            "image", tmp_path / "p.out", "--format", "intel-hex", "--width", width, "-o", tmp_path / "boot.hex"
+        ).returncode
+        == 0
+    )
+    text = (
+        BOARD
+        + '\n[[region]]\nname = "EPROM"\nbase = 0x80000000\nwords = 0x1000\nbus = "global"\nfile = "boot.hex"\n\n[pins]\nromen = true\niiof = "0111"\n'
+    )
     (tmp_path / "b.toml").write_text(text)
     done = emulator("exec", "--board", tmp_path / "b.toml", "--boot", "reset")
     assert done.returncode == 0 and "R0  800000002A" in done.stdout, done.stdout + done.stderr
@@ -217,7 +247,9 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("_", "old", "new", "message"), REFUSED)
-def test_a_board_that_cannot_be_is_refused_with_the_line(source: Path, tmp_path: Path, _: str, old: str, new: str, message: str) -> None:
+def test_a_board_that_cannot_be_is_refused_with_the_line(
+    source: Path, tmp_path: Path, _: str, old: str, new: str, message: str
+) -> None:
     (tmp_path / "b.toml").write_text(BOARD.replace(old, new, 1))
     done = emulator("exec", source, "--board", tmp_path / "b.toml")
     assert done.returncode == 2 and message in done.stderr and "b.toml:" in done.stderr, done.stderr
@@ -261,15 +293,26 @@ EPROM = ROOT / "build-foreign" / "helios" / "kernel/C40/arielbits/monitor/source
 @pytest.mark.skipif(not EPROM.exists(), reason="scripts/foreign helios has not been run here")
 def test_the_hydras_monitor_boots_a_second_dsp_over_a_link() -> None:
     done = subprocess.run(
-        [sys.executable, ROOT / "examples" / "hydra_link.py", EPROM, EPROM.with_name("others.hex")], capture_output=True, text=True, check=True, env={**os.environ, "PYTHONPATH": str(BUILD / "python")}
+        [sys.executable, ROOT / "examples" / "hydra_link.py", EPROM, EPROM.with_name("others.hex")],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, "PYTHONPATH": str(BUILD / "python")},
     )
-    assert "Booting other processor ... Successful" in done.stdout and "Testing local SRAM on DSP 2 ... Passed" in done.stdout
+    assert (
+        "Booting other processor ... Successful" in done.stdout
+        and "Testing local SRAM on DSP 2 ... Passed" in done.stdout
+    )
     assert "504 words to DSP 2, 11 back" in done.stdout
 
 
 @pytest.mark.skipif(not EPROM.exists(), reason="scripts/foreign helios has not been run here")
 def test_the_hydras_monitor_comes_to_its_prompt_and_answers() -> None:
     done = subprocess.run(
-        [sys.executable, ROOT / "examples" / "hydra_monitor.py", EPROM, "?", "x"], capture_output=True, text=True, check=True, env={**os.environ, "PYTHONPATH": str(BUILD / "python")}
+        [sys.executable, ROOT / "examples" / "hydra_monitor.py", EPROM, "?", "x"],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, "PYTHONPATH": str(BUILD / "python")},
     )
     assert "Hydra_Mon Command summary" in done.stdout and "Unknown command : x" in done.stdout

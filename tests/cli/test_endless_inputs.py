@@ -38,7 +38,9 @@ def test_a_file_without_an_end_is_refused(command: list[str], emulator: Path, tm
     (tmp_path / "includes.asm").write_text('        .include "endless.asm"\n')
     (tmp_path / "whole.asm").write_text("        nop\n")
     subprocess.run([emulator, "asm", "-c", "whole.asm", "-o", "whole.o"], cwd=tmp_path, check=True)
-    ended = subprocess.run([emulator, *command], cwd=tmp_path, capture_output=True, text=True, preexec_fn=bounded, check=False)
+    ended = subprocess.run(
+        [emulator, *command], cwd=tmp_path, capture_output=True, text=True, preexec_fn=bounded, check=False
+    )
     assert ended.returncode == 2, ended.stderr
     assert any(words in ended.stderr for words in ("is larger than 64 MiB", "a line longer than")), ended.stderr
     assert not (tmp_path / "out").exists()

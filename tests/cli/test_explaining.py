@@ -142,7 +142,16 @@ def test_a_wait_for_a_port_stands_in_the_row_of_the_read(run, tmp_path) -> None:
 def test_what_the_dma_holds_up_is_drawn_so(run) -> None:
     """In the row of the waiting instruction: as many cycles as the account charges it."""
     faults = Path(__file__).parents[1] / "peripherals" / "data" / "faults"
-    arguments = ("exec", faults / "fetch_dma_first.asm", "--board", faults / "timing-board.toml", "--until", "done", "--pipeline", "0:199")
+    arguments = (
+        "exec",
+        faults / "fetch_dma_first.asm",
+        "--board",
+        faults / "timing-board.toml",
+        "--until",
+        "done",
+        "--pipeline",
+        "0:199",
+    )
     text = run(*arguments).stdout
     rows = [row for row in text[text.index("pipeline, cycles") :].splitlines() if re.match("  00", row[200:])]
     charged = {row: int(match[1]) for row in rows if (match := re.search(r"dma_conflict (\d+)", row))}

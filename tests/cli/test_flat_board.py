@@ -1,4 +1,5 @@
-"""Ruling 34: on board flat, exec and networks keep the chip's peripherals; all else, and everything under `emulator vectors`, is RAM."""
+"""Ruling 34: on board flat, exec and networks keep the chip's peripherals; all else, and everything under `emulator
+vectors`, is RAM."""
 
 import json
 from pathlib import Path
@@ -39,7 +40,9 @@ def test_timers_ports_and_interface_registers_are_there(run, tmp_path: Path) -> 
     assert values["flat"][1] == 1000
 
 
-@pytest.mark.parametrize("address", ["0FFFFFh", "100100h", "10FFFFh", "2FF7FFh", "300000h", "0C0000000h", "0", "0FFFFFFFFh"])
+@pytest.mark.parametrize(
+    "address", ["0FFFFFh", "100100h", "10FFFFh", "2FF7FFh", "300000h", "0C0000000h", "0", "0FFFFFFFFh"]
+)
 def test_all_else_is_ram(run, tmp_path: Path, address: str) -> None:
     value = int(address[:-1], 16) if address.endswith("h") else int(address)
     (tmp_path / "p.asm").write_text(
@@ -66,7 +69,8 @@ def test_chips_on_flat_boards_talk_over_their_links(run, tmp_path: Path) -> None
 
 
 def test_for_vectors_it_is_all_ram(run, tmp_path: Path) -> None:
-    """ldi @20h,r0 (08200020) and sti r0,@20h (15200020) with DP on the page of the registers: 100020h is timer 0's control otherwise."""
+    """ldi @20h,r0 (08200020) and sti r0,@20h (15200020) with DP on the page of the registers: 100020h is timer 0's
+    control otherwise."""
     (tmp_path / "v.txt").write_text(
         "id=load m=0 DP=10 @00100020=12345678 op=08200020 -> R0=0012345678\nid=store m=0 DP=10 R0=00DEADBEEF op=15200020 -> @00100020=DEADBEEF\n"
     )
@@ -76,7 +80,8 @@ def test_for_vectors_it_is_all_ram(run, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("options", "mib"), [(["--memory-max", "1"], 1), ([], 256)])
 def test_a_flat_board_is_not_endless(run, tmp_path: Path, options: list[str], mib: int) -> None:
-    """A program that writes one word in each 64 K words gets so many MiB of the host, and then an error that says so."""
+    """A program that writes one word in each 64 K words gets so many MiB of the host, and then an error that says
+    so."""
     (tmp_path / "p.asm").write_text("start: ldhi 1,ar0\n ldhi 1,ir0\nloop: sti r0,*ar0++(ir0)\n addi 1,r0\n b loop\n")
     result = run("exec", "p.asm", "--board", "flat", "--json", *options)
     report = json.loads(result.stdout)

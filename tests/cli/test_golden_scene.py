@@ -26,8 +26,14 @@ def claim_of(kind: int, events: list[str], after: float) -> float:
 
 def labelled(event: str, labels: _core.trace.Labels, windows: dict[str, int]) -> str:
     """Bus addresses and job areas as what areas.inc and task_block.inc call them."""
-    event = re.sub(r"(\[bus A\] .* address=|\] (?:load|claim) .*area=)0x([0-9a-f]+)", lambda m: m[1] + labels.name(windows["A"] + int(m[2], 16)), event)
-    return re.sub(r"(\[bus B\] .* address=)0x([0-9a-f]+)", lambda m: m[1] + labels.name(windows["B"] + int(m[2], 16)), event)
+    event = re.sub(
+        r"(\[bus A\] .* address=|\] (?:load|claim) .*area=)0x([0-9a-f]+)",
+        lambda m: m[1] + labels.name(windows["A"] + int(m[2], 16)),
+        event,
+    )
+    return re.sub(
+        r"(\[bus B\] .* address=)0x([0-9a-f]+)", lambda m: m[1] + labels.name(windows["B"] + int(m[2], 16)), event
+    )
 
 
 @pytest.mark.golden
@@ -71,7 +77,20 @@ WRONG = "0123456789abcdef"
 
 
 def test_trace_diff_regenerates_the_text_behind_a_differing_hash(run, tmp_path: Path) -> None:
-    run("--dsps", 1, "--duration", 0.0241, "--quiet", "--trace", "t", "--trace-window", "0.024:0.0241", "--trace-instructions", 0, "--trace-labels")
+    run(
+        "--dsps",
+        1,
+        "--duration",
+        0.0241,
+        "--quiet",
+        "--trace",
+        "t",
+        "--trace-window",
+        "0.024:0.0241",
+        "--trace-instructions",
+        0,
+        "--trace-labels",
+    )
     executed = (tmp_path / "t.dsp0").read_text().splitlines()[1:]
     assert executed
     hashed = condensed(executed, 0, keep=lambda cycle: False)
@@ -82,7 +101,12 @@ def test_trace_diff_regenerates_the_text_behind_a_differing_hash(run, tmp_path: 
         result = run("trace-diff", first, second)
         assert result.returncode == 1 and result.stderr == ""
         assert "cycle 600000, dsp 0, field sha256: " in result.stdout
-        assert result.stdout.split("instructions that this emulator executes there, equal to those of a.trace:\n")[1].splitlines() == executed
+        assert (
+            result.stdout.split("instructions that this emulator executes there, equal to those of a.trace:\n")[
+                1
+            ].splitlines()
+            == executed
+        )
 
 
 def test_trace_diff_shows_no_instructions_that_neither_trace_has(run, tmp_path: Path) -> None:

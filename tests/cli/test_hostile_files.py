@@ -47,7 +47,11 @@ def wordless(request: pytest.FixtureRequest, tmp_path: Path) -> str:
     return "o.obj"
 
 
-@pytest.mark.parametrize("command", [["link", "o.obj", "-o", "x.out"], ["exec", "o.obj"], ["exec", "o.obj", "o.obj", "--link", "0.0:1.3"]], ids=" ".join)
+@pytest.mark.parametrize(
+    "command",
+    [["link", "o.obj", "-o", "x.out"], ["exec", "o.obj"], ["exec", "o.obj", "o.obj", "--link", "0.0:1.3"]],
+    ids=" ".join,
+)
 def test_an_object_without_a_word_is_no_program(tmp_path: Path, wordless: str, command: list[str]) -> None:
     refused(emulator(tmp_path, *command), wordless, "no section contains a word", "at least one")
     assert not (tmp_path / "x.out").exists()
@@ -148,7 +152,9 @@ def test_toml_at_the_limit_is_not_refused_for_its_depth(folder: Path, text: Call
 
 def test_dots_and_brackets_in_texts_and_comments_are_no_nesting(folder: Path) -> None:
     many = "[" * 100 + "." * 100
-    (folder / "deep.toml").write_text(f'# {many}\nname = "{many}" # {many}\n{REGION}[pins]\n"{many}" = """\n{many}\n"{many}"""\n')
+    (folder / "deep.toml").write_text(
+        f'# {many}\nname = "{many}" # {many}\n{REGION}[pins]\n"{many}" = """\n{many}\n"{many}"""\n'
+    )
     refused(emulator(folder, *READERS["exec --board"]), "no such key pins.")
 
 
@@ -157,4 +163,9 @@ def test_dots_and_brackets_in_texts_and_comments_are_no_nesting(folder: Path) ->
 
 def test_a_bay_without_rows_is_refused(tmp_path: Path) -> None:
     (tmp_path / "lay.toml").write_text("rows_m = []\n[[containers]]\nx_m = 0.0\ny_m = 24.0\n")
-    refused(emulator(tmp_path, "--duration", "0.1", "--quiet", "--set", "dock.layout=lay.toml"), "lay.toml:1", "rows_m", "at least one row")
+    refused(
+        emulator(tmp_path, "--duration", "0.1", "--quiet", "--set", "dock.layout=lay.toml"),
+        "lay.toml:1",
+        "rows_m",
+        "at least one row",
+    )

@@ -6,20 +6,35 @@ from pathlib import Path
 import pytest
 from locations import BUILD
 
-SOURCES = {0x300000: "1101", 0x40000000: "1011", 0x60000000: "1001", 0x80000000: "0111", 0xA0000000: "0101", 0xC0000000: "0011"}
+SOURCES = {
+    0x300000: "1101",
+    0x40000000: "1011",
+    0x60000000: "1001",
+    0x80000000: "0111",
+    0xA0000000: "0101",
+    0xC0000000: "0011",
+}
 BOARD = 'name = "b"\n[pins]\nromen = true\niiof = "{iiof}"\n[[region]]\nname = "EPROM"\nbase = 0x{base:X}\nwords = {words}\nbus = "{bus}"\n'
 PROGRAM = "start: ldi 42,r5\n ldi @total,r6\nend: b end\n .data\ntotal: .word 1234h\n"
 
 
 def emulator(*arguments: object) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([str(word) for word in (BUILD / "bin" / "emulator", *arguments)], capture_output=True, text=True, timeout=120, check=False)
+    return subprocess.run(
+        [str(word) for word in (BUILD / "bin" / "emulator", *arguments)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
 
 
 @pytest.fixture(scope="module")
 def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("sources")
     (folder / "p.asm").write_text(PROGRAM.replace("start:", "start: ldp @total\n"))
-    done = emulator("asm", folder / "p.asm", "-o", folder / "p.out", "--section", ".text=2FFC00h", "--section", ".data=2FFD00h")
+    done = emulator(
+        "asm", folder / "p.asm", "-o", folder / "p.out", "--section", ".text=2FFC00h", "--section", ".data=2FFD00h"
+    )
     assert done.returncode == 0, done.stderr
     return folder / "p.out"
 
@@ -30,16 +45,25 @@ def test_every_source_and_width_boots_every_format(program: Path, tmp_path: Path
     text = BOARD.format(iiof=SOURCES[source], base=source, words=0x200, bus="global" if source >> 31 else "local")
     (tmp_path / "b.toml").write_text(text)
     for form in ("intel-hex", "srec", "binary"):
-        made = emulator("image", program, "--format", form, "--width", width, "--board", tmp_path / "b.toml", "-o", tmp_path / "rom")
+        made = emulator(
+            "image", program, "--format", form, "--width", width, "--board", tmp_path / "b.toml", "-o", tmp_path / "rom"
+        )
         assert made.returncode == 0, made.stderr
         (tmp_path / "c.toml").write_text(text + 'file = "rom"\n')  # the same, as a region's contents
-        for given in (("--board", tmp_path / "b.toml", "--rom", f"{tmp_path / 'rom'}@{source:#x}", "--boot", f"{source:#x}"), ("--board", tmp_path / "c.toml", "--boot", "reset")):
+        for given in (
+            ("--board", tmp_path / "b.toml", "--rom", f"{tmp_path / 'rom'}@{source:#x}", "--boot", f"{source:#x}"),
+            ("--board", tmp_path / "c.toml", "--boot", "reset"),
+        ):
             done = emulator("exec", *given)
             assert done.returncode == 0, done.stderr
             assert "R5  800000002A" in done.stdout and "R6  8000001234" in done.stdout, done.stdout
     (tmp_path / "d.toml").write_text(text.replace(f"words = {0x200}", "words = 8") + 'file = "rom"\n')
     small = emulator("exec", "--board", tmp_path / "d.toml", "--boot", "reset")
-    assert small.returncode == 2 and "d.toml:10: region.file of EPROM: " in small.stderr and "words do not go into 8" in small.stderr, small.stderr
+    assert (
+        small.returncode == 2
+        and "d.toml:10: region.file of EPROM: " in small.stderr
+        and "words do not go into 8" in small.stderr
+    ), small.stderr
 
 
 @pytest.mark.parametrize("port", range(6))
@@ -78,7 +102,9 @@ BYTES = {
     "a start of the 8086": intel((3, 0, b"\0\0\0\0"), LOW, HIGH, LAST),
     "S1": motorola((0, 0, b"HDR"), (1, 0, LOW[2]), (1, 4, HIGH[2]), (5, 2, b""), (9, 0, b"")),
     "S2 and S3, the last first": motorola((3, 0x10004, HIGH[2]), (2, 0x10000, LOW[2]), (8, 0, b"")),
-    "S, blank lines and DOS ends": "\r\n" + motorola((1, 0, LOW[2]), (1, 4, HIGH[2]), (9, 0, b""), end="\r\n \r\n") + "\x1a",
+    "S, blank lines and DOS ends": "\r\n"
+    + motorola((1, 0, LOW[2]), (1, 4, HIGH[2]), (9, 0, b""), end="\r\n \r\n")
+    + "\x1a",
 }
 
 
@@ -121,27 +147,62 @@ def test_what_is_no_image_is_refused_with_its_line(tmp_path: Path, text: str, me
         (("cut@300000h",), "stop: "),
     ],
 )
-def test_images_that_overlap_do_not_fit_or_are_cut_short(program: Path, tmp_path: Path, roms: tuple[str, ...], message: str) -> None:
+def test_images_that_overlap_do_not_fit_or_are_cut_short(
+    program: Path, tmp_path: Path, roms: tuple[str, ...], message: str
+) -> None:
     (tmp_path / "b.toml").write_text(BOARD.format(iiof="1101", base=0x300000, words=0x200, bus="local"))
     assert emulator("image", program, "--format", "binary", "--width", 8, "-o", tmp_path / "rom").returncode == 0
     (tmp_path / "cut").write_bytes((tmp_path / "rom").read_bytes()[:30])
-    done = emulator("exec", "--board", tmp_path / "b.toml", "--boot", "300000h", "--max-cycles", 100000, *(word for rom in roms for word in ("--rom", tmp_path / rom)))
-    assert done.returncode in (1, 2) and (message in done.stderr or done.returncode == 1 and "stop: " in done.stdout), done.stdout[:300] + done.stderr
+    done = emulator(
+        "exec",
+        "--board",
+        tmp_path / "b.toml",
+        "--boot",
+        "300000h",
+        "--max-cycles",
+        100000,
+        *(word for rom in roms for word in ("--rom", tmp_path / rom)),
+    )
+    assert done.returncode in (1, 2) and (message in done.stderr or done.returncode == 1 and "stop: " in done.stdout), (
+        done.stdout[:300] + done.stderr
+    )
 
 
 @pytest.mark.parametrize(("width", "read_as"), [(8, 16), (8, 32), (16, 8), (16, 32), (32, 8), (32, 16)])
-def test_a_stream_of_another_width_than_its_memory_is_warned_of_and_the_loader_is_named(program: Path, tmp_path: Path, width: int, read_as: int) -> None:
+def test_a_stream_of_another_width_than_its_memory_is_warned_of_and_the_loader_is_named(
+    program: Path, tmp_path: Path, width: int, read_as: int
+) -> None:
     assert emulator("image", program, "--format", "binary", "--width", width, "-o", tmp_path / "rom").returncode == 0
-    done = emulator("exec", "--rom", f"{tmp_path / 'rom'}@80000000h", "--rom-width", read_as, "--boot", "80000000h", "--max-cycles", 200_000)
+    done = emulator(
+        "exec",
+        "--rom",
+        f"{tmp_path / 'rom'}@80000000h",
+        "--rom-width",
+        read_as,
+        "--boot",
+        "80000000h",
+        "--max-cycles",
+        200_000,
+    )
     assert done.returncode == 1
-    assert f"rom: warning: its first word says {width} bits, as to a boot loader, and --rom-width {read_as}" in done.stderr
+    assert (
+        f"rom: warning: its first word says {width} bits, as to a boot loader, and --rom-width {read_as}" in done.stderr
+    )
     first = done.stdout.splitlines()[0]
-    assert "this is the boot loader, which reads the stream at 80000000h: a whole one is expected, in memory of the width that its first word says" in first, first
+    assert (
+        "this is the boot loader, which reads the stream at 80000000h: a whole one is expected, in memory of the width that its first word says"
+        in first
+    ), first
 
 
 def test_a_stream_that_is_cut_short_in_its_header_or_leads_nowhere_names_the_loader(tmp_path: Path) -> None:
     head = (32, 0x1DEA4000, 0x1DEA4000)
     for words in (head[:1], (*head, 2, 0x50000000, 1, 2, 0, 0, 0, 0)):
         (tmp_path / "rom").write_bytes(b"".join(word.to_bytes(4, "little") for word in words))
-        done = emulator("exec", "--rom", f"{tmp_path / 'rom'}@80000000h", "--boot", "80000000h", "--max-cycles", 200_000)
-        assert done.returncode == 1 and "this is the boot loader, which reads the stream at 80000000h" in done.stdout.splitlines()[0], done.stdout[:300]
+        done = emulator(
+            "exec", "--rom", f"{tmp_path / 'rom'}@80000000h", "--boot", "80000000h", "--max-cycles", 200_000
+        )
+        assert (
+            done.returncode == 1
+            and "this is the boot loader, which reads the stream at 80000000h" in done.stdout.splitlines()[0]
+        ), done.stdout[:300]

@@ -1,4 +1,5 @@
-"""emulator image and exec --rom: EPROMs from programs and back, over formats, widths and boot sources; formats against objcopy."""
+"""emulator image and exec --rom: EPROMs from programs and back, over formats, widths and boot sources; formats against
+objcopy."""
 
 import json
 import shutil
@@ -28,14 +29,31 @@ SOURCES = ["300000h", "80000000h"]  # of the default board, of those that the pi
 
 
 def emulator(*arguments: object) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([str(word) for word in (BUILD / "bin" / "emulator", *arguments)], capture_output=True, text=True, timeout=120, check=False)
+    return subprocess.run(
+        [str(word) for word in (BUILD / "bin" / "emulator", *arguments)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
 
 
 @pytest.fixture(scope="module")
 def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("image")
     (folder / "p.asm").write_text(SOURCE)
-    done = emulator("asm", folder / "p.asm", "-o", folder / "p.out", "--section", "prog=2FF900h", "--section", ".data=2FFA00h", "--entry", "start")
+    done = emulator(
+        "asm",
+        folder / "p.asm",
+        "-o",
+        folder / "p.out",
+        "--section",
+        "prog=2FF900h",
+        "--section",
+        ".data=2FFA00h",
+        "--entry",
+        "start",
+    )
     assert done.returncode == 0, done.stderr
     return folder / "p.out"
 
@@ -78,7 +96,19 @@ def test_an_image_of_more_than_64_kib_has_upper_addresses(tmp_path: Path) -> Non
     (tmp_path / "big.asm").write_text("start: b start\n .loop 30000\n .word $\n .endloop\n")
     rom = made(tmp_path / "big.asm", tmp_path, "intel-hex", 32)
     assert ":02000004000" in rom.read_text()
-    done = emulator("exec", "--rom", f"{rom}@80000000h", "--boot", "80000000h", "--dump", "307000h:1", "--dump", "307530h:1", "--max-cycles", "9000000")
+    done = emulator(
+        "exec",
+        "--rom",
+        f"{rom}@80000000h",
+        "--boot",
+        "80000000h",
+        "--dump",
+        "307000h:1",
+        "--dump",
+        "307530h:1",
+        "--max-cycles",
+        "9000000",
+    )
     assert "00307000: 00307000" in done.stdout and "00307530: 00307530" in done.stdout, done.stderr
 
 
@@ -91,7 +121,20 @@ def test_a_stream_for_a_port_is_what_exec_sends(program: Path, tmp_path: Path) -
 
 def test_loads_pokes_and_values_waited_for(program: Path, tmp_path: Path) -> None:
     (tmp_path / "three").write_bytes(bytes([1, 0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0]))
-    done = emulator("exec", program, "--load", f"{tmp_path / 'three'}@2FFB00h", "--poke", "2FFB01h=0ABh", "--poke", "total=7", "--until", "total == 15".replace(" ", ""), "--dump", "2FFB00h:3")
+    done = emulator(
+        "exec",
+        program,
+        "--load",
+        f"{tmp_path / 'three'}@2FFB00h",
+        "--poke",
+        "2FFB01h=0ABh",
+        "--poke",
+        "total=7",
+        "--until",
+        "total == 15".replace(" ", ""),
+        "--dump",
+        "2FFB00h:3",
+    )
     assert done.returncode == 0, done.stderr
     assert "until: 002FFA01h holds 0000000Fh" in done.stdout and "00000001 000000AB 00000003" in done.stdout
     at_once = emulator("exec", program, "--poke", "total=15", "--until", "total==15")
@@ -134,7 +177,9 @@ end:    b       end
         (["0x2FFB00==10"], "holds 0000000Ah", {"R0": 10}),
     ],
 )
-def test_what_is_met_first_ends_the_run_also_in_repeats_and_delayed_branches(tmp_path: Path, until: list[str], reason: str, registers: dict[str, int]) -> None:
+def test_what_is_met_first_ends_the_run_also_in_repeats_and_delayed_branches(
+    tmp_path: Path, until: list[str], reason: str, registers: dict[str, int]
+) -> None:
     (tmp_path / "p.asm").write_text(REPEATS)
     done = emulator("exec", tmp_path / "p.asm", "--json", *(word for text in until for word in ("--until", text)))
     assert done.returncode == 0, done.stderr
@@ -150,7 +195,12 @@ def test_chips_of_a_network_are_poked_loaded_and_stopped(program: Path, tmp_path
         "--until", "1:again", "--until", "end", "--dump", "0:2FFB00h:2", "--dump", "1:2FFB00h:3", "--dump", "1:total:1", "--dump", "0:total:1",
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    for line in ("chip 0 002FFB00: 00000000 002FFA01", "chip 1 002FFB00: 00000001 00000002 00000003", "chip 1 002FFA01: 000000AB", "chip 0 002FFA01: 0000000F"):
+    for line in (
+        "chip 0 002FFB00: 00000000 002FFA01",
+        "chip 1 002FFB00: 00000001 00000002 00000003",
+        "chip 1 002FFA01: 000000AB",
+        "chip 0 002FFA01: 0000000F",
+    ):
         assert line in done.stdout, done.stdout
 
 
@@ -174,7 +224,9 @@ start:  ldhi    0010h,ar0
 here:   nop
         b       here
 """)
-    done = emulator("exec", tmp_path / "dma.asm", "--poke", "2FFB02h=77h", "--until", "2FFB12h==77h", "--max-cycles", "2000")
+    done = emulator(
+        "exec", tmp_path / "dma.asm", "--poke", "2FFB02h=77h", "--until", "2FFB12h==77h", "--max-cycles", "2000"
+    )
     assert "until: 002FFB12h holds 00000077h" in done.stdout, done.stdout + done.stderr
 
 
@@ -219,7 +271,10 @@ def test_broken_images_are_refused_with_the_place(tmp_path: Path, text: str, mes
         (["exec", "PROGRAM", "--poke", "total=what"], "behind ="),
         (["exec", "PROGRAM", "--load", "/nowhere@2FF800h"], "/nowhere"),
         (["exec", "PROGRAM", "--until", "70000000h==5"], "no memory of this board"),
-        (["exec", "PROGRAM", "PROGRAM", "--link", "0.0:1.3", "--poke", "total=5"], '"total=5" is not CHIP:ADDRESS=WORD, which a network needs'),
+        (
+            ["exec", "PROGRAM", "PROGRAM", "--link", "0.0:1.3", "--poke", "total=5"],
+            '"total=5" is not CHIP:ADDRESS=WORD, which a network needs',
+        ),
         (["exec", "PROGRAM", "PROGRAM", "--poke", "2:total=5"], 'there is no chip "2"; 0 to 1 are possible'),
         (["exec", "PROGRAM", "PROGRAM", "--load", "ROM@2FF800h"], "is not FILE@CHIP:ADDRESS, which a network needs"),
         (["exec", "PROGRAM", "PROGRAM", "--load", "ROM@7:2FF800h"], 'there is no chip "7"'),

@@ -14,7 +14,14 @@ NETWORKS = ROOT / "c40_programs" / "examples" / "networks"
 
 
 def execute(folder: Path, *arguments: object) -> tuple[timeline.Timeline, Any]:
-    done = subprocess.run([EMULATOR, "exec", *map(str, arguments), "--json", "--perfetto", "t.gz"], cwd=folder, capture_output=True, text=True, check=False, timeout=60)
+    done = subprocess.run(
+        [EMULATOR, "exec", *map(str, arguments), "--json", "--perfetto", "t.gz"],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
     drawn = timeline.read(folder / "t.gz")
     timeline.check_order(drawn)
     return drawn, json.loads(done.stdout)
@@ -36,7 +43,9 @@ def test_words_and_fifos_are_those_of_the_counters(tmp_path: Path, cut: tuple[st
             values = [value for _, value in drawn.values[drawn.track("links", f"on the way {name}")]]
             assert all(value >= 0 for value in values)
             chip, port = map(int, ends[0].split("."))
-            assert last(drawn, drawn.track("links", f"on the way {name}")) == way["under_way"] + len(told["chips"][chip]["ports"][port]["output"])
+            assert last(drawn, drawn.track("links", f"on the way {name}")) == way["under_way"] + len(
+                told["chips"][chip]["ports"][port]["output"]
+            )
             words += len(arrived)
     assert words > 0
     for n, chip in enumerate(told["chips"]):
@@ -50,8 +59,14 @@ def test_words_and_fifos_are_those_of_the_counters(tmp_path: Path, cut: tuple[st
 def test_dma_blocks_and_interrupts_are_drawn(tmp_path: Path) -> None:
     program = NETWORKS / "bandwidth_dma.asm"
     drawn, told = execute(tmp_path, program, program, "--link", "0.0:1.3")
-    blocks = [one for track in drawn.below("chip 0") for one in drawn.slices[track] if drawn.paths[track][1].startswith("DMA")]
-    taken = [one for one in drawn.instants if drawn.paths[one.track] == ("chip 0", "interrupts and timers") and one.name == "interrupt"]
+    blocks = [
+        one for track in drawn.below("chip 0") for one in drawn.slices[track] if drawn.paths[track][1].startswith("DMA")
+    ]
+    taken = [
+        one
+        for one in drawn.instants
+        if drawn.paths[one.track] == ("chip 0", "interrupts and timers") and one.name == "interrupt"
+    ]
     assert len(blocks) >= 9 and len(taken) >= 9
     assert sum(chip["causes"]["interrupt"] for chip in told["chips"]) > 0
 
@@ -66,7 +81,9 @@ def test_drawing_changes_nothing(tmp_path: Path) -> None:
 
 def test_one_chip_has_no_links_to_draw(tmp_path: Path) -> None:
     (tmp_path / "s.asm").write_text("        .text\n_start: b _start\n")
-    done = subprocess.run([EMULATOR, "exec", "s.asm", "--perfetto", "t"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [EMULATOR, "exec", "s.asm", "--perfetto", "t"], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 2 and "--perfetto: draws the links of a network" in done.stderr
     assert not (tmp_path / "t").exists()
 

@@ -39,7 +39,16 @@ def emulator(folder: Path, *arguments: str, **more: object) -> "subprocess.Compl
 # ---- where an output goes
 
 
-@pytest.mark.parametrize("command", [["asm", "s.asm", "-o"], ["link", "s.obj", "-o"], ["asm", "s.asm", "-o", "x.out", "--listing"], [*RUN, "--report"], ["exec", "s.asm", "--trace"]])
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["asm", "s.asm", "-o"],
+        ["link", "s.obj", "-o"],
+        ["asm", "s.asm", "-o", "x.out", "--listing"],
+        [*RUN, "--report"],
+        ["exec", "s.asm", "--trace"],
+    ],
+)
 @pytest.mark.parametrize("by_link", [False, True])
 def test_a_pipe_is_written_into_and_stays_a_pipe(folder: Path, command: list[str], by_link: bool) -> None:
     os.mkfifo(folder / "pipe")
@@ -53,7 +62,9 @@ def test_a_pipe_is_written_into_and_stays_a_pipe(folder: Path, command: list[str
     assert read[0] and stat.S_ISFIFO((folder / "pipe").stat().st_mode) and (folder / "to_pipe").is_symlink()
 
 
-@pytest.mark.parametrize("command", [["asm", "s.asm", "-o"], ["link", "s.obj", "-o"], ["exec", "s.asm", "--trace"], [*RUN, "--report"]])
+@pytest.mark.parametrize(
+    "command", [["asm", "s.asm", "-o"], ["link", "s.obj", "-o"], ["exec", "s.asm", "--trace"], [*RUN, "--report"]]
+)
 def test_a_device_stays_a_device_and_a_full_one_is_told(folder: Path, command: list[str]) -> None:
     (folder / "null").symlink_to("/dev/null")
     assert emulator(folder, *command, "null").returncode == 0
@@ -81,7 +92,10 @@ def test_the_umask_is_kept_for_a_new_file(folder: Path) -> None:
 
 
 def test_nothing_stands_beside_the_output_while_it_is_written_nor_after_a_kill(folder: Path) -> None:
-    process = subprocess.Popen([EMULATOR, "--duration", "100", "--quiet", "--set", "report.reference=none", "--trace", "t", "--report", "r"], cwd=folder)
+    process = subprocess.Popen(
+        [EMULATOR, "--duration", "100", "--quiet", "--set", "report.reference=none", "--trace", "t", "--report", "r"],
+        cwd=folder,
+    )
     before = sorted(path.name for path in folder.iterdir())
     try:
         process.wait(timeout=0.5)
@@ -128,7 +142,9 @@ def test_after_an_error_of_the_last_step_nothing_is_left(folder: Path) -> None:
     process = subprocess.Popen(command, cwd=folder, stderr=subprocess.PIPE, text=True)
     before = names(folder)
     # Half a second of its processor time: assembling takes a hundredth of that, so by then the endless program runs.
-    while int(Path(f"/proc/{process.pid}/stat").read_text().rsplit(")", 1)[1].split()[11]) < os.sysconf("SC_CLK_TCK") // 2:
+    while (
+        int(Path(f"/proc/{process.pid}/stat").read_text().rsplit(")", 1)[1].split()[11]) < os.sysconf("SC_CLK_TCK") // 2
+    ):
         assert process.poll() is None
         time.sleep(0.01)
     (folder / "t").mkdir()
@@ -171,7 +187,11 @@ def test_after_an_error_of_the_last_step_nothing_is_left(folder: Path) -> None:
 def test_an_output_that_is_an_input_or_another_output_is_refused(folder: Path, command: list[str]) -> None:
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     result = emulator(folder, *command, timeout=60)
-    assert result.returncode == 2 and "is the same file as" in result.stderr and "another name is expected" in result.stderr, result.stderr
+    assert (
+        result.returncode == 2
+        and "is the same file as" in result.stderr
+        and "another name is expected" in result.stderr
+    ), result.stderr
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
 
@@ -183,26 +203,56 @@ def test_devices_may_be_named_twice(folder: Path) -> None:
 def test_the_configuration_of_a_page_is_not_replaced_by_it(folder: Path) -> None:
     before = (folder / "c.toml").read_text()
     command = [sys.executable, "-m", "cmrc", "page", "c.toml", "--out", "c.toml"]
-    result = subprocess.run(command, check=False, cwd=folder, capture_output=True, text=True, env={**os.environ, "PYTHONPATH": str(BUILD / "python")})
-    assert result.returncode == 2 and "is the same file as RUN" in result.stderr and (folder / "c.toml").read_text() == before
+    result = subprocess.run(
+        command,
+        check=False,
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(BUILD / "python")},
+    )
+    assert (
+        result.returncode == 2
+        and "is the same file as RUN" in result.stderr
+        and (folder / "c.toml").read_text() == before
+    )
 
 
 # ---- standard output
 
 
-PRINTING = [["exec", "s.asm"], ["exec", "s.asm", "--json"], ["exec", "--network", "net.toml"], ["disasm", "s.obj"], ["config"], ["--help"], ["classify", "--range", "0:10"], SHORT]
+PRINTING = [
+    ["exec", "s.asm"],
+    ["exec", "s.asm", "--json"],
+    ["exec", "--network", "net.toml"],
+    ["disasm", "s.obj"],
+    ["config"],
+    ["--help"],
+    ["classify", "--range", "0:10"],
+    SHORT,
+]
 
 
 @pytest.mark.parametrize("command", PRINTING, ids=" ".join)
 def test_a_full_or_closed_standard_output_is_told(folder: Path, command: list[str]) -> None:
     with open("/dev/full", "w") as full:
-        result = subprocess.run([EMULATOR, *command], check=False, cwd=folder, stdout=full, stderr=subprocess.PIPE, text=True)
+        result = subprocess.run(
+            [EMULATOR, *command], check=False, cwd=folder, stdout=full, stderr=subprocess.PIPE, text=True
+        )
     assert result.returncode == 1 and "No space left on device" in result.stderr
-    closed = subprocess.run([EMULATOR, *command], check=False, cwd=folder, stderr=subprocess.PIPE, text=True, preexec_fn=lambda: os.close(1))
+    closed = subprocess.run(
+        [EMULATOR, *command], check=False, cwd=folder, stderr=subprocess.PIPE, text=True, preexec_fn=lambda: os.close(1)
+    )
     assert closed.returncode == 1 and "Bad file descriptor" in closed.stderr
 
 
 def test_an_output_file_never_gets_what_is_printed(folder: Path) -> None:
     """With standard output closed, the first file that is opened would have its number."""
-    subprocess.run([EMULATOR, "exec", "s.asm", "--trace", "t"], check=False, cwd=folder, stderr=subprocess.DEVNULL, preexec_fn=lambda: os.close(1))
+    subprocess.run(
+        [EMULATOR, "exec", "s.asm", "--trace", "t"],
+        check=False,
+        cwd=folder,
+        stderr=subprocess.DEVNULL,
+        preexec_fn=lambda: os.close(1),
+    )
     assert "stop:" not in (folder / "t").read_text()

@@ -88,7 +88,10 @@ def test_hex_is_loaded_and_started_where_told(run, tmp_path: Path) -> None:
 
 def test_limit_of_cycles(run, tmp_path: Path) -> None:
     (tmp_path / "loop.asm").write_text("start: nop\n       b start\nnever: nop\n")
-    for option, status, message in (("--max-cycles", 1, "--max-cycles 1000 reached"), ("--cycles", 0, "the 1000 cycles of --cycles")):
+    for option, status, message in (
+        ("--max-cycles", 1, "--max-cycles 1000 reached"),
+        ("--cycles", 0, "the 1000 cycles of --cycles"),
+    ):
         for program in (["loop.asm"], ["loop.asm", "loop.asm", "--link", "0.0:1.3"]):  # one chip, and a network
             plain = run("exec", *program, option, 1000, "--json")
             report = json.loads(plain.stdout)
@@ -152,7 +155,9 @@ def test_a_labelled_trace_does_not_show_where_the_program_lies(run, squares, tmp
         assert result.returncode == 0, result.stderr
         traces.append((tmp_path / "t").read_text())
     # A COFF file has no source: the operands are disassembled, and a direct address shows its place.
-    assert [without_operands(line) for line in traces[0].splitlines()] == [without_operands(line) for line in traces[1].splitlines()]
+    assert [without_operands(line) for line in traces[0].splitlines()] == [
+        without_operands(line) for line in traces[1].splitlines()
+    ]
     assert traces[0].startswith("# cmrc labelled instruction trace 1\n0 [dsp 0] start -  ")
     # The plain trace's cycles and causes, in the same order.
     assert run("exec", "p.out", "--board", "flat", "--trace", "plain").returncode == 0

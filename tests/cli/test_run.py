@@ -59,17 +59,25 @@ def test_the_identities_of_the_report(report_of, dsps: int) -> None:
 
 def test_the_hash_repeats_and_depends_on_the_run_only(report_of) -> None:
     plain = report_of("--dsps", 3)
-    for same in (["--turn-order", 5], ["--turn-order", 77], ["--trace", "t", "--trace-window", "0.01:0.02", "--trace-instructions", 1]):
+    for same in (
+        ["--turn-order", 5],
+        ["--turn-order", 77],
+        ["--trace", "t", "--trace-window", "0.01:0.02", "--trace-instructions", 1],
+    ):
         other = report_of("--dsps", 3, *same)
         assert other["hash"] == plain["hash"], same
         apart = ("elapsed_s", "reference_elapsed_s", "configuration")
-        assert {key: value for key, value in other.items() if key not in apart} == {key: value for key, value in plain.items() if key not in apart}
+        assert {key: value for key, value in other.items() if key not in apart} == {
+            key: value for key, value in plain.items() if key not in apart
+        }
     assert report_of("--dsps", 2)["hash"] != plain["hash"]
     assert report_of("--dsps", 3, "--idle-policy", "pause")["hash"] != plain["hash"]
 
 
 def test_traces_are_of_their_window_and_in_order(run, tmp_path: Path) -> None:
-    result = run("--duration", SHORT, "--quiet", "--trace", "t", "--trace-window", "0.05:0.052", "--trace-instructions", 0)
+    result = run(
+        "--duration", SHORT, "--quiet", "--trace", "t", "--trace-window", "0.05:0.052", "--trace-instructions", 0
+    )
     assert result.returncode == 0, result.stderr
     lines = (tmp_path / "t").read_text().splitlines()
     assert lines[0] == "# cmrc event trace 1"
@@ -93,7 +101,17 @@ def test_the_terminal_report(run) -> None:
     assert (result.returncode, result.stderr) == (0, "")
     text = result.stdout
     assert text.startswith("2 DSPs, 0.080 s simulated in ")
-    for part in ("Deadlines", "Response times", "% of cycles", "Bus A", "Bus B", "Work cycles", "joint psi", "refreshes", "hash "):
+    for part in (
+        "Deadlines",
+        "Response times",
+        "% of cycles",
+        "Bus A",
+        "Bus B",
+        "Work cycles",
+        "joint psi",
+        "refreshes",
+        "hash ",
+    ):
         assert part in text
     assert max(map(len, text.splitlines())) <= 100
 
@@ -109,7 +127,11 @@ def test_strict_fails_when_a_deadline_was_missed(run) -> None:
 
 def test_ctrl_c_ends_the_run_with_a_report(emulator: Path, tmp_path: Path) -> None:
     process = subprocess.Popen(
-        [emulator, "--duration", "5000", "--report", "r.json", "--snapshot-at", "0.1:under_way"], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [emulator, "--duration", "5000", "--report", "r.json", "--snapshot-at", "0.1:under_way"],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
     )
     while not (tmp_path / "under_way").exists():
         time.sleep(0.01)
@@ -130,7 +152,9 @@ def test_the_progress_line_shows_on_a_terminal_only(emulator: Path, tmp_path: Pa
         ours, theirs = pty.openpty()
     except OSError:
         pytest.skip("no pseudo-terminals here (a chroot without /dev/pts)")
-    process = subprocess.Popen([emulator, *command, "--duration", "5000"], cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=theirs)
+    process = subprocess.Popen(
+        [emulator, *command, "--duration", "5000"], cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=theirs
+    )
     os.close(theirs)
     seen = b""
     while b"x real time" not in seen:

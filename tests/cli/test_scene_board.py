@@ -1,4 +1,5 @@
-"""Boards of the dock's DSPs from TOML files: the same machine when they say the same, its costs when they do not, and errors before the run."""
+"""Boards of the dock's DSPs from TOML files: the same machine when they say the same, its costs when they do not, and
+errors before the run."""
 
 import shutil
 import subprocess
@@ -43,7 +44,10 @@ base = 0xC0000000
 words = 0x40000000
 bus = "global"
 """
-PROGRAM_WAITS = 'words = 0x100000\nbus = "local"\n[[region]]\nname = "slow', 'words = 0x100000\nbus = "local"\nwaits = 2\n[[region]]\nname = "slow'
+PROGRAM_WAITS = (
+    'words = 0x100000\nbus = "local"\n[[region]]\nname = "slow',
+    'words = 0x100000\nbus = "local"\nwaits = 2\n[[region]]\nname = "slow',
+)
 
 
 def run(tmp_path: Path, board: str, **settings: Any) -> cmrc.Result:
@@ -62,7 +66,8 @@ def test_the_clock_of_the_board_is_that_of_the_chip(tmp_path: Path) -> None:
 
 
 def test_wait_states_of_the_program_memory(tmp_path: Path) -> None:
-    """A kernel's straight code misses the cache and waits twice for its fetch; of the dock, execution gets longer, not wrong."""
+    """A kernel's straight code misses the cache and waits twice for its fetch; of the dock, execution gets longer, not
+    wrong."""
     fast, slow = run(tmp_path, DEFAULT), run(tmp_path, DEFAULT.replace(*PROGRAM_WAITS))
     before, after = (r.report["tasks"]["torque_compensation"] for r in (fast, slow))
     assert before["execution_cycles"]["wait_state"] == 0
@@ -106,7 +111,9 @@ def test_from_the_command_line(emulator: Path, tmp_path: Path) -> None:
     (tmp_path / "b.toml").write_text(DEFAULT)
     (tmp_path / "c.toml").write_text('[machine]\nboard = "b.toml"\n')
     flag, file = (
-        subprocess.run([emulator, "--duration", "0.03", *more], capture_output=True, text=True, cwd=tmp_path, check=True).stdout.split("\nhash")[1]
+        subprocess.run(
+            [emulator, "--duration", "0.03", *more], capture_output=True, text=True, cwd=tmp_path, check=True
+        ).stdout.split("\nhash")[1]
         for more in (["--board", "b.toml"], ["--config", "c.toml"])
     )
     assert flag == file

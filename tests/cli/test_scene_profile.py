@@ -1,4 +1,5 @@
-"""emulator --profile: every cycle of every DSP in one group, each kind's those of its report, and nothing about the run changed."""
+"""emulator --profile: every cycle of every DSP in one group, each kind's those of its report, and nothing about the run
+changed."""
 
 import json
 import re
@@ -72,8 +73,12 @@ def test_jobs_lie_between_their_two_flag_writes(run, tmp_path: Path) -> None:
     run("--dsps", 1, "--duration", 0.04, "--quiet", "--trace", trace, "--trace-instructions", 0, "--profile", profile)
     report = json.loads(profile.read_text())
     text = {line["address"]: line["text"] for group in report["groups"] for line in group["lines"]}
-    flag_writes = [address for address, source in text.items() if re.search(r"sti\s+r[23], \*\+ar[02]\(TB_FLAG\)", source)]
-    take, done = (next(f"{a:08X}" for a in flag_writes if register in text[a]) for register in ("r3, *+ar2", "r2, *+ar0"))
+    flag_writes = [
+        address for address, source in text.items() if re.search(r"sti\s+r[23], \*\+ar[02]\(TB_FLAG\)", source)
+    ]
+    take, done = (
+        next(f"{a:08X}" for a in flag_writes if register in text[a]) for register in ("r3, *+ar2", "r2, *+ar0")
+    )
     begun, inside, jobs = None, 0, 0
     for line in (tmp_path / "t.dsp0").read_text().splitlines():
         fields = line.split()
@@ -81,7 +86,11 @@ def test_jobs_lie_between_their_two_flag_writes(run, tmp_path: Path) -> None:
             begun = int(fields[0])
         if len(fields) > 3 and fields[3] == done and begun is not None:
             inside, jobs, begun = inside + int(fields[0]) - begun, jobs + 1, None
-    kinds = [group for group in report["groups"] if group["name"] not in ("not finished", "boot", "executive", "claim", "idle", "halted")]
+    kinds = [
+        group
+        for group in report["groups"]
+        if group["name"] not in ("not finished", "boot", "executive", "claim", "idle", "halted")
+    ]
     assert jobs == sum(group["jobs"] for group in kinds) > 30
     assert inside == sum(group["cycles"] for group in kinds)
 
@@ -89,7 +98,10 @@ def test_jobs_lie_between_their_two_flag_writes(run, tmp_path: Path) -> None:
 def test_lines_are_those_of_the_source() -> None:
     result = cmrc.run(dsps=1, duration_s=0.04, profile=True)
     assert result.profile is not None
-    sources = {path.relative_to(ROOT / "c40_programs").as_posix(): path.read_text().splitlines() for path in (ROOT / "c40_programs").rglob("*.asm")}
+    sources = {
+        path.relative_to(ROOT / "c40_programs").as_posix(): path.read_text().splitlines()
+        for path in (ROOT / "c40_programs").rglob("*.asm")
+    }
     lines = result.profile.lines
     for i in range(lines.rows):
         row = lines.row(i)
@@ -112,7 +124,17 @@ def test_what_the_user_sees(run, tmp_path: Path) -> None:
 
 
 def test_own_programs_have_their_own_source(run, tmp_path: Path) -> None:
-    run("--dsps", 1, "--duration", 0.03, "--quiet", "--programs", ROOT / "c40_programs", "--profile", tmp_path / "p.json")
+    run(
+        "--dsps",
+        1,
+        "--duration",
+        0.03,
+        "--quiet",
+        "--programs",
+        ROOT / "c40_programs",
+        "--profile",
+        tmp_path / "p.json",
+    )
     groups = json.loads((tmp_path / "p.json").read_text())["groups"]
     assert any(line["text"].strip().startswith("callu") for group in groups for line in group["lines"])
 
@@ -125,7 +147,8 @@ def test_bad_use(run) -> None:
 
 
 def test_a_routine_that_only_the_executive_calls_is_named_before_any_job_has_run() -> None:
-    """A moment after the first refresh: the DSP has booted, copied its constants and looked at the list. No kernel has called copy_words yet."""
+    """A moment after the first refresh: the DSP has booted, copied its constants and looked at the list. No kernel has
+    called copy_words yet."""
     result = cmrc.run(dsps=1, duration_s=0.02001, profile=True)
     assert result.profile is not None
     groups = {group["name"]: group for group in result.profile.data["groups"]}

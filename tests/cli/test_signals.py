@@ -1,7 +1,8 @@
-"""SIGINT, SIGTERM and SIGHUP: the work ends at its next slice and writes what it has, a second signal ends the program at once.
+"""SIGINT, SIGTERM and SIGHUP: the work ends at its next slice and writes what it has, a second signal ends the program
+at once.
 
-A signal is sent after the program has shown that it works: by data through a pipe that it writes or reads, by a line, or by its child process.
-No test depends on the clock; timeouts only end a process that hangs.
+A signal is sent after the program has shown that it works: by data through a pipe that it writes or reads, by a line,
+or by its child process. No test depends on the clock; timeouts only end a process that hangs.
 """
 
 import array
@@ -51,7 +52,9 @@ class Running:
             os.mkfifo(folder / name)
         self.out, self.err = (folder / "stdout").open("wb"), (folder / "stderr").open("wb")
         self.before = {path.name for path in folder.iterdir()}
-        self.process = subprocess.Popen([EMULATOR, *job.arguments], cwd=folder, stdout=self.out, stderr=self.err, **more)  # type: ignore[call-overload]
+        self.process = subprocess.Popen(
+            [EMULATOR, *job.arguments], cwd=folder, stdout=self.out, stderr=self.err, **more
+        )  # type: ignore[call-overload]
         for name in job.pipes:
             thread = threading.Thread(target=self._read, args=(name,), daemon=True)
             thread.start()
@@ -152,7 +155,9 @@ def run_check(running: Running) -> None:
     report = running.json("r.json")
     assert report["stop_reason"] == "interrupted" and 0 < report["simulated_s"] < 80000
     for task in report["tasks"].values():
-        assert task["released"] == sum(task[outcome] for outcome in ("on_time", "late", "unfinished", "never_started", "lost", "dropped"))
+        assert task["released"] == sum(
+            task[outcome] for outcome in ("on_time", "late", "unfinished", "never_started", "lost", "dropped")
+        )
     assert report["errors"] is not None and report["errors"]["window_s"][1] <= report["simulated_s"]
     assert "The run ended early: interrupted" in running.stdout()
     assert running.stderr() == ""
@@ -162,7 +167,9 @@ def trace_check(running: Running) -> None:
     lines = running.came["t"].decode().splitlines()
     assert lines[0] == "# cmrc event trace 1" and running.came["t"].endswith(b"\n")
     report = running.json("r.json")
-    assert report["stop_reason"] == "interrupted" and float(lines[-1].split()[0]) == pytest.approx(report["simulated_s"], abs=2.5e-4)  # the drives latch each 125 us
+    assert report["stop_reason"] == "interrupted" and float(lines[-1].split()[0]) == pytest.approx(
+        report["simulated_s"], abs=2.5e-4
+    )  # the drives latch each 125 us
 
 
 def exec_check(running: Running) -> None:
@@ -207,14 +214,39 @@ def nothing_new(running: Running) -> None:
 JOBS = {
     "run": Job([*LONG, "--report", "r.json"], Running.computes, run_check),
     "run with a trace": Job(
-        [*LONG, "--set", "report.reference=none", "--report", "r.json", "--trace", "t", "--quiet"], lambda r: r.came_through("t"), trace_check, ["t"]
+        [*LONG, "--set", "report.reference=none", "--report", "r.json", "--trace", "t", "--quiet"],
+        lambda r: r.came_through("t"),
+        trace_check,
+        ["t"],
     ),
-    "exec": Job(["exec", "loop.asm", "--json", "--cycles", str(10**13), "--trace", "t"], lambda r: r.came_through("t"), exec_check, ["t"]),
+    "exec": Job(
+        ["exec", "loop.asm", "--json", "--cycles", str(10**13), "--trace", "t"],
+        lambda r: r.came_through("t"),
+        exec_check,
+        ["t"],
+    ),
     "network": Job(
-        ["exec", "send.asm", "take.asm", "--link", "0.0:1.3", "--json", "--cycles", str(10**13), "--trace", "t"], lambda r: r.came_through("t.chip0"), network_check, ["t.chip0", "t.chip1"]
+        ["exec", "send.asm", "take.asm", "--link", "0.0:1.3", "--json", "--cycles", str(10**13), "--trace", "t"],
+        lambda r: r.came_through("t.chip0"),
+        network_check,
+        ["t.chip0", "t.chip1"],
     ),
     "limits": Job(
-        ["limits", "--duration", "1000", "--set", "machine.boot=preloaded", "--set", "host.start_ms=0", "--dsps-grid", "1:4", "--json", "l.json"], lambda r: r.has_said("1 of 4"), limits_check
+        [
+            "limits",
+            "--duration",
+            "1000",
+            "--set",
+            "machine.boot=preloaded",
+            "--set",
+            "host.start_ms=0",
+            "--dsps-grid",
+            "1:4",
+            "--json",
+            "l.json",
+        ],
+        lambda r: r.has_said("1 of 4"),
+        limits_check,
     ),
     "compare": Job(["compare", *LONG, "--json", "c.json"], Running.computes, compare_check),
     "vectors": Job(["vectors", "vectors", "--json"], feed, vectors_check),
@@ -257,7 +289,9 @@ def test_ctrl_c_at_a_terminal_comes_to_the_children_too(folder: Path) -> None:
 
 def test_a_signal_while_the_ideal_run_is_waited_for(folder: Path) -> None:
     """The run itself ends early, since no DSP is left; its ideal run would take hours more."""
-    (folder / "dead.toml").write_text("".join(f'[[events]]\nat_s = 0.05\naction = "fail"\ndsp = {slot}\n' for slot in range(2)))
+    (folder / "dead.toml").write_text(
+        "".join(f'[[events]]\nat_s = 0.05\naction = "fail"\ndsp = {slot}\n' for slot in range(2))
+    )
     arguments = [*LONG, "--dsps", "2", "--config", "dead.toml", "--set", "run.after_stop_s=0.1", "--report", "r.json"]
     running = Running(folder, Job(arguments, Running.has_child))
     stat = Path(f"/proc/{running.process.pid}/stat")
@@ -302,11 +336,15 @@ def without_nameless_files(tmp_path_factory: pytest.TempPathFactory) -> dict[str
 
 
 @pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
-def test_a_second_signal_ends_at_once_and_leaves_no_file(folder: Path, without_nameless_files: dict[str, str], number: signal.Signals) -> None:
+def test_a_second_signal_ends_at_once_and_leaves_no_file(
+    folder: Path, without_nameless_files: dict[str, str], number: signal.Signals
+) -> None:
     """The program waits in a write to a pipe without a reader, so the first signal cannot end it."""
     os.mkfifo(folder / "t")
     with os.fdopen(os.open(folder / "t", os.O_RDWR), "rb", buffering=0) as pipe:
-        job = Job([*LONG, "--set", "report.reference=none", "--report", "r.json", "--trace", "t", "--quiet"], lambda r: None)
+        job = Job(
+            [*LONG, "--set", "report.reference=none", "--report", "r.json", "--trace", "t", "--quiet"], lambda r: None
+        )
         running = Running(folder, job, env=without_nameless_files)
         full = fcntl.fcntl(pipe, fcntl.F_GETPIPE_SZ)  # type: ignore[attr-defined]
         waiting = array.array("i", [0])
@@ -327,7 +365,9 @@ def test_a_second_signal_ends_at_once_and_leaves_no_file(folder: Path, without_n
 def test_a_first_signal_outside_the_work_leaves_no_file(folder: Path, without_nameless_files: dict[str, str]) -> None:
     """One output is open. The other is a pipe: the program waits until a reader opens it."""
     os.mkfifo(folder / "t")
-    running = Running(folder, Job([*LONG, "--report", "r.json", "--trace", "t"], lambda r: None), env=without_nameless_files)
+    running = Running(
+        folder, Job([*LONG, "--report", "r.json", "--trace", "t"], lambda r: None), env=without_nameless_files
+    )
     running.until(lambda: any(name.endswith(".part") for name in running.new_files()))
     assert running.signal(signal.SIGTERM) == 143
     assert running.new_files() == set()

@@ -1,4 +1,5 @@
-"""No input speaks to the terminal: control characters of files, names and arguments are shown as \\xNN in messages and listings."""
+"""No input speaks to the terminal: control characters of files, names and arguments are shown as \\xNN in messages and
+listings."""
 
 import json
 import os
@@ -36,7 +37,10 @@ def harmless(text: bytes) -> str:
         ("µ°²ä€😀\u00a0", "µ°²ä€😀\u00a0"),
         ("\x80\x9f", r"\xC2\x80\xC2\x9F"),
         (b"caf\xe9 \x9b31m \xc3", r"caf\xE9 \x9B31m \xC3"),
-        (b"\xc0\x9b \xe0\x80\x9b \xed\xa0\x80 \xf5\x80\x80\x80", r"\xC0\x9B \xE0\x80\x9B \xED\xA0\x80 \xF5\x80\x80\x80"),  # overlong, surrogate, too large
+        (
+            b"\xc0\x9b \xe0\x80\x9b \xed\xa0\x80 \xf5\x80\x80\x80",
+            r"\xC0\x9B \xE0\x80\x9B \xED\xA0\x80 \xF5\x80\x80\x80",
+        ),  # overlong, surrogate, too large
     ],
 )
 def test_printable(given: str | bytes, shown: str) -> None:
@@ -58,7 +62,9 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "v.txt").write_text(f"id={EVIL.replace(' ', '')} op=0C800000 -> PC=00000000\n")
     (tmp_path / "t").write_text(f"{EVIL}\n")
     (tmp_path / f"{EVIL}.asm").write_text("_start: bogus r0\n")
-    file = bytearray(toolchain.object_bytes(toolchain.assemble_object("        .global label\nlabel:  .word 1\n        b label\n")))
+    file = bytearray(
+        toolchain.object_bytes(toolchain.assemble_object("        .global label\nlabel:  .word 1\n        b label\n"))
+    )
     at = file.index(b"label\0\0\0")
     file[at : at + 8] = b"\x1b[2Jx\0\0\0"
     (tmp_path / "s.obj").write_bytes(file)
@@ -102,7 +108,14 @@ def test_nothing_that_is_printed_is_obeyed(folder: Path, command: list[str]) -> 
     assert harmless(result.stdout) + harmless(result.stderr) != ""
 
 
-@pytest.mark.parametrize(("command", "shown"), [(["asm", "error.asm", "-o", "o"], SHOWN), (["asm", "latin.asm", "-o", "o"], r"caf\xE9"), (["--set", f"{EVIL}=1"], SHOWN)])
+@pytest.mark.parametrize(
+    ("command", "shown"),
+    [
+        (["asm", "error.asm", "-o", "o"], SHOWN),
+        (["asm", "latin.asm", "-o", "o"], r"caf\xE9"),
+        (["--set", f"{EVIL}=1"], SHOWN),
+    ],
+)
 def test_what_was_there_is_still_told(folder: Path, command: list[str], shown: str) -> None:
     result = emulator(folder, *command)
     assert shown in (result.stdout + result.stderr).decode()
@@ -113,7 +126,10 @@ def test_listings_and_maps_are_harmless_and_the_words_are_the_same(folder: Path)
     assert SHOWN in harmless((folder / "fine.lst").read_bytes())
     assert emulator(folder, "link", "mine.obj", "-o", "o.out", "--map-output", "o.map").returncode == 0
     assert "?[2Jx" in harmless((folder / "o.map").read_bytes())  # what a name of a COFF file cannot be is read as ?
-    assert toolchain.read_coff(folder / "fine.out").sections[0].words == toolchain.assemble(" ldi 1,r0\n idle\n").sections[0].words
+    assert (
+        toolchain.read_coff(folder / "fine.out").sections[0].words
+        == toolchain.assemble(" ldi 1,r0\n idle\n").sections[0].words
+    )
 
 
 def test_json_is_still_json_and_has_the_characters_themselves(folder: Path) -> None:
@@ -129,5 +145,7 @@ def test_a_printed_configuration_reads_back(folder: Path) -> None:
 
 def test_the_page_command_prints_nothing_that_is_obeyed(folder: Path) -> None:
     command = [sys.executable, "-m", "cmrc", "page", f"{EVIL}.html", "--plots", "x.png"]
-    result = subprocess.run(command, check=False, cwd=folder, capture_output=True, env={**os.environ, "PYTHONPATH": str(BUILD / "python")})
+    result = subprocess.run(
+        command, check=False, cwd=folder, capture_output=True, env={**os.environ, "PYTHONPATH": str(BUILD / "python")}
+    )
     assert result.returncode == 2 and "x1B" in harmless(result.stderr).replace("x1b", "x1B")

@@ -16,13 +16,26 @@ from locations import BUILD
 
 EMULATOR = BUILD / "bin" / "emulator"
 ALONE = ["--quiet", "--set", "report.reference=none"]
-BUSY = ["--dsps", "3", "--preset", "saturated", "--duration", "1.3", "--set", "scheduling.agv_phase=together", "--set", "report.misses_max=100000"]
+BUSY = [
+    "--dsps",
+    "3",
+    "--preset",
+    "saturated",
+    "--duration",
+    "1.3",
+    "--set",
+    "scheduling.agv_phase=together",
+    "--set",
+    "report.misses_max=100000",
+]
 CLOCK_PS = 30_000
 MS = 10**9
 
 
 def emulator(folder: Path, *arguments: object) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run([EMULATOR, *map(str, arguments)], check=False, cwd=folder, capture_output=True, text=True, timeout=120)
+    return subprocess.run(
+        [EMULATOR, *map(str, arguments)], check=False, cwd=folder, capture_output=True, text=True, timeout=120
+    )
 
 
 def run(folder: Path, *arguments: object) -> Any:
@@ -63,7 +76,16 @@ def busy(tmp_path_factory: pytest.TempPathFactory) -> Drawn:
 def test_slices_nest_and_follow_one_another(busy: Drawn) -> None:
     timeline.check_order(busy.timeline)
     assert sum(map(len, busy.timeline.slices.values())) > 10000
-    assert {path[0] for path in busy.timeline.paths.values()} == {"DSPs", "host", "jobs", "bus A", "bus B", "processes", "events", "plant"}
+    assert {path[0] for path in busy.timeline.paths.values()} == {
+        "DSPs",
+        "host",
+        "jobs",
+        "bus A",
+        "bus B",
+        "processes",
+        "events",
+        "plant",
+    }
 
 
 def test_drawing_changes_nothing(busy: Drawn, tmp_path: Path) -> None:
@@ -134,9 +156,15 @@ def test_misses_tell_the_waits_of_their_chains(busy: Drawn) -> None:
     for kind in busy.report["tasks"]:
         for one in misses_of(busy, kind):
             miss = told[kind, one.notes["robot"], one.notes["job"], one.at]
-            waits = {name: ps for name, ps in miss["parts_ps"].items() if name not in ("slack", "not_run") and not name.startswith("execution.")}
+            waits = {
+                name: ps
+                for name, ps in miss["parts_ps"].items()
+                if name not in ("slack", "not_run") and not name.startswith("execution.")
+            }
             apart = ("lateness_ps", "execution_ps")
-            assert {name[:-3]: ps for name, ps in one.notes.items() if name.endswith("_ps") and name not in apart} == waits
+            assert {
+                name[:-3]: ps for name, ps in one.notes.items() if name.endswith("_ps") and name not in apart
+            } == waits
             assert one.notes.get("lateness_ps") == miss["lateness_ps"]
             drawn += 1
     assert drawn == len(told) > 100
@@ -147,13 +175,36 @@ def test_flows_lead_from_each_block_in_the_way_to_the_miss(busy: Drawn) -> None:
     wanted: Counter[tuple[Any, ...]] = Counter()
     for miss in busy.report["misses"]:
         for behind in miss["behind"]:
-            wanted[(behind["dsp"], behind["kind"], behind["number"], behind["claimed_ps"], behind["from_ps"], behind["to_ps"], miss["kind"], miss["number"], behind["share_ps"])] += 1
+            wanted[
+                (
+                    behind["dsp"],
+                    behind["kind"],
+                    behind["number"],
+                    behind["claimed_ps"],
+                    behind["from_ps"],
+                    behind["to_ps"],
+                    miss["kind"],
+                    miss["number"],
+                    behind["share_ps"],
+                )
+            ] += 1
     drawn: Counter[tuple[Any, ...]] = Counter()
     for begun, ended in both.values():
         assert abs(begun.at - begun.notes["from_ps"]) <= 1000
         assert begun.inside is not None and begun.notes["job"] == ended.notes["job"]
         slot = int(busy.timeline.paths[begun.track][1].split()[1])
-        drawn[(slot, begun.inside.name, begun.inside.notes["job"], begun.inside.begin, *(begun.notes[name] for name in ("from_ps", "to_ps")), ended.name.split()[0], ended.notes["job"], begun.notes["share_ps"])] += 1
+        drawn[
+            (
+                slot,
+                begun.inside.name,
+                begun.inside.notes["job"],
+                begun.inside.begin,
+                *(begun.notes[name] for name in ("from_ps", "to_ps")),
+                ended.name.split()[0],
+                ended.notes["job"],
+                begun.notes["share_ps"],
+            )
+        ] += 1
     assert drawn == wanted
     assert len(both) > 100
 
@@ -179,7 +230,12 @@ def test_the_length_of_the_list_is_told_when_it_changes(busy: Drawn) -> None:
 def by_millisecond(values: list[tuple[int, float]], end: int) -> dict[int, float]:
     """A counter's value in each millisecond; it holds until the next one."""
     steps = [*values, (end * 10**6, 0.0)]
-    return {ms: value for (at, value), (until, _) in itertools.pairwise(steps) for ms in range(at // 10**6, until // 10**6) if value}
+    return {
+        ms: value
+        for (at, value), (until, _) in itertools.pairwise(steps)
+        for ms in range(at // 10**6, until // 10**6)
+        if value
+    }
 
 
 def test_the_masters_clocks_are_those_of_the_bus(busy: Drawn) -> None:
@@ -226,7 +282,11 @@ def test_a_window_changes_nothing_either(window: Drawn, busy: Drawn) -> None:
 
 def test_what_reaches_into_the_window_is_drawn_as_without(window: Drawn, busy: Drawn) -> None:
     for dsp in busy.report["dsps"]:
-        inside = [(one.name, one.begin, one.end) for one in busy.blocks(dsp["slot"]) if one.end > 900 * MS and one.begin < 920 * MS]
+        inside = [
+            (one.name, one.begin, one.end)
+            for one in busy.blocks(dsp["slot"])
+            if one.end > 900 * MS and one.begin < 920 * MS
+        ]
         assert [(one.name, one.begin, one.end) for one in window.blocks(dsp["slot"])] == inside
 
 
@@ -255,7 +315,11 @@ def test_each_wait_of_a_block_is_drawn(window: Drawn) -> None:
             for wait in waits:
                 sums[wait.name] += max(0, min(wait.end, block.end) - max(wait.begin, block.begin))
             assert sums["bus A"] == block.notes.get("bus_a_ps", 0) and sums["bus B"] == block.notes.get("bus_b_ps", 0)
-            cycles = sum(value for name, value in block.notes.items() if name not in ("job", "robot", "generation") and not name.endswith("_ps"))
+            cycles = sum(
+                value
+                for name, value in block.notes.items()
+                if name not in ("job", "robot", "generation") and not name.endswith("_ps")
+            )
             assert cycles * 40_000 == block.end - block.begin
             seen += 1
     assert seen > 20
@@ -289,7 +353,19 @@ def test_a_dsp_that_fails_is_off_from_then_on(tmp_path: Path) -> None:
 def test_an_interrupted_run_leaves_a_whole_file(tmp_path: Path) -> None:
     os_pipe = tmp_path / "trace"
     subprocess.run(["mkfifo", os_pipe], check=True)
-    arguments = ["--dsps", "2", "--duration", "80000", *ALONE, "--perfetto", "t.gz", "--report", "r.json", "--trace", "trace"]
+    arguments = [
+        "--dsps",
+        "2",
+        "--duration",
+        "80000",
+        *ALONE,
+        "--perfetto",
+        "t.gz",
+        "--report",
+        "r.json",
+        "--trace",
+        "trace",
+    ]
     process = subprocess.Popen([EMULATOR, *arguments], cwd=tmp_path, stderr=subprocess.PIPE)
     with os_pipe.open("rb") as trace:
         for line in trace:
@@ -318,8 +394,14 @@ def test_a_resumed_run_draws_what_is_left(tmp_path: Path) -> None:
     assert rest.report["hash"] == whole.report["hash"]
     timeline.check_order(rest.timeline)
     for slot in (0, 1):
-        later = [(one.name, one.begin, one.end, one.notes["job"], one.notes["generation"]) for one in whole.blocks(slot) if one.end > 300_100_000_000]
-        assert [(one.name, one.begin, one.end, one.notes["job"], one.notes["generation"]) for one in rest.blocks(slot)] == later
+        later = [
+            (one.name, one.begin, one.end, one.notes["job"], one.notes["generation"])
+            for one in whole.blocks(slot)
+            if one.end > 300_100_000_000
+        ]
+        assert [
+            (one.name, one.begin, one.end, one.notes["job"], one.notes["generation"]) for one in rest.blocks(slot)
+        ] == later
 
 
 # ---- bad input
@@ -328,7 +410,7 @@ def test_a_resumed_run_draws_what_is_left(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["--perfetto", "t", "--perfetto-window", "0.5:0.2"], "--perfetto-window: \"0.5:0.2\" is empty"),
+        (["--perfetto", "t", "--perfetto-window", "0.5:0.2"], '--perfetto-window: "0.5:0.2" is empty'),
         (["--perfetto", "t", "--perfetto-window", "7:8"], "it begins at 7 s, and the run ends at 0.1 s"),
         (["--perfetto", "t", "--perfetto-window", "nan:1"], "is not A:B"),
         (["--perfetto", "t", "--perfetto-window", "0"], "is not A:B"),
@@ -372,8 +454,8 @@ def test_a_full_disk_is_told_for_packed_files(tmp_path: Path) -> None:
 
 
 def test_names_of_tasks_are_told_as_they_are(tmp_path: Path) -> None:
-    name = "küh<l>\"er & 温度\n"
-    rows = f"name = {json.dumps(name)}\nprogram = \"kernel_none\"\nkind = 14\nimportance = 0xF3FF\nperiod_ms = 10\n"
+    name = 'küh<l>"er & 温度\n'
+    rows = f'name = {json.dumps(name)}\nprogram = "kernel_none"\nkind = 14\nimportance = 0xF3FF\nperiod_ms = 10\n'
     (tmp_path / "c.toml").write_text("[[tasks]]\n" + rows)
     drawn = draw(tmp_path, "--config", tmp_path / "c.toml", "--duration", "0.5", "--dsps", "2")
     jobs = drawn.timeline.slices[drawn.timeline.track("jobs", f"user.{name}")]

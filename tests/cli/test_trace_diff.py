@@ -34,10 +34,25 @@ def test_equal_traces(diff) -> None:
     ("trace", "old", "new", "message"),
     [
         (EVENTS, "tick=8", "tick=9", "time 0.000127412000 s, dsp 2, field tick: 8 (line 3) and 9 (line 3)"),
-        (EVENTS, "[dsp 2]", "[dsp 1]", "time 0.000127412000 s, dsp 2, field component: dsp 2 (line 3) and dsp 1 (line 3)"),
+        (
+            EVENTS,
+            "[dsp 2]",
+            "[dsp 1]",
+            "time 0.000127412000 s, dsp 2, field component: dsp 2 (line 3) and dsp 1 (line 3)",
+        ),
         (EVENTS, "claim", "finish", "time 0.000127412000 s, dsp 2, field event: claim (line 3) and finish (line 3)"),
-        (EVENTS, "7412", "7413", "time 0.000127412000 s, dsp 2, field time: 0.000127412000 (line 3) and 0.000127413000 (line 3)"),
-        (INSTRUCTIONS, "R1=0000000003", "R1=0000000004", "cycle 16, dsp 0, field R1: 0000000003 (line 3) and 0000000004 (line 3)"),
+        (
+            EVENTS,
+            "7412",
+            "7413",
+            "time 0.000127412000 s, dsp 2, field time: 0.000127412000 (line 3) and 0.000127413000 (line 3)",
+        ),
+        (
+            INSTRUCTIONS,
+            "R1=0000000003",
+            "R1=0000000004",
+            "cycle 16, dsp 0, field R1: 0000000003 (line 3) and 0000000004 (line 3)",
+        ),
         (INSTRUCTIONS, "branch=3", "branch=2", "cycle 12, dsp 0, field branch: 3 (line 2) and 2 (line 2)"),
         (INSTRUCTIONS, " @00310000=00000005", "", "cycle 16, dsp 0, field @00310000: 00000005 (line 3) and - (line 3)"),
         (INSTRUCTIONS, "02610001", "02610002", "cycle 16, dsp 0, field word: 02610001 (line 3) and 02610002 (line 3)"),

@@ -1,7 +1,8 @@
 """Why jobs were late, computed a second time from the event trace alone (docs/report.md, Why late; docs/trace.md): each
 wait with its cause, exact to the picosecond.
 
-Brute force: the wait of a job is cut at every instant at which anything changed, and each piece is judged by itself. The replay shares no code with the emulator."""
+Brute force: the wait of a job is cut at every instant at which anything changed, and each piece is judged by itself.
+The replay shares no code with the emulator."""
 
 from __future__ import annotations
 
@@ -18,7 +19,10 @@ NAMES = {
     6: "pid", 7: "identify", 8: "grab_path", 9: "home.crane", 10: "home.agv", 11: "obstacle_avoidance",
 }  # fmt: skip
 HOST, DROPPED = 0xFF, 5
-ACQUIRED, TAKEN_AWAY = 1, 2  # states of a semaphore; the second tells from whom the host has acquired it, and who holds it does not change
+ACQUIRED, TAKEN_AWAY = (
+    1,
+    2,
+)  # states of a semaphore; the second tells from whom the host has acquired it, and who holds it does not change
 MUST_CONTINUE = 1  # of TB_NOTIFY: a part is done, and the job is not
 STANDS_STILL = (0, 1, 2)  # machine::Action: fail, freeze, hang
 BEFORE = ("host_late", "not_due", "host_refresh", "host_lock")
@@ -65,14 +69,26 @@ class Job:
 class Trace:
     """Everything that the chains are checked against."""
 
-    def __init__(self, events: Iterable[Event], dsps: int, servo: int, refresh_hz: float, tasks: dict[int, tuple[str, int | None]] | None = None, empty: int = 0, preloaded: bool = False) -> None:
-        """`tasks`: by kind the user's tasks, their names in the report and the slot that alone may claim them; `empty`: slots without a DSP at the start; `preloaded`: the DSPs do not have to boot."""
+    def __init__(
+        self,
+        events: Iterable[Event],
+        dsps: int,
+        servo: int,
+        refresh_hz: float,
+        tasks: dict[int, tuple[str, int | None]] | None = None,
+        empty: int = 0,
+        preloaded: bool = False,
+    ) -> None:
+        """`tasks`: by kind the user's tasks, their names in the report and the slot that alone may claim them; `empty`:
+        slots without a DSP at the start; `preloaded`: the DSPs do not have to boot."""
         self.servo, self.refresh_mhz = servo, round(refresh_hz * 1000)  # the timer's clock is in whole millihertz
         self.names = NAMES | {kind: name for kind, (name, _) in (tasks or {}).items()}
         self.own = {kind: dsp for kind, (_, dsp) in (tasks or {}).items() if dsp is not None}
         self.jobs: dict[tuple[int, int], Job] = {}
         at_start = "awake" if preloaded else "off"  # a DSP that has not booted is off, for ever if its link is broken
-        self.slots = [Steps([0], [(at_start, None)]) for _ in range(dsps)] + [Steps([0], [("off", None)]) for _ in range(empty)]
+        self.slots = [Steps([0], [(at_start, None)]) for _ in range(dsps)] + [
+            Steps([0], [("off", None)]) for _ in range(empty)
+        ]
         self.list = Steps()
         self.dropped: dict[tuple[int, int], int] = {}  # kind, tick: when the host found it
         self.shortest: dict[int, int] = {}
@@ -100,7 +116,11 @@ class Trace:
                     if not job.waits_from:
                         job.waits_from.append(self.tick(job.due if job.kind in SERVO else n["number"]))
                     waits = len(job.claims) < len(job.waits_from) and not job.parted
-                    if waits and len(job.offered) < len(job.waits_from) and (job.kind not in SERVO or n["number"] >= job.due or len(job.waits_from) > 1):
+                    if (
+                        waits
+                        and len(job.offered) < len(job.waits_from)
+                        and (job.kind not in SERVO or n["number"] >= job.due or len(job.waits_from) > 1)
+                    ):
                         eligible.append(job)
             elif name == "semaphore" and n["number"] == 0 and n["state"] != TAKEN_AWAY:
                 self.list.set(time, n["owner"] if n["state"] == ACQUIRED else 0)
@@ -136,7 +156,9 @@ class Trace:
                 goes_on = gone if gone.parted else None
             elif name == "miss" and n["class"] == DROPPED:
                 kind = n["kind"]
-                number = n["tick"] // servo if kind in SERVO else numbers.get(kind, 0)  # others count on with their blocks
+                number = (
+                    n["tick"] // servo if kind in SERVO else numbers.get(kind, 0)
+                )  # others count on with their blocks
                 if kind not in SERVO:
                     numbers[kind] = number + 1
                 self.dropped[kind, number] = time
@@ -150,7 +172,12 @@ class Trace:
                     self.slots[slot].set(time, ("awake", None))
                     continue
                 state, what = self.slots[slot].values[-1]
-                if state == "busy" and what[0].end is None and what[0].failed[-1] is None and len(what[0].claims) == len(what[0].waits_from):
+                if (
+                    state == "busy"
+                    and what[0].end is None
+                    and what[0].failed[-1] is None
+                    and len(what[0].claims) == len(what[0].waits_from)
+                ):
                     what[0].failed[-1] = time
                 self.slots[slot].set(time, ("off", None))
 
@@ -170,7 +197,10 @@ class Trace:
         cuts = [cut for cut in cuts if start <= cut <= end]
         sums: dict[str, int] = {}
         for at, until in pairwise(cuts):
-            states = [steps.at(at, ("off", None)) if own in (None, slot) else ("off", None) for slot, steps in enumerate(self.slots)]
+            states = [
+                steps.at(at, ("off", None)) if own in (None, slot) else ("off", None)
+                for slot, steps in enumerate(self.slots)
+            ]
             awake = [slot for slot, (state, _) in enumerate(states) if state == "awake"]
             busy = [what[1] for state, what in states if state == "busy"]
             if awake:
@@ -202,9 +232,19 @@ def check(trace: Trace, report: dict[str, Any]) -> int:
             assert miss["lateness_ps"] == end - deadline == sum(parts.values()), where
             assert parts.pop("slack", 0) == usual - (deadline - release), where
         if kind in SERVO:
-            assert (release, deadline) == (trace.tick(miss["number"] * trace.servo), trace.tick((miss["number"] + 1) * trace.servo)), where
+            assert (release, deadline) == (
+                trace.tick(miss["number"] * trace.servo),
+                trace.tick((miss["number"] + 1) * trace.servo),
+            ), where
         if miss["outcome"] == "dropped" and not miss["runs"]:
-            assert parts == {key: value for key, value in (("host_late" if miss["previous"] is None else "previous_out", deadline - release), ("not_run", -usual)) if value}, where
+            assert parts == {
+                key: value
+                for key, value in (
+                    ("host_late" if miss["previous"] is None else "previous_out", deadline - release),
+                    ("not_run", -usual),
+                )
+                if value
+            }, where
             found = trace.dropped[kind, miss["number"]]
             assert miss["unavoidable_ps"] == max(release, min(found, deadline - usual + 1)), where
             continue
@@ -224,15 +264,27 @@ def check(trace: Trace, report: dict[str, Any]) -> int:
             for what, time in trace.waits(offered, claimed, claimer, kind).items():
                 expected[what] = expected.get(what, 0) + time
             after = job.waits_from[i + 1] if i + 1 < len(job.waits_from) else end
-            if claimer is not None and i not in job.parts and (i + 1 < len(job.waits_from) or job.failed[i] is not None or miss["outcome"] == "dropped"):
+            if (
+                claimer is not None
+                and i not in job.parts
+                and (i + 1 < len(job.waits_from) or job.failed[i] is not None or miss["outcome"] == "dropped")
+            ):
                 stop = after if job.failed[i] is None else min(after, max(claimed, job.failed[i] or 0))
                 expected["lost_run"] = expected.get("lost_run", 0) + stop - claimed
                 expected["watchdog"] = expected.get("watchdog", 0) + after - stop
-        told = {what: parts.pop(what, 0) for what in ("doorbell", "lock", "blocked", "behind_list", "no_dsp", "own_dsp_out", "lost_run", "watchdog")}
+        told = {
+            what: parts.pop(what, 0)
+            for what in ("doorbell", "lock", "blocked", "behind_list", "no_dsp", "own_dsp_out", "lost_run", "watchdog")
+        }
         told["claim"] = sum(parts.pop(what, 0) for what in CLAIM)
         assert sum(parts.pop(what, 0) for what in BEFORE) == before, where
         assert told == {what: expected.get(what, 0) for what in told}, f"{where}: {told}, by the trace {expected}"
-        ran = bool(job.claims) and len(job.claims) == len(job.waits_from) and job.failed[-1] is None and miss["outcome"] != "dropped"
+        ran = (
+            bool(job.claims)
+            and len(job.claims) == len(job.waits_from)
+            and job.failed[-1] is None
+            and miss["outcome"] != "dropped"
+        )
         if ran:
             assert all(name.startswith("execution.") for name in parts), where
             assert sum(parts.values()) == job.ran() + end - job.claims[-1][1] - usual, where
@@ -246,7 +298,11 @@ def check(trace: Trace, report: dict[str, Any]) -> int:
         assert in_the_way == told["blocked"] + told["behind_list"], where
         for block in miss["behind"]:
             state, what = trace.slots[block["dsp"]].at(block["from_ps"], ("off", None))
-            assert state == "busy" and what[1] == block["claimed_ps"] and (trace.names[what[0].kind], what[0].number) == (block["kind"], block["number"]), where
+            assert (
+                state == "busy"
+                and what[1] == block["claimed_ps"]
+                and (trace.names[what[0].kind], what[0].number) == (block["kind"], block["number"])
+            ), where
         if deadline is not None:
             check_unavoidable(miss, job, usual)
     return chains
@@ -262,7 +318,14 @@ def check_unavoidable(miss: dict[str, Any], job: Job, usual: int) -> None:
     def remaining(now: int) -> int:
         left = usual
         for i, (_, claimed) in enumerate(job.claims):
-            ends = min([time for time in (job.failed[i], job.waits_from[i + 1] if i + 1 < len(job.waits_from) else None) if time is not None], default=None)
+            ends = min(
+                [
+                    time
+                    for time in (job.failed[i], job.waits_from[i + 1] if i + 1 < len(job.waits_from) else None)
+                    if time is not None
+                ],
+                default=None,
+            )
             if claimed <= now and (ends is None or now < ends):
                 return max(0, claimed + left - now)
             if i in job.parts and job.parts[i] <= now:

@@ -24,7 +24,13 @@ from random_docks import KEYS, Dock
 cmrc = _core.cmrc
 Report = dict[str, Any]
 OUTCOMES = ("on_time", "late", "unfinished", "never_started", "lost", "dropped")
-STOPS = ("completed", "job_done", "no_dsp_left", "drives_stopped", "plant_fault")  # docs/report.md, When a run ends early
+STOPS = (
+    "completed",
+    "job_done",
+    "no_dsp_left",
+    "drives_stopped",
+    "plant_fault",
+)  # docs/report.md, When a run ends early
 PS = 10**12
 
 

@@ -98,7 +98,9 @@ class Run:
         assert self.replay.claims == sum(dsp["claims"] for dsp in self.report["dsps"])
         names = {FIRST + n: (f"user.{r['name']}", r.get("dsp")) for n, r in enumerate(rows)}
         dsps = int(options[options.index("--dsps") + 1])
-        trace_of = chain_replay.Trace(self.events, dsps, 8, 8000, names, empty=len(self.report["dsps"]) - dsps, preloaded=True)
+        trace_of = chain_replay.Trace(
+            self.events, dsps, 8, 8000, names, empty=len(self.report["dsps"]) - dsps, preloaded=True
+        )
         self.chains = chain_replay.check(trace_of, self.report)
 
     def claims(self, name: str) -> list[tuple[int, int]]:

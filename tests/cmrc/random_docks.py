@@ -166,7 +166,20 @@ kernel_user_pins:
         ldi     0, r1
         rets
 """
-USER_PROGRAMS = ["counts", "counts", "never_returns", "takes_long", "writes_everywhere", "touches_nothing", "swi", "talks", "talks", "listens", "pins", "pins"]
+USER_PROGRAMS = [
+    "counts",
+    "counts",
+    "never_returns",
+    "takes_long",
+    "writes_everywhere",
+    "touches_nothing",
+    "swi",
+    "talks",
+    "talks",
+    "listens",
+    "pins",
+    "pins",
+]
 
 
 @dataclass(frozen=True)
@@ -298,7 +311,17 @@ class Generator:
             slots = draw.sample(range(16), 2)
             setting("machine.links", draw.choice(["", "0.0:1.4", "0.0:1.4, 1.0:0.4", f"{slots[0]}.0:{slots[1]}.4"]))
             a, b = slots
-            setting("machine.nets", draw.choice(["", "0.TCLK0>1.TCLK1+0.TCLK1, 1.IIOF1>0.IIOF2", "0.IIOF1&1.IIOF1>0.IIOF3+1.NMI", f"{a}.TCLK0>{b}.IIOF2, {a}.IIOF1>{b}.RESET"]))
+            setting(
+                "machine.nets",
+                draw.choice(
+                    [
+                        "",
+                        "0.TCLK0>1.TCLK1+0.TCLK1, 1.IIOF1>0.IIOF2",
+                        "0.IIOF1&1.IIOF1>0.IIOF3+1.NMI",
+                        f"{a}.TCLK0>{b}.IIOF2, {a}.IIOF1>{b}.RESET",
+                    ]
+                ),
+            )
         return changes
 
     def task(self, dock: Dock) -> Dock:

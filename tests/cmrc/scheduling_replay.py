@@ -1,5 +1,6 @@
-"""A second implementation of the scheduling rule, from the event trace alone: equation (7) as plant-and-bus.md 4.3 restores it, the order of the list (ruling 19), refreshes
-(ruling 20) and claims (ruling 21). It shares no code with the emulator, and reads only the trace and the parameters of the rule."""
+"""A second implementation of the scheduling rule, from the event trace alone: equation (7) as plant-and-bus.md 4.3
+restores it, the order of the list (ruling 19), refreshes (ruling 20) and claims (ruling 21). It shares no code with the
+emulator, and reads only the trace and the parameters of the rule."""
 
 from __future__ import annotations
 
@@ -9,7 +10,20 @@ from dataclasses import dataclass, field
 Event = tuple[int, str, str, dict[str, int]]
 
 # kind (KIND_* of task_block.inc) -> x, y of the paper's table 1
-KINDS = {0: (1, 0), 1: (5, 1), 2: (5, 2), 3: (6, 1), 4: (6, 2), 5: (7, 1), 6: (8, 1), 7: (11, 0), 8: (12, 0), 9: (13, 1), 10: (22, 2), 11: (21, 2)}
+KINDS = {
+    0: (1, 0),
+    1: (5, 1),
+    2: (5, 2),
+    3: (6, 1),
+    4: (6, 2),
+    5: (7, 1),
+    6: (8, 1),
+    7: (11, 0),
+    8: (12, 0),
+    9: (13, 1),
+    10: (22, 2),
+    11: (21, 2),
+}
 RESET = 5  # machine::Action
 TRAJECTORY, INVERSE, SERVO = (1, 2), (3, 4), (5, 6)
 
@@ -25,7 +39,12 @@ def events(text: Iterable[str], without: tuple[str, ...] = ("bus_transaction", "
         if name in without:
             continue
         seconds, fraction = stamp.split(".")
-        yield int(seconds) * 10**12 + int(fraction), component, name, {key: int(value, 0) for key, value in (a.split("=") for a in arguments)}
+        yield (
+            int(seconds) * 10**12 + int(fraction),
+            component,
+            name,
+            {key: int(value, 0) for key, value in (a.split("=") for a in arguments)},
+        )
 
 
 @dataclass
@@ -70,8 +89,14 @@ class Rule:
             return fixed[x]
         if x in (7, 8):
             return 0 if t < self.servo - self.gamma else {7: 0xFFF7, 8: 0xFFEF}[x]
-        due = {(5, 1): (self.crane - self.alpha, 0xFFDF, self.p), (6, 1): (self.crane - self.beta, 0xFFBF, self.p + self.b)}
-        due |= {(5, 2): (self.agv - self.alpha, 0xFF7F, self.q + self.a * t), (6, 2): (self.agv - self.beta, 0xFEFF, self.q + self.b + self.a * t)}
+        due = {
+            (5, 1): (self.crane - self.alpha, 0xFFDF, self.p),
+            (6, 1): (self.crane - self.beta, 0xFFBF, self.p + self.b),
+        }
+        due |= {
+            (5, 2): (self.agv - self.alpha, 0xFF7F, self.q + self.a * t),
+            (6, 2): (self.agv - self.beta, 0xFEFF, self.q + self.b + self.a * t),
+        }
         since, importance, early = due[x, y]
         return importance if t >= since else min(early, 0xFFFF)
 
@@ -92,10 +117,13 @@ class Block:
 
 @dataclass
 class Replay:
-    """Follows a trace from any instant on. `faults` are sentences on what the rule does not allow. Checks begin when every block of the list is known."""
+    """Follows a trace from any instant on. `faults` are sentences on what the rule does not allow. Checks begin when
+    every block of the list is known."""
 
     rule: Rule
-    doorbells: bool = True  # idle policy "doorbell": one DSP that has announced itself idle is rung for each block with J > 0
+    doorbells: bool = (
+        True  # idle policy "doorbell": one DSP that has announced itself idle is rung for each block with J > 0
+    )
     faults: list[str] = field(default_factory=list)
     refreshes: int = 0
     claims: int = 0
@@ -156,7 +184,9 @@ class Replay:
         block = self.blocks[offset]
         if self.known:
             self.claims += 1
-            if offset != next((other for other in self.order if self.rule.may_claim(self.blocks[other].kind, slot)), None):
+            if offset != next(
+                (other for other in self.order if self.rule.may_claim(self.blocks[other].kind, slot)), None
+            ):
                 self.fault(time, f"DSP {slot} claimed {offset:#x}, but {[hex(o) for o in self.order[:3]]} is the order")
             if block.importance == 0:
                 self.fault(time, f"claimed {offset:#x}, whose J is 0")
@@ -165,7 +195,8 @@ class Replay:
             self.order.remove(offset)
 
     def rings(self, idle: set[int]) -> int:
-        """How many DSPs the host rings for these waiting blocks, if these DSPs are idle (docs/controller.md, A refresh)."""
+        """How many DSPs the host rings for these waiting blocks, if these DSPs are idle (docs/controller.md, A
+        refresh)."""
         own = {self.rule.tasks[kind].dsp for kind in self.offered if kind in self.rule.tasks}
         left = set(idle)
         for kind in self.offered:
@@ -176,7 +207,10 @@ class Replay:
 
     def check_doorbells(self, time: int) -> None:
         if self.doorbells and self.to_ring and not self.to_ring[0] <= len(self.rung) <= self.to_ring[1]:
-            self.fault(time, f"before this refresh {len(self.rung)} DSPs were rung, {self.to_ring[0]} to {self.to_ring[1]} by the rule")
+            self.fault(
+                time,
+                f"before this refresh {len(self.rung)} DSPs were rung, {self.to_ring[0]} to {self.to_ring[1]} by the rule",
+            )
         for slot in self.rung:
             if not any(self.rule.may_claim(kind, slot) for kind in self.offered):
                 self.fault(time, f"before this refresh DSP {slot} was rung, and nothing was there for it")
@@ -189,7 +223,8 @@ class Replay:
             block.loaded = number
             if block.kind in SERVO:
                 block.t = number - (block.tick - self.rule.servo) - elapsed
-            # docs/controller.md, Sub-processes: inverse kinematics of a point is loaded when its trajectory planning is done, and inherits that one's t.
+            # docs/controller.md, Sub-processes: inverse kinematics of a point is loaded when its trajectory planning is
+            # done, and inherits that one's t.
             if block.kind in INVERSE:
                 block.t = number - self.planned_at.get(block.area, number)
         self.loaded_since_refresh.clear()
@@ -203,7 +238,14 @@ class Replay:
         self.order = [offset for _, _, offset in sorted(waiting)]
         first = self.seen == 0 and (number == 1 or self.power_on)
         self.seen += 1
-        self.known = self.known or (len(self.blocks) == n["blocks"] and all(block.area in self.planned_at for block in self.blocks.values() if block.kind in INVERSE)) or first
+        self.known = (
+            self.known
+            or (
+                len(self.blocks) == n["blocks"]
+                and all(block.area in self.planned_at for block in self.blocks.values() if block.kind in INVERSE)
+            )
+            or first
+        )
         self.refreshes += self.known
         self.offered = [self.blocks[offset].kind for offset in self.order if self.blocks[offset].importance > 0]
         self.to_ring = (self.rings(self.idle), self.rings(set(range(32))))
@@ -212,4 +254,7 @@ class Replay:
         if head != n["pointer"]:
             self.fault(time, f"refresh {number}: the work pointer is {n['pointer']:#x}, {head:#x} by the rule")
         if len(self.order) != n["waiting"] or len(self.blocks) != n["blocks"]:
-            self.fault(time, f"refresh {number}: {n['waiting']} of {n['blocks']} wait, {len(self.order)} of {len(self.blocks)} by the replay")
+            self.fault(
+                time,
+                f"refresh {number}: {n['waiting']} of {n['blocks']} wait, {len(self.order)} of {len(self.blocks)} by the replay",
+            )

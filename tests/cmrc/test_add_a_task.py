@@ -1,4 +1,5 @@
-"""docs/add-a-task.md, done to the letter: its blocks are taken from the page and run. Then what it promises of faulty tasks."""
+"""docs/add-a-task.md, done to the letter: its blocks are taken from the page and run. Then what it promises of faulty
+tasks."""
 
 import json
 import os
@@ -45,7 +46,9 @@ def report_of(toml: str, **settings: Any) -> dict[str, Any]:
 
 
 def test_a_task_that_never_returns_is_contained(desk: Path) -> None:
-    (desk / "my_programs" / "kernels" / "user.asm").write_text("kernel_sway_watch:\n        br      kernel_sway_watch\n")
+    (desk / "my_programs" / "kernels" / "user.asm").write_text(
+        "kernel_sway_watch:\n        br      kernel_sway_watch\n"
+    )
     toml = blocks("toml")[0].replace("period_ms = 10", "period_ms = 200")
     report = report_of(toml, duration_s=0.5, **{"watchdog.long_run_us": 1000, "report.reference": "ideal"})
     mine = report["tasks"]["user.sway_watch"]
@@ -53,8 +56,12 @@ def test_a_task_that_never_returns_is_contained(desk: Path) -> None:
     assert report["tasks"]["error"]["on_time"] >= 1
     assert report["stop_reason"] == "completed"
     assert report["tasks"]["pid"]["released"] == 500
-    assert "does not end" in report["reference_problem"] and report["errors"] is None  # nor would it at a thousand times the speed
-    assert any("user.sway_watch" in failure["what"] + failure.get("detail", "") for failure in map(flat, report["failures"]))
+    assert (
+        "does not end" in report["reference_problem"] and report["errors"] is None
+    )  # nor would it at a thousand times the speed
+    assert any(
+        "user.sway_watch" in failure["what"] + failure.get("detail", "") for failure in map(flat, report["failures"])
+    )
 
 
 BEATS = """kernel_sway_watch:
@@ -105,7 +112,11 @@ def test_importance_row_decides_between_waiting_and_due(desk: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ("kind = 14", "kind = 8", "tasks.kind: 8 is a kind of the paper; 3, 4, 9, 10, 14 to 20 or one from 23 on is expected"),
+        (
+            "kind = 14",
+            "kind = 8",
+            "tasks.kind: 8 is a kind of the paper; 3, 4, 9, 10, 14 to 20 or one from 23 on is expected",
+        ),
         ("kind = 14", 'kind = "x"', "tasks.kind"),
         ('name = "sway_watch"', "", "tasks.name: is missing"),
         ("period_ms = 10", "period_ms = 0", 'tasks.period_ms: nothing releases "sway_watch"'),
@@ -131,9 +142,14 @@ def test_rows_are_written_back() -> None:
 
 
 def test_a_sub_process_of_ones_own_runs_where_its_process_lists_it(desk: Path) -> None:
-    """As docs/processes.md has it: once per point interval (8 ms) of the crane, while process 3 runs (from 2.4 ms on)."""
+    """As docs/processes.md has it: once per point interval (8 ms) of the crane, while process 3 runs (from 2.4 ms
+    on)."""
     row = re.findall(r"```toml\n(.*?)```", (ROOT / "docs" / "processes.md").read_text(), re.DOTALL)[1]
-    grab = re.search(r"\[\[processes\]\]\nnumber = 3.*?\n\n", (ROOT / "emulator" / "cmrc" / "processes" / "processes.toml").read_text(), re.DOTALL)
+    grab = re.search(
+        r"\[\[processes\]\]\nnumber = 3.*?\n\n",
+        (ROOT / "emulator" / "cmrc" / "processes" / "processes.toml").read_text(),
+        re.DOTALL,
+    )
     assert grab is not None
     tasks = blocks("toml")[0].replace("period_ms = 10", "period_ms = 0")
     with_it = grab[0].replace("[1, 2, 3, 4]", "[1, 2, 3, 4, 6]")
@@ -150,11 +166,20 @@ def test_a_task_can_be_a_step(desk: Path) -> None:
 
 # ---- tasks that do what they must not: contained, reported, survived by the rest
 
-KEEPS_TO_ITSELF = {"pid", "torque_compensation", "trajectory_planning.crane", "inverse_kinematics.crane", "identify", "grab_path"}
+KEEPS_TO_ITSELF = {
+    "pid",
+    "torque_compensation",
+    "trajectory_planning.crane",
+    "inverse_kinematics.crane",
+    "identify",
+    "grab_path",
+}
 
 
 def sabotage(desk: Path, body: str, **settings: Any) -> dict[str, Any]:
-    (desk / "my_programs" / "kernels" / "user.asm").write_text(f"kernel_sway_watch:\n{body}        ldi     0, r0\n        ldi     0, r1\n        rets\n")
+    (desk / "my_programs" / "kernels" / "user.asm").write_text(
+        f"kernel_sway_watch:\n{body}        ldi     0, r0\n        ldi     0, r1\n        rets\n"
+    )
     report = report_of(blocks("toml")[0].replace("parameter_0 = 0.02\n", ""), duration_s=0.3, dsps=3, **settings)
     assert report["stop_reason"] == "completed"
     assert report["audit"]["violations"] == []
@@ -169,7 +194,10 @@ def others_are_well(report: dict[str, Any]) -> None:
 
 # Words of others: the whole list, the crane's area with PID's state, AGV 0's; 4000 words from there on.
 # In the list it may write two words, result and notify of its own block.
-@pytest.mark.parametrize(("first", "words", "own"), [("LIST_WORK_POINTER", 0x440, 3), ("CR_BASE", 0x200, 0), ("AG_BASE", 0x100, 0), ("US_BASE + US_WORDS", 4000, 0)])
+@pytest.mark.parametrize(
+    ("first", "words", "own"),
+    [("LIST_WORK_POINTER", 0x440, 3), ("CR_BASE", 0x200, 0), ("AG_BASE", 0x100, 0), ("US_BASE + US_WORDS", 4000, 0)],
+)
 def test_writes_outside_the_area_are_refused_and_reported(desk: Path, first: str, words: int, own: int) -> None:
     body = f"""        ldhi    hi16(WINDOW_A + {first}), ar0
         or      lo16(WINDOW_A + {first}), ar0
@@ -183,8 +211,13 @@ sabotage_end:
     others_are_well(report)
     mine = report["tasks"]["user.sway_watch"]
     told = [failure for failure in report["failures"] if failure["kind"] == "guard"]
-    assert told and all("user.sway_watch wrote" in failure["message"] and "the first DEAD0000h at offset" in failure["message"] for failure in told)
-    assert sum(int(re.search(r"wrote (\d+) words", failure["message"])[1]) for failure in told) == mine["on_time"] * (words - own)
+    assert told and all(
+        "user.sway_watch wrote" in failure["message"] and "the first DEAD0000h at offset" in failure["message"]
+        for failure in told
+    )
+    assert sum(int(re.search(r"wrote (\d+) words", failure["message"])[1]) for failure in told) == mine["on_time"] * (
+        words - own
+    )
     assert mine["released"] == mine["on_time"] == 29
 
 
@@ -201,11 +234,13 @@ sabotage_end:
     report = sabotage(desk, body, **{"machine.guard": False})
     assert not [failure for failure in report["failures"] if failure["kind"] == "guard"]
     assert max(report["pid_error"][joint]["peak"] for joint in report["pid_error"]) > 1e-3 or any(
-        report["tasks"][kind]["misses"] for kind in KEEPS_TO_ITSELF)
+        report["tasks"][kind]["misses"] for kind in KEEPS_TO_ITSELF
+    )
 
 
 def test_a_task_that_spoils_its_dsps_own_program_costs_only_resets(desk: Path) -> None:
-    """It overwrites the executive and the kernels in local memory: the DSP runs wild, is found by the watchdog, booted again; the block is dropped at last."""
+    """It overwrites the executive and the kernels in local memory: the DSP runs wild, is found by the watchdog, booted
+    again; the block is dropped at last."""
     body = """        ldhi    30h, ar0
         ldhi    6000h, r0
         ldi     3FFFh, rc
@@ -216,7 +251,9 @@ sabotage_end:
     report = sabotage(desk, body, **{"watchdog.long_run_us": 3000, "watchdog.retries_max": 1})
     assert report["tasks"]["user.sway_watch"]["on_time"] == 0
     assert sum(dsp["resets"] for dsp in report["dsps"]) >= 3
-    assert any(failure["kind"] == "stopped" and "user.sway_watch" in failure["message"] for failure in report["failures"])
+    assert any(
+        failure["kind"] == "stopped" and "user.sway_watch" in failure["message"] for failure in report["failures"]
+    )
     assert report["tasks"]["pid"]["on_time"] > 280
     assert max(report["pid_error"][joint]["peak"] for joint in report["pid_error"]) < 1e-3
 
@@ -239,7 +276,9 @@ def test_a_task_that_overruns_is_reported_as_late_and_delays_nobody_with_a_dsp_t
 sabotage_end:
         nop
 """
-    (desk / "my_programs" / "kernels" / "user.asm").write_text(f"kernel_sway_watch:\n{body}        ldi     0, r0\n        ldi     0, r1\n        rets\n")
+    (desk / "my_programs" / "kernels" / "user.asm").write_text(
+        f"kernel_sway_watch:\n{body}        ldi     0, r0\n        ldi     0, r1\n        rets\n"
+    )
     report = report_of(blocks("toml")[0].replace("deadline_ms = 10", "deadline_ms = 1"), duration_s=0.2, dsps=3)
     mine = report["tasks"]["user.sway_watch"]
     assert (mine["released"], mine["on_time"]) == (19, 0)

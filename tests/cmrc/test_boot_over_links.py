@@ -1,4 +1,5 @@
-"""The dock's DSPs boot over their links: at power-on, plugged in while others work, after a reset, and over wires that break."""
+"""The dock's DSPs boot over their links: at power-on, plugged in while others work, after a reset, and over wires that
+break."""
 
 import json
 from typing import Any
@@ -80,7 +81,10 @@ def test_a_dsp_that_is_reset_boots_again() -> None:
     assert report["dsps"][1]["link_words"] == {"in": 2 * report["boot_words"], "out": 2, "lost": 0}
 
 
-@pytest.mark.parametrize("events", [[(0.001, "reset", 1)], [(0.001, "unplug", 1), (0.0015, "plug", 1)], [(0.05, "reset", 1), (0.051, "reset", 1)]])
+@pytest.mark.parametrize(
+    "events",
+    [[(0.001, "reset", 1)], [(0.001, "unplug", 1), (0.0015, "plug", 1)], [(0.05, "reset", 1), (0.051, "reset", 1)]],
+)
 def test_a_reset_in_the_middle_of_a_boot_begins_a_new_one(events: list[tuple[float, str, int]]) -> None:
     report = run(events)
     assert failures(report) == [] and misses(report) == 0

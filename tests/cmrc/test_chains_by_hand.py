@@ -36,7 +36,9 @@ def test_each_kind_of_waiting_once() -> None:
     jobs.claimed(1, 0, 110, [60, 10])
     jobs.release(2, "pid", 1000, 1500)
     jobs.refresh(1005, 1015, 1022, 1030, [2])  # late by 5, works 10, waits 7 for the list, works 8
-    jobs.slot(1, "asleep", 1400)  # from 1030 on only the identify block keeps the one DSP: blocked for 370, then a sleeper for 20
+    jobs.slot(
+        1, "asleep", 1400
+    )  # from 1030 on only the identify block keeps the one DSP: blocked for 370, then a sleeper for 20
     jobs.slot(1, "awake", 1420)
     jobs.list(0xFF, 1430)  # 10 of claiming
     jobs.list(0, 1445)  # 15 of the host holding the list
@@ -52,9 +54,26 @@ def test_each_kind_of_waiting_once() -> None:
         "blocked": 370, "execution.execute": 20, "execution.bus": 40, "slack": -(500 - 60),
     }  # fmt: skip
     assert sum(miss["parts_ps"].values()) == miss["lateness_ps"] == 100
-    assert (miss["kind"], miss["outcome"], miss["release_ps"], miss["deadline_ps"], miss["end_ps"], miss["usual_ps"]) == ("pid", "late", 1000, 1500, 1600, 60)
+    assert (
+        miss["kind"],
+        miss["outcome"],
+        miss["release_ps"],
+        miss["deadline_ps"],
+        miss["end_ps"],
+        miss["usual_ps"],
+    ) == ("pid", "late", 1000, 1500, 1600, 60)
     assert miss["behind"] == [
-        {"kind": "identify", "robot": 0, "number": 0, "dsp": 0, "claimed_ps": 110, "from_ps": 1030, "to_ps": 1400, "share_ps": 370, "overtook": False}
+        {
+            "kind": "identify",
+            "robot": 0,
+            "number": 0,
+            "dsp": 0,
+            "claimed_ps": 110,
+            "from_ps": 1030,
+            "to_ps": 1400,
+            "share_ps": 370,
+            "overtook": False,
+        }
     ]
     assert miss["runs"] == [{"dsp": 1, "claimed_ps": 1480, "ended_ps": 1600, "end": "done"}]
     assert miss["unavoidable_ps"] == 1441  # the first instant after 1500 - 60
@@ -107,10 +126,19 @@ def test_a_dead_dsp_costs_its_run_and_the_watchdog() -> None:
     jobs.finished(2, 1, 3070, [50, 9])  # the shortest run by now
     jobs.removed(2)
     [miss] = told(jobs, 4000)["misses"]
-    assert miss["parts_ps"] == {"host_refresh": 5, "doorbell": 5, "claim": 1, "lost_run": 30, "watchdog": 1970, "slack": -441}
+    assert miss["parts_ps"] == {
+        "host_refresh": 5,
+        "doorbell": 5,
+        "claim": 1,
+        "lost_run": 30,
+        "watchdog": 1970,
+        "slack": -441,
+    }
     assert sum(miss["parts_ps"].values()) == 3070 - 1500
     assert [run["end"] for run in miss["runs"]] == ["failed", "done"]
-    assert miss["unavoidable_ps"] == 1500 - 59 + 1  # claimed in time; since 1030 it would have to start anew, for which there is time until then
+    assert (
+        miss["unavoidable_ps"] == 1500 - 59 + 1
+    )  # claimed in time; since 1030 it would have to start anew, for which there is time until then
 
 
 def test_a_dropped_tick_names_the_job_that_was_out() -> None:
@@ -139,7 +167,12 @@ def test_what_has_not_ended_is_told_up_to_the_end_of_the_run() -> None:
     unfinished, waiting = told(jobs, 2000)["misses"]
     assert unfinished["outcome"] == "lost"
     assert unfinished["parts_ps"] == {"lost_run": 980, "watchdog": 20, "not_run": -60, "slack": -440}
-    assert waiting["outcome"] == "never_started" and waiting["parts_ps"] == {"behind_list": 980, "no_dsp": 20, "not_run": -60, "slack": -440}
+    assert waiting["outcome"] == "never_started" and waiting["parts_ps"] == {
+        "behind_list": 980,
+        "no_dsp": 20,
+        "not_run": -60,
+        "slack": -440,
+    }
     assert unfinished["unavoidable_ps"] == 1501 and waiting["unavoidable_ps"] == 1441
 
 
@@ -167,4 +200,6 @@ def test_the_list_of_misses_is_bounded_and_the_sums_are_not() -> None:
     report = told(jobs, 10_000)
     assert [miss["number"] for miss in report["misses"]] == [1, 2] and report["misses_left_out"] == 3
     why = report["tasks"]["pid"]["why_late"]
-    assert why["jobs"] == 5 and why["lateness_ps"] == 5 * 60 and why["parts_ps"] == {"execution.execute": 50, "slack": 250}
+    assert (
+        why["jobs"] == 5 and why["lateness_ps"] == 5 * 60 and why["parts_ps"] == {"execution.execute": 50, "slack": 250}
+    )

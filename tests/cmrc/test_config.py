@@ -1,4 +1,5 @@
-"""The configuration: one schema for parser and documentation, layers, and errors that say where and what would be right."""
+"""The configuration: one schema for parser and documentation, layers, and errors that say where and what would be
+right."""
 
 import re
 
@@ -152,6 +153,8 @@ def test_documentation_lists_exactly_the_schema() -> None:
         assert meaning.startswith("*live:*") == key["live"], name
         assert (unit, source) == (key["unit"], key["source"]), name
         if key["type"] in ("integer", "number"):
-            assert float(int(default, 0) if default.startswith("0x") else default) == pytest.approx(key["default"], rel=1e-6), name
+            assert float(int(default, 0) if default.startswith("0x") else default) == pytest.approx(
+                key["default"], rel=1e-6
+            ), name
         else:
             assert default == (str(key["default"]).lower() if key["type"] == "boolean" else f'"{key["default"]}"'), name

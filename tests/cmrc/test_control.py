@@ -1,4 +1,5 @@
-"""The servo's loops in the scene: the value of deadlines with tight loops, changes during a run, and settings that cannot work."""
+"""The servo's loops in the scene: the value of deadlines with tight loops, changes during a run, and settings that
+cannot work."""
 
 from __future__ import annotations
 
@@ -51,7 +52,8 @@ def test_tight_loops_bear(settings: dict[str, Any]) -> None:
 def test_tight_loops_do_not_bear(settings: dict[str, Any], joint: str) -> None:
     result = tight(**settings)
     assert joint in unstable(result)
-    # What the report says is what the drive did: its codes were at both ends of their range. Its own protection ends that.
+    # What the report says is what the drive did: its codes were at both ends of their range. Its own protection ends
+    # that.
     codes = result.signals[f"{joint}_code"]
     assert codes.max() >= 1638 and codes.min() <= -1638
     assert any(f["kind"] == "plant" and "trip" in f["message"] for f in result.report["failures"])
@@ -99,7 +101,8 @@ def test_left_out_ticks_are_dropped_ones(settings: dict[str, Any], share: float,
 
 
 def test_a_delay_shifts_what_the_drives_take() -> None:
-    """The codes at the latches, compared with the same run without delay: the first codes are equal, later by the delay."""
+    """The codes at the latches, compared with the same run without delay: the first codes are equal, later by the
+    delay."""
     codes = []
     for delay in (0.0, 1000.0):
         settings = {"report.reference": "none", "report.signal_decimation": 1, "dock.drive_delay_us": delay}
@@ -124,8 +127,8 @@ LOW_RATES: dict[str, Any] = {
 
 
 def test_a_change_waits_for_rest_and_moves_nothing() -> None:
-    """During the first leg (0.05 to 18 s), lower bandwidths of slew and hoist are set. The change takes effect when the joints
-    rest."""
+    """During the first leg (0.05 to 18 s), lower bandwidths of slew and hoist are set. The change takes effect when the
+    joints rest."""
     events = [
         change(3.0, "control.slew_bandwidth_rad_s", 20.0),
         change(3.0, "control.hoist_bandwidth_rad_s", 30.0),
@@ -161,7 +164,8 @@ def test_a_change_waits_for_rest_and_moves_nothing() -> None:
             float(_core.c40.float40.value(_core.c40.float40.from_single(w[joint * row]))) for w in (before[1], after)
         )
         assert new == pytest.approx(factor * old, rel=1e-6)
-    # No drive jumps: from 15 s until the ramp begins no code of a tick differs from the one before by more than it does without the change.
+    # No drive jumps: from 15 s until the ramp begins no code of a tick differs from the one before by more than it does
+    # without the change.
     signals = simulation.signals()
     plain = _core.cmrc.Simulation(_core.cmrc.config(settings={**LOW_RATES, "duration_s": 24.0}))
     plain.run()

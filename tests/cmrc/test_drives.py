@@ -1,4 +1,5 @@
-"""Drives and loads in the scene: what the hoist costs to lift a container, trips as errors, masses that are refused (docs/plant.md, Loads and Trips)."""
+"""Drives and loads in the scene: what the hoist costs to lift a container, trips as errors, masses that are refused
+(docs/plant.md, Loads and Trips)."""
 
 import json
 from pathlib import Path
@@ -15,7 +16,8 @@ cmrc = _core.cmrc
 
 
 def lift(folder: Path, hoist_rad_s: float, *events: dict[str, Any]) -> tuple[float, dict[str, Any]]:
-    """The first 16 s of a crane that hangs over its container: it is locked at 12.1 s, and 24 t hang free at 15.5 s. The hoist's largest following error, m."""
+    """The first 16 s of a crane that hangs over its container: it is locked at 12.1 s, and 24 t hang free at 15.5 s.
+    The hoist's largest following error, m."""
     layout = folder / "layout.toml"
     layout.write_text(OVER_A_CONTAINER)
     fixed = {**LOW_RATES, "duration_s": 16.0, "dock.layout": str(layout), "control.hoist_bandwidth_rad_s": hoist_rad_s}
@@ -37,7 +39,8 @@ def test_a_lift_off_costs_less_than_two_millimetres(tmp_path: Path, with_the_loa
 
 
 def test_that_is_the_load_cells_doing(tmp_path: Path, with_the_load_cell: float) -> None:
-    """The load cell is stuck at the spreader's weight: 24 t displace the hoist by m g / (M w^2), as far as the integral is too slow."""
+    """The load cell is stuck at the spreader's weight: 24 t displace the hoist by m g / (M w^2), as far as the integral
+    is too slow."""
     without, report = lift(tmp_path, 8.0, at(11, "stick_load_cell"))
     static = 24e3 * 9.81 / (283e3 * 8.0**2)
     assert 0.5 * static < without < 1.5 * static and without > 4 * with_the_load_cell
@@ -54,7 +57,12 @@ def test_that_is_the_load_cells_doing(tmp_path: Path, with_the_load_cell: float)
 def test_a_trip_is_an_error_with_its_origin(origin: str, settings: dict[str, Any]) -> None:
     report, simulation = run(12, **settings)
     error = report["errors_handled"][0]
-    assert (error["origin"], error["of"], error["response"], error["because"]) == (origin, ["slew"], "stop", "drive_tripped")
+    assert (error["origin"], error["of"], error["response"], error["because"]) == (
+        origin,
+        ["slew"],
+        "stop",
+        "drive_tripped",
+    )
     [tripped, *_] = [event for event in simulation.dock_events() if event[1] == "drive_tripped"]
     assert tripped[2] == 1 and error["happened_s"] == pytest.approx(tripped[0], abs=1e-9)
     assert error["happened_s"] < error["noticed_s"] < error["happened_s"] + 2 / 250 + 0.001
@@ -74,13 +82,21 @@ def test_a_tripped_drive_goes_on_when_the_operator_clears_and_trips_again() -> N
 
 def test_drives_of_the_usual_scene_do_not_trip() -> None:
     report, simulation = run(LEG)
-    assert report["errors_handled"] == [] and not [e for e in simulation.dock_events() if e[1] in ("drive_tripped", "drive_warm")]
+    assert report["errors_handled"] == [] and not [
+        e for e in simulation.dock_events() if e[1] in ("drive_tripped", "drive_warm")
+    ]
 
 
 def test_an_unstable_hoist_is_ended_by_a_trip() -> None:
-    """Six milliseconds of delay are beyond the margin of 80 rad/s (3.5 ms, control-notes.md 1): the codes swing from end to end."""
+    """Six milliseconds of delay are beyond the margin of 80 rad/s (3.5 ms, control-notes.md 1): the codes swing from
+    end to end."""
     fixed = {"dsps": 1, "boot": "preloaded", "report.reference": "none", "duration_s": 4.0}
-    settings = {**fixed, "control.hoist_bandwidth_rad_s": 80.0, "dock.drive_delay_us": 6000.0, "errors.following_hoist_m": 10.0}
+    settings = {
+        **fixed,
+        "control.hoist_bandwidth_rad_s": 80.0,
+        "dock.drive_delay_us": 6000.0,
+        "errors.following_hoist_m": 10.0,
+    }
     simulation = cmrc.Simulation(cmrc.config(settings=settings))
     simulation.run()
     error = only(json.loads(simulation.report_json()))
@@ -118,11 +134,15 @@ def test_what_cannot_work_is_refused_before_the_run(settings: dict[str, Any], sa
     ({"slewing.jib_m": 15.0}, r"outside its limits|cannot reach"),
     ({"slewing.hoist.upper_m": 20.0}, r"the crane cannot reach"),
 ])  # fmt: skip
-def test_a_crane_that_does_not_reach_its_work_is_refused_when_the_dock_is_made(settings: dict[str, Any], says: str) -> None:
+def test_a_crane_that_does_not_reach_its_work_is_refused_when_the_dock_is_made(
+    settings: dict[str, Any], says: str
+) -> None:
     with pytest.raises(cmrc.ConfigError, match=says):
         cmrc.Simulation(cmrc.config(settings=settings))
 
 
 def test_the_largest_load_that_can_be_held_is_accepted() -> None:
     cmrc.config(settings={"dock.container_mass_kg": 40e3})
-    cmrc.config(settings={"dock.container_mass_kg": 43.8e3, "slewing.rated_load_kg": 43.8e3})  # 5732 x 0.88 / (9.81 x 0.00955) = 53.84 t
+    cmrc.config(
+        settings={"dock.container_mass_kg": 43.8e3, "slewing.rated_load_kg": 43.8e3}
+    )  # 5732 x 0.88 / (9.81 x 0.00955) = 53.84 t

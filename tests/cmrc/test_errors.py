@@ -1,4 +1,5 @@
-"""Errors in the scene: each origin with each response that docs/controller.md lists for it, what the report says, and the exit status (ruling 36)."""
+"""Errors in the scene: each origin with each response that docs/controller.md lists for it, what the report says, and
+the exit status (ruling 36)."""
 
 import json
 from pathlib import Path
@@ -31,12 +32,15 @@ def clear(at_s: float) -> dict[str, Any]:
     return at(at_s, "set", key="errors.clear", value=True)
 
 
-# m/s of the hoist after the path has stopped: damping the swing pays out rope at this speed. On the path it is 0.1 and more.
+# m/s of the hoist after the path has stopped: damping the swing pays out rope at this speed. On the path it is 0.1 and
+# more.
 STILL = 5e-3
 
 
 def run(duration_s: float, *events: dict[str, Any], **settings: Any) -> tuple[Report, Any]:
-    simulation = cmrc.Simulation(cmrc.config(settings={**LOW_RATES, "duration_s": duration_s, **settings}, events=list(events)))
+    simulation = cmrc.Simulation(
+        cmrc.config(settings={**LOW_RATES, "duration_s": duration_s, **settings}, events=list(events))
+    )
     simulation.run()
     report = json.loads(simulation.report_json())
     assert report["audit"]["violations"] == []
@@ -65,7 +69,12 @@ def load(simulation: Any) -> tuple[np.ndarray, np.ndarray]:
 def test_a_dead_luff_drive_stops_the_crane_along_its_path() -> None:
     report, simulation = run(8, at(LEG, "fail_drive", joint="luff"))
     error = only(report)
-    assert (error["origin"], error["robot"], error["of"], error["response"]) == ("drive fault", "crane", ["luff"], "stop")
+    assert (error["origin"], error["robot"], error["of"], error["response"]) == (
+        "drive fault",
+        "crane",
+        ["luff"],
+        "stop",
+    )
     assert (error["happened_s"], error["because"]) == (LEG, "fail_drive luff")
     # PID sees the fault at its next tick, the host at the refresh after that. The error block takes one refresh more.
     assert LEG < error["noticed_s"] < LEG + 2 * SERVO
@@ -74,7 +83,9 @@ def test_a_dead_luff_drive_stops_the_crane_along_its_path() -> None:
     assert error["stands"] and error["cleared_s"] is None and simulation.exit_status == 1
     before, half, after = (rates(simulation, LEG + dt) for dt in (-0.05, 0.55, 1.3))
     assert after["phi"] == 0  # braked
-    assert 0.3 * before["l"] < half["l"] < 0.8 * before["l"]  # the hoist, which no sway damping moves; without the fault it would gain speed
+    assert (
+        0.3 * before["l"] < half["l"] < 0.8 * before["l"]
+    )  # the hoist, which no sway damping moves; without the fault it would gain speed
     assert after["l"] < 0.02 * before["l"]
     assert not report["braked"]  # the others are held by the servo
     assert report["tasks"]["error"]["on_time"] == 1
@@ -106,7 +117,9 @@ def test_a_repaired_and_cleared_drive_goes_on_and_the_status_is_0_but_not_with_s
     assert "Errors: 1" in simulation.report_text() and "cleared by the operator at 8.0" in simulation.report_text()
     # The joint comes back smoothly: the drive never needs its full torque.
     assert np.abs(simulation.signals()["phi_code"][simulation.signals()["time_s"] > 8]).max() < 2047
-    _, strict = run(8, at(LEG, "fail_drive", joint="luff"), at(3.5, "repair_drive", joint="luff"), clear(7), **{"run.strict": True})
+    _, strict = run(
+        8, at(LEG, "fail_drive", joint="luff"), at(3.5, "repair_drive", joint="luff"), clear(7), **{"run.strict": True}
+    )
     assert strict.exit_status == 1
 
 
@@ -114,12 +127,24 @@ def test_what_is_still_broken_stops_the_crane_again() -> None:
     report, simulation = run(8, at(LEG, "fail_drive", joint="luff"), clear(6))
     first, second = report["errors_handled"]
     assert first["cleared_s"] is not None and not first["stands"]
-    assert (second["origin"], second["of"], second["response"], second["stands"]) == ("drive fault", ["luff"], "stop", True)
+    assert (second["origin"], second["of"], second["response"], second["stands"]) == (
+        "drive fault",
+        ["luff"],
+        "stop",
+        True,
+    )
     assert 6 < second["noticed_s"] < 6 + 3 * SERVO and simulation.exit_status == 1
     assert rates(simulation, 7.9)["l"] < 1e-3
 
 
-@pytest.mark.parametrize(("crane", "pid", "joint"), [("gantry", "error_derivative", "trolley"), ("slewing", "measurement_derivative", "hoist"), ("gantry", "measurement_derivative", "hoist")])
+@pytest.mark.parametrize(
+    ("crane", "pid", "joint"),
+    [
+        ("gantry", "error_derivative", "trolley"),
+        ("slewing", "measurement_derivative", "hoist"),
+        ("gantry", "measurement_derivative", "hoist"),
+    ],
+)
 def test_both_cranes_and_both_laws_do_it(crane: str, pid: str, joint: str) -> None:
     settings = {"dock.crane": crane, "kernels.pid": pid}
     report, simulation = run(5, at(LEG, "fail_drive", joint=joint), **settings)
@@ -135,7 +160,12 @@ def test_a_stuck_encoder_is_found_while_its_drive_turns_and_only_then() -> None:
     assert report["errors_handled"] == []
     report, simulation = run(6, at(LEG, "stick_encoder", joint="slew"))
     error = only(report)
-    assert (error["origin"], error["of"], error["response"], error["because"]) == ("encoder", ["slew"], "stop", "stick_encoder slew")
+    assert (error["origin"], error["of"], error["response"], error["because"]) == (
+        "encoder",
+        ["slew"],
+        "stop",
+        "stick_encoder slew",
+    )
     assert LEG + 0.020 <= error["noticed_s"] < LEG + 0.020 + 3 * SERVO
     assert rates(simulation, 5.9)["psi"] == 0 and simulation.exit_status == 1  # its brake holds it
 
@@ -145,10 +175,16 @@ def test_a_lying_status_leaves_the_following_error_which_is_cleared() -> None:
     repaired = [at(5, "repair_drive", joint="slew"), at(5, "repair_drive_status", joint="slew"), clear(6)]
     report, simulation = run(9, *broken, *repaired, **{"errors.go_on_s": 2.0})
     error, trip = report["errors_handled"]
-    assert (error["origin"], error["of"], error["response"], error["because"]) == ("following error", ["slew"], "stop", "fail_drive slew")
+    assert (error["origin"], error["of"], error["response"], error["because"]) == (
+        "following error",
+        ["slew"],
+        "stop",
+        "fail_drive slew",
+    )
     assert LEG + 0.05 < error["noticed_s"] < LEG + 0.5
     assert rates(simulation, error["done_s"] + 0.3)["l"] < STILL
-    # After the repair the drive returns with full torque to the place at which the path has stopped, and trips after half a second.
+    # After the repair the drive returns with full torque to the place at which the path has stopped, and trips after
+    # half a second.
     assert (trip["origin"], trip["of"], trip["cleared_s"]) == ("drive saturated", ["slew"], error["cleared_s"])
     assert 5.5 < trip["noticed_s"] < 6
     assert error["cleared_s"] is not None and simulation.exit_status == 0 and rates(simulation, 8.9)["l"] > 0.05
@@ -167,21 +203,39 @@ def test_drives_that_have_timed_out_come_back_by_themselves_so_often() -> None:
     pause = at(LEG, "pause_host", lasts_ms=200)
     report, simulation = run(7, pause, **{"errors.go_on_s": 1.0})
     error = only(report)
-    assert (error["origin"], error["of"], error["response"], error["because"]) == ("drive time-out", EVERYTHING, "retry", "drive_stopped")
-    assert LEG + 0.1 - 2 * SERVO <= error["happened_s"] < LEG + 0.1 + 2 * SERVO and LEG + 0.2 < error["noticed_s"] < LEG + 0.2 + 2 * SERVO
+    assert (error["origin"], error["of"], error["response"], error["because"]) == (
+        "drive time-out",
+        EVERYTHING,
+        "retry",
+        "drive_stopped",
+    )
+    assert (
+        LEG + 0.1 - 2 * SERVO <= error["happened_s"] < LEG + 0.1 + 2 * SERVO
+        and LEG + 0.2 < error["noticed_s"] < LEG + 0.2 + 2 * SERVO
+    )
     assert not error["stands"] and simulation.exit_status == 0
     assert rates(simulation, LEG + 0.9)["l"] < 0.02 and rates(simulation, 6.9)["l"] > 0.1
     report, simulation = run(9, pause, clear(6), **{"errors.timeout_retries_max": 0, "errors.go_on_s": 1.0})
     error = only(report)
     assert error["response"] == "hold" and error["cleared_s"] is not None and simulation.exit_status == 0
-    assert all(rates(simulation, 5.9)[joint] == 0 for joint in ("s", "psi", "phi", "l", "kappa"))  # every brake is closed
+    assert all(
+        rates(simulation, 5.9)[joint] == 0 for joint in ("s", "psi", "phi", "l", "kappa")
+    )  # every brake is closed
     assert rates(simulation, 8.9)["l"] > 0.1
 
 
 def test_a_pid_that_does_not_come_any_more_leaves_an_error_that_stands() -> None:
     # The avoidance of four vehicles keeps the only DSP from the servo: the worst run of today.
-    settings = {"dsps": 1, "boot": "preloaded", "duration_s": 1.5, "load.avoidance_cycles": 330_000, "agvs": 4,
-                "load.parked": True, "scheduling.agv_phase": "together", "report.reference": "none"}
+    settings = {
+        "dsps": 1,
+        "boot": "preloaded",
+        "duration_s": 1.5,
+        "load.avoidance_cycles": 330_000,
+        "agvs": 4,
+        "load.parked": True,
+        "scheduling.agv_phase": "together",
+        "report.reference": "none",
+    }
     simulation = cmrc.Simulation(cmrc.config(settings=settings))
     simulation.run()
     report = json.loads(simulation.report_json())
@@ -196,7 +250,12 @@ def test_a_stuck_sway_sensor_is_replaced_and_the_run_is_a_success() -> None:
     report, simulation = run(6, at(LEG, "stick_sway", axis="beta"))
     error = only(report)
     # 64 samples; PID checks them in every third run.
-    assert (error["origin"], error["of"], error["response"], error["because"]) == ("sway sensor", ["beta"], "second sensor", "stick_sway beta")
+    assert (error["origin"], error["of"], error["response"], error["because"]) == (
+        "sway sensor",
+        ["beta"],
+        "second sensor",
+        "stick_sway beta",
+    )
     assert LEG + 0.63 < error["noticed_s"] < LEG + 0.79 and not error["stands"] and simulation.exit_status == 0
     assert rates(simulation, 5.9)["l"] > 0.1  # the leg goes on
 
@@ -205,9 +264,10 @@ def test_a_stuck_sway_sensor_is_replaced_and_the_run_is_a_success() -> None:
 def test_without_another_sensor_the_crane_stops(sensors: int) -> None:
     second = [at(4.5, "stick_second_sway", axis="alpha")] if sensors == 2 else []
     report, simulation = run(20, at(LEG, "stick_sway", axis="alpha"), *second, **{"dock.sway_sensors": sensors})
-    assert [error["response"] for error in report["errors_handled"]] == ["second sensor", "stop"][2 - sensors:]
+    assert [error["response"] for error in report["errors_handled"]] == ["second sensor", "stop"][2 - sensors :]
     assert report["errors_handled"][-1]["stands"] and simulation.exit_status == 1
-    # The path stops within a second. The observer took the stuck angle for wind; that estimate fades with a time constant of some 5 s.
+    # The path stops within a second. The observer took the stuck angle for wind; that estimate fades with a time
+    # constant of some 5 s.
     assert rates(simulation, 19.9)["l"] < STILL
 
 
@@ -222,10 +282,16 @@ def test_without_another_sensor_the_crane_stops(sensors: int) -> None:
     pytest.param(at(LOWERING, "stick_load_cell"), {"errors.following_luff_mrad": 0.003}, "following error", "set down", marks=pytest.mark.campaign),
     pytest.param(at(LOWERING, "stick_encoder", joint="hoist"), {}, "encoder", "stop", marks=pytest.mark.campaign),
 ])  # fmt: skip
-def test_a_load_that_is_being_lowered_is_set_down(event: dict[str, Any], settings: dict[str, Any], origin: str, response: str) -> None:
+def test_a_load_that_is_being_lowered_is_set_down(
+    event: dict[str, Any], settings: dict[str, Any], origin: str, response: str
+) -> None:
     report, simulation = run(25, event, **settings)
     error = only(report)
-    assert (error["origin"], error["response"], error["stands"]) == (origin, response, True) and simulation.exit_status == 1
+    assert (error["origin"], error["response"], error["stands"]) == (
+        origin,
+        response,
+        True,
+    ) and simulation.exit_status == 1
     events = [kind for _, kind, *_ in simulation.dock_events()]
     assert ("landed" in events) == (response == "set down")
     assert "locked" not in events  # the next step waits for the operator
@@ -237,18 +303,30 @@ def test_a_load_that_is_being_lowered_is_set_down(event: dict[str, Any], setting
 @pytest.mark.campaign
 def test_a_landing_is_tried_again_until_it_is_given_up_and_again_when_that_is_cleared() -> None:
     report, _simulation = run(66, clear(50), strict_landing=True, ramp_speed_m_s=1.0, landing_retries_max=1)
-    responses = [(error["origin"], error["response"], error["cleared_s"] is not None) for error in report["errors_handled"]]
+    responses = [
+        (error["origin"], error["response"], error["cleared_s"] is not None) for error in report["errors_handled"]
+    ]
     assert responses[:3] == [("landing", "retry", False), ("landing", "hold", True), ("landing", "retry", False)]
 
 
 def test_work_of_a_block_that_was_given_up_is_retried_then_stopped(tmp_path: Path) -> None:
     programs = programs_with(tmp_path, "grab_path.asm", "kernel_grab_path")
-    settings = {"machine.programs": programs, "watchdog.long_run_us": 3000, "watchdog.recomputations_max": 0, "watchdog.retries_max": 1}
+    settings = {
+        "machine.programs": programs,
+        "watchdog.long_run_us": 3000,
+        "watchdog.recomputations_max": 0,
+        "watchdog.retries_max": 1,
+    }
     report, simulation = run(0.6, clear(0.4), **settings)
     told = [(error["origin"], error["of"], error["response"], error["stands"]) for error in report["errors_handled"]]
     given_up = ("block given up", ["grab_path"])
     # After the error is cleared, the work is tried again as often.
-    assert told[:4] == [(*given_up, "retry", False), (*given_up, "stop", False), (*given_up, "retry", False), (*given_up, "stop", True)]
+    assert told[:4] == [
+        (*given_up, "retry", False),
+        (*given_up, "stop", False),
+        (*given_up, "retry", False),
+        (*given_up, "stop", True),
+    ]
     assert simulation.exit_status == 1
 
 
@@ -257,7 +335,12 @@ def test_where_no_dsp_can_run_the_error_block_the_drives_brake(tmp_path: Path) -
     settings = {"machine.programs": programs, "watchdog.long_run_us": 3000, "dsps": 2}
     report, simulation = run(5, at(LEG, "fail_drive", joint="luff"), **settings)
     error = report["errors_handled"][0]
-    assert (error["origin"], error["decided_s"], error["response"], error["stands"]) == ("drive fault", None, None, True)
+    assert (error["origin"], error["decided_s"], error["response"], error["stands"]) == (
+        "drive fault",
+        None,
+        None,
+        True,
+    )
     assert report["braked"] and simulation.exit_status == 1
     assert all(rates(simulation, 4.9)[joint] == 0 for joint in ("psi", "phi", "l"))
 
@@ -282,7 +365,9 @@ def test_the_order_of_the_chips_changes_nothing() -> None:
     ({}, [at(1, "set", key="errors.stop_s", value=2.0)], "errors.stop_s: cannot be changed during a run"),
     ({}, [at(1, "stick_load_cell", joint="luff")], '"stick_load_cell" has no such field'),
 ])  # fmt: skip
-def test_nonsense_is_refused_before_anything_runs(settings: dict[str, Any], events: list[dict[str, Any]], message: str) -> None:
+def test_nonsense_is_refused_before_anything_runs(
+    settings: dict[str, Any], events: list[dict[str, Any]], message: str
+) -> None:
     with pytest.raises(cmrc.ConfigError) as info:
         cmrc.config(settings={**LOW_RATES, **settings}, events=events)
     assert message in str(info.value)

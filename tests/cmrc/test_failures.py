@@ -1,4 +1,5 @@
-"""A DSP that hangs in its code, one that fails while idle, a block that stops every DSP that runs it: each is found, and the run survives it."""
+"""A DSP that hangs in its code, one that fails while idle, a block that stops every DSP that runs it: each is found,
+and the run survives it."""
 
 import json
 from pathlib import Path
@@ -31,7 +32,8 @@ def test_a_dsp_that_hangs_runs_on_in_a_loop() -> None:
 def test_a_dsp_that_dies_idle_is_found_by_its_silence(action: str, works_again: bool) -> None:
     report = run([{"at_s": 0.1006, "action": action, "dsp": 0}], duration_s=0.3, dsps=2)
     [silent, *more] = failures(report, "silent")
-    # The ring at 101 ms has no effect. The DSP's last sign was at 100 ms (or at 101 ms, when the ring found its idle bit).
+    # The ring at 101 ms has no effect. The DSP's last sign was at 100 ms (or at 101 ms, when the ring found its idle
+    # bit).
     assert silent["dsp"] == 0 and 0.150 < silent["time_s"] < 0.153
     assert len(more) == (0 if works_again else 1)
     if not works_again:
@@ -55,7 +57,9 @@ def test_no_dsp_is_silent_when_there_is_nothing_to_do(tmp_path: Path) -> None:
     """An empty ship: homing, then the servo ends and no block is loaded any more."""
     layout = tmp_path / "layout.toml"
     layout.write_text("containers = []\n", encoding="utf-8")
-    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 2.5, "dock.layout": str(layout), "report.reference": "none"}))
+    simulation = cmrc.Simulation(
+        cmrc.config(settings={"duration_s": 2.5, "dock.layout": str(layout), "report.reference": "none"})
+    )
     simulation.run()
     report = json.loads(simulation.report_json())
     assert failures(report, "silent") == [] and all(dsp["resets"] == 0 for dsp in report["dsps"])
@@ -64,7 +68,12 @@ def test_no_dsp_is_silent_when_there_is_nothing_to_do(tmp_path: Path) -> None:
 
 def test_no_healthy_dsp_is_silent_however_busy() -> None:
     for preset, dsps in (("saturated", 2), ("heavy", 3)):
-        simulation = cmrc.Simulation(cmrc.config(preset=preset, settings={"duration_s": 0.5, "dsps": dsps, "watchdog.silence_ms": 5, "report.reference": "none"}))
+        simulation = cmrc.Simulation(
+            cmrc.config(
+                preset=preset,
+                settings={"duration_s": 0.5, "dsps": dsps, "watchdog.silence_ms": 5, "report.reference": "none"},
+            )
+        )
         simulation.run()
         report = json.loads(simulation.report_json())
         assert failures(report, "silent") == []
@@ -73,14 +82,24 @@ def test_no_healthy_dsp_is_silent_however_busy() -> None:
 
 def test_work_that_kills_every_dsp_is_asked_for_so_often_and_no_more(tmp_path: Path) -> None:
     programs = programs_with(tmp_path, "grab_path.asm", "kernel_grab_path")
-    settings = {"machine.programs": programs, "duration_s": 1.0, "dsps": 3, "watchdog.long_run_us": 3000, "watchdog.recomputations_max": 1, "report.reference": "none"}
+    settings = {
+        "machine.programs": programs,
+        "duration_s": 1.0,
+        "dsps": 3,
+        "watchdog.long_run_us": 3000,
+        "watchdog.recomputations_max": 1,
+        "report.reference": "none",
+    }
     for retries in (0, 1, 2):
         report = run([], **settings, **{"watchdog.retries_max": retries})
         path = report["tasks"]["grab_path"]
         assert (path["released"], path["dropped"]) == (1 + retries, 1 + retries)
         assert report["host"]["recomputed"] == 1 + retries
         [stopped] = failures(report, "stopped")
-        assert f"grab_path was given up {1 + retries} times in a row" in stopped["message"] and "process 2 (plan the grab)" in stopped["message"]
+        assert (
+            f"grab_path was given up {1 + retries} times in a row" in stopped["message"]
+            and "process 2 (plan the grab)" in stopped["message"]
+        )
         assert report["tasks"]["error"]["on_time"] == 1 + retries
         # The servo goes on holding the crane.
         assert report["tasks"]["pid"]["on_time"] > 960
@@ -110,10 +129,19 @@ def test_a_task_that_hangs_once_in_a_while_is_not_stopped() -> None:
     [
         ([], 1.0, "completed", 0),
         ([], 0.06, "interrupted", 0),  # who interrupts it knows
-        ([{"at_s": 0.05, "action": "fail", "dsp": 0}, {"at_s": 0.05, "action": "fail", "dsp": 1}], 1.0, "completed", 1),  # no DSP is left
+        (
+            [{"at_s": 0.05, "action": "fail", "dsp": 0}, {"at_s": 0.05, "action": "fail", "dsp": 1}],
+            1.0,
+            "completed",
+            1,
+        ),  # no DSP is left
     ],
 )
-def test_the_status_of_a_run_that_ends_or_is_ended(events: list[dict[str, object]], stop_at_s: float, reason: str, status: int) -> None:
-    simulation = cmrc.Simulation(cmrc.config(settings={"machine.dsps": 2, "run.duration_s": 0.4, "report.reference": "none"}, events=events))
+def test_the_status_of_a_run_that_ends_or_is_ended(
+    events: list[dict[str, object]], stop_at_s: float, reason: str, status: int
+) -> None:
+    simulation = cmrc.Simulation(
+        cmrc.config(settings={"machine.dsps": 2, "run.duration_s": 0.4, "report.reference": "none"}, events=events)
+    )
     simulation.run(lambda simulated_s, _: simulated_s < stop_at_s)
     assert (json.loads(simulation.report_json())["stop_reason"], simulation.exit_status) == (reason, status)

@@ -1,4 +1,5 @@
-"""What fails on the dock is said by name, wherever it is said: report, terminal, page and Python's events of the dock."""
+"""What fails on the dock is said by name, wherever it is said: report, terminal, page and Python's events of the
+dock."""
 
 import re
 from pathlib import Path
@@ -38,8 +39,12 @@ NUMBER_ALONE = re.compile(r"4294967295|\(-?\d+\)|sub-process \d+(?! \()|process 
     ],
     ids=["drives of the slewing crane", "drives of the gantry", "blocks given up", "a silent DSP"],
 )
-def test_failures_of_a_run(tmp_path: Path, events: list[dict[str, Any]], settings: dict[str, Any], said: list[str]) -> None:
-    simulation = cmrc.Simulation(settings={"duration_s": 0.36, "dsps": 2, "report.reference": "none", **settings}, events=events)
+def test_failures_of_a_run(
+    tmp_path: Path, events: list[dict[str, Any]], settings: dict[str, Any], said: list[str]
+) -> None:
+    simulation = cmrc.Simulation(
+        settings={"duration_s": 0.36, "dsps": 2, "report.reference": "none", **settings}, events=events
+    )
     simulation.record()
     result = simulation.run()
     simulation.write_page(tmp_path / "run.html")

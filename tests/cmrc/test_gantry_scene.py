@@ -7,7 +7,12 @@ import cmrc
 import numpy as np
 import pytest
 
-LOW_RATES = {"rates.refresh_frequency_hz": 2000, "rates.servo_frequency_hz": 250, "scheduling.alpha_refreshes": 6, "scheduling.beta_refreshes": 3}
+LOW_RATES = {
+    "rates.refresh_frequency_hz": 2000,
+    "rates.servo_frequency_hz": 250,
+    "scheduling.alpha_refreshes": 6,
+    "scheduling.beta_refreshes": 3,
+}
 
 
 def simulate(duration_s: float, tmp_path: Path, layout: str = "", **settings: Any) -> cmrc.Simulation:
@@ -43,17 +48,24 @@ def test_travel_and_trolley_go_for_a_container_of_the_next_bay(tmp_path: Path) -
 
 
 def test_it_takes_a_container(tmp_path: Path) -> None:
-    simulation = simulate(15.5, tmp_path, "[home]\nx_m = 0.1\ny_m = 9.8\nz_m = 7.2\n[[containers]]\nx_m = 0.0\ny_m = 10.0\n", **LOW_RATES)
+    simulation = simulate(
+        15.5, tmp_path, "[home]\nx_m = 0.1\ny_m = 9.8\nz_m = 7.2\n[[containers]]\nx_m = 0.0\ny_m = 10.0\n", **LOW_RATES
+    )
     check(simulation.result().report, 5e-3)  # a short leg and a container's guides shake the trolley most
     events = [event[1] for event in simulation._core.dock_events()]
     assert events.index("landed") < events.index("locked") < events.index("lifted")
     assert "hard_landing" not in events and "missed" not in events
 
 
-# A derivative of the measurement lags by T_d = 0.4 s times a part of the speed; the shaper's load hangs otherwise than the rigid feed-forward thinks.
+# A derivative of the measurement lags by T_d = 0.4 s times a part of the speed; the shaper's load hangs otherwise than
+# the rigid feed-forward thinks.
 @pytest.mark.parametrize(
     ("key", "build", "peak"),
-    [("kernels.torque", "newton_euler", 2e-3), ("kernels.pid", "measurement_derivative", 0.2), ("kernels.trajectory", "quintic_shaper", 5e-3)],
+    [
+        ("kernels.torque", "newton_euler", 2e-3),
+        ("kernels.pid", "measurement_derivative", 0.2),
+        ("kernels.trajectory", "quintic_shaper", 5e-3),
+    ],
 )
 def test_every_build_drives_it(tmp_path: Path, key: str, build: str, peak: float) -> None:
     result = simulate(6.0, tmp_path, **{**LOW_RATES, key: build}).result()
@@ -78,8 +90,13 @@ def test_a_failed_trolley_drive_brakes_it_and_a_gantry_has_no_luff() -> None:
     signals = simulation.result().signals
     last = signals["time_s"] > 2.9
     assert np.abs(signals["trolley_rate_m_per_s"][~last]).max() > 0.1
-    assert np.abs(signals["trolley_rate_m_per_s"][last]).max() < 1e-6 and np.abs(signals["l_rate_m_per_s"][last]).max() > 1e-4
-    with pytest.raises(cmrc.ConfigError, match=r'a gantry has no luff; "travel", "trolley", "hoist", "rotate" is expected'):
+    assert (
+        np.abs(signals["trolley_rate_m_per_s"][last]).max() < 1e-6
+        and np.abs(signals["l_rate_m_per_s"][last]).max() > 1e-4
+    )
+    with pytest.raises(
+        cmrc.ConfigError, match=r'a gantry has no luff; "travel", "trolley", "hoist", "rotate" is expected'
+    ):
         made("luff")
     with pytest.raises(cmrc.ConfigError, match="a slewing crane has no trolley"):
         made("trolley", "slewing")
@@ -88,8 +105,14 @@ def test_a_failed_trolley_drive_brakes_it_and_a_gantry_has_no_luff() -> None:
 @pytest.mark.parametrize(
     ("layout", "what"),
     [
-        ("[[containers]]\nx_m = 0\ny_m = 39\n", "trolley = 39, outside its limits -33 to 38.5; so the crane cannot reach container 0"),
-        ("[[containers]]\nx_m = 205\ny_m = 10\n", "gantry = 205, outside its limits -200 to 200; so the crane cannot reach container 0"),
+        (
+            "[[containers]]\nx_m = 0\ny_m = 39\n",
+            "trolley = 39, outside its limits -33 to 38.5; so the crane cannot reach container 0",
+        ),
+        (
+            "[[containers]]\nx_m = 205\ny_m = 10\n",
+            "gantry = 205, outside its limits -200 to 200; so the crane cannot reach container 0",
+        ),
         ("[home]\nz_m = 32\n", "hoist = 2, outside its limits 3 to 49; so the crane cannot reach its home"),
     ],
 )

@@ -1,4 +1,5 @@
-"""Runs in which the controller has much to do, handed on from simulation to simulation at many instants (docs/snapshots.md)."""
+"""Runs in which the controller has much to do, handed on from simulation to simulation at many instants
+(docs/snapshots.md)."""
 
 from __future__ import annotations
 
@@ -54,20 +55,27 @@ def handed_on(config: Any, cuts: list[float]) -> Any:
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(1, 6))])
 def test_errors_are_handled_as_in_one_run(seed: int) -> None:
-    config = cmrc.config(settings={"dsps": 2, "duration_s": 3.0, "report.reference": "none", "agvs": 2, **AT_ONCE}, events=ERRORS)
+    config = cmrc.config(
+        settings={"dsps": 2, "duration_s": 3.0, "report.reference": "none", "agvs": 2, **AT_ONCE}, events=ERRORS
+    )
     whole = cmrc.Simulation(config)
     whole.run()
     expected = told(whole)
-    assert len(expected["errors_handled"]) >= 3 and any(error["cleared_s"] is not None for error in expected["errors_handled"])
+    assert len(expected["errors_handled"]) >= 3 and any(
+        error["cleared_s"] is not None for error in expected["errors_handled"]
+    )
     draw = random.Random(seed)
     anywhere, per_event = (60, 3) if seed else (20, 2)
-    after = [event["at_s"] + draw.choice([2e-4, 3e-3, 0.1]) * draw.random() for event in ERRORS for _ in range(per_event)]  # while it takes effect
+    after = [
+        event["at_s"] + draw.choice([2e-4, 3e-3, 0.1]) * draw.random() for event in ERRORS for _ in range(per_event)
+    ]  # while it takes effect
     parts = handed_on(config, sorted([*instants(draw, anywhere, 3.0), *after]))
     assert dock_checks.differences(expected, told(parts)) == []
 
 
 def test_changes_of_the_loops_wait_for_rest_in_whatever_simulation() -> None:
-    """The first leg lasts from 0.05 to 18 s. Changes that are requested on the way take effect at its end; later requests build on them."""
+    """The first leg lasts from 0.05 to 18 s. Changes that are requested on the way take effect at its end; later
+    requests build on them."""
     settings = {"dsps": 1, "boot": "preloaded", "refresh_frequency_hz": 2000, "servo_frequency_hz": 250, "alpha_refreshes": 6, "beta_refreshes": 3,
                 "report.reference": "none", "report.signal_decimation": 32, "duration_s": 25.0}  # fmt: skip
     events = [{"at_s": at_s, "action": "set", "key": f"control.{key}", "value": value} for at_s, key, value in
@@ -76,15 +84,31 @@ def test_changes_of_the_loops_wait_for_rest_in_whatever_simulation() -> None:
     whole = cmrc.Simulation(config)
     whole.run()
     draw = random.Random(1)
-    cuts = sorted([2.0, 4.0, 12.0, 22.0, 24.0, *(draw.uniform(15.0, 25.0) for _ in range(12)), *(at + 3e-3 * draw.random() for at in (21.5, 23.0) for _ in range(4))])
+    cuts = sorted(
+        [
+            2.0,
+            4.0,
+            12.0,
+            22.0,
+            24.0,
+            *(draw.uniform(15.0, 25.0) for _ in range(12)),
+            *(at + 3e-3 * draw.random() for at in (21.5, 23.0) for _ in range(4)),
+        ]
+    )
     assert dock_checks.differences(told(whole), told(handed_on(config, cuts))) == []
 
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(1, 4))])
 def test_a_busy_host_is_handed_on_in_the_middle_of_its_refreshes(seed: int) -> None:
-    """Boards fail and hang, so the host puts blocks back and gives blocks up, while the semaphore, the doorbells and the boot are under way."""
-    events = [{"at_s": 0.03 + 0.011 * n, "action": action, "dsp": n % 3} for n, action in enumerate(["hang", "fail", "reset", "hang", "reset", "hang"])]
-    config = cmrc.config(preset="heavy", settings={"dsps": 3, "duration_s": 0.12, "report.reference": "none", "agvs": 3}, events=events)
+    """Boards fail and hang, so the host puts blocks back and gives blocks up, while the semaphore, the doorbells and
+    the boot are under way."""
+    events = [
+        {"at_s": 0.03 + 0.011 * n, "action": action, "dsp": n % 3}
+        for n, action in enumerate(["hang", "fail", "reset", "hang", "reset", "hang"])
+    ]
+    config = cmrc.config(
+        preset="heavy", settings={"dsps": 3, "duration_s": 0.12, "report.reference": "none", "agvs": 3}, events=events
+    )
     whole = cmrc.Simulation(config)
     whole.run()
     expected, draw = told(whole), random.Random(seed)
@@ -98,7 +122,9 @@ def test_a_busy_host_is_handed_on_in_the_middle_of_its_refreshes(seed: int) -> N
 @pytest.mark.campaign
 def test_a_container_is_delivered_as_in_one_run() -> None:
     """130 s, against its ideal run: landings, locks, cycles and what is learned from them."""
-    config = cmrc.config(settings={"dsps": 4, "duration_s": 130.0, "scheduling.learning": "proportional", "wind_mean_m_s": 5.0})
+    config = cmrc.config(
+        settings={"dsps": 4, "duration_s": 130.0, "scheduling.learning": "proportional", "wind_mean_m_s": 5.0}
+    )
     whole = cmrc.Simulation(config)
     whole.run()
     expected = told(whole)

@@ -1,4 +1,5 @@
-"""Ranges, defaults and the parameters of both docks, as they are kept in tests/golden: a change of a number shows there."""
+"""Ranges, defaults and the parameters of both docks, as they are kept in tests/golden: a change of a number shows
+there."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -31,7 +32,9 @@ def keys() -> str:
     rows = []
     for key in core.config_keys():
         range_of = "|".join(key["choices"]) or f"{key['minimum']:.10g} to {key['maximum']:.10g}"
-        rows.append(f"{key['name']} {key['type']} [{key['unit']}] {range_of}; {key['default']!r}{' live' if key['live'] else ''}\n")
+        rows.append(
+            f"{key['name']} {key['type']} [{key['unit']}] {range_of}; {key['default']!r}{' live' if key['live'] else ''}\n"
+        )
     return "".join(rows)
 
 
@@ -109,7 +112,9 @@ def test_a_setting_reaches_the_dock(key: str, value: Any, place: str, reached: A
 
 def test_a_layout_lists_its_own_containers_and_gives_those_without_a_mass_the_docks(tmp_path: Path) -> None:
     layout = tmp_path / "layout.toml"
-    layout.write_text("containers = [{x_m = 2, y_m = 24}, {x_m = 20, y_m = 24, mass_kg = 5000}]\n[warehouse]\ntake_s = 3\n")
+    layout.write_text(
+        "containers = [{x_m = 2, y_m = 24}, {x_m = 20, y_m = 24, mass_kg = 5000}]\n[warehouse]\ntake_s = 3\n"
+    )
     made = dock(dock__layout=str(layout), dock__container_mass_kg=20000.0)
     assert [container.mass for container in made.layout.containers] == [20000.0, 5000.0]
     assert made.layout.warehouse_take == 3.0

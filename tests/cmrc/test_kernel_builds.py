@@ -32,7 +32,10 @@ def test_newton_euler_takes_the_place_of_the_closed_form() -> None:
     assert sum(task["misses"] for task in general["tasks"].values()) == 0
 
 
-@pytest.mark.parametrize(("build", "least_us", "most_us"), [("potential_field", 150, 800), ("vfh", 300, 1500), ("dynamic_window", 8000, 10000)])
+@pytest.mark.parametrize(
+    ("build", "least_us", "most_us"),
+    [("potential_field", 150, 800), ("vfh", 300, 1500), ("dynamic_window", 8000, 10000)],
+)
 def test_avoidance_runs_once_per_agv_and_point(build: str, least_us: float, most_us: float) -> None:
     """Two AGVs that drive, the second 3.2 m behind the first: 20 ms per point; each block reads 180 rays over bus B."""
     report = run(duration_s=0.5, agvs=2, **{"kernels.avoidance": build, "load.driving": True})
@@ -81,7 +84,13 @@ subprocesses = [1, 2]
 steps = ["leg 1"]
 initial = [2]
 """
-    settings = {"programs": str(tmp_path / "programs"), "dsps": 1, "machine.guard": False, "kernels.avoidance": "none", "duration_s": 0.03}
+    settings = {
+        "programs": str(tmp_path / "programs"),
+        "dsps": 1,
+        "machine.guard": False,
+        "kernels.avoidance": "none",
+        "duration_s": 0.03,
+    }
     simulation = cmrc.Simulation(cmrc.config(toml=drive, settings=settings))
 
     def kept() -> list[int]:

@@ -32,7 +32,14 @@ def test_each_class() -> None:
     jobs.dropped(5, 2.5)
     jobs.skipped("pid", 3.0, 4.0, 3)
     row = jobs.report(5.0)["pid"]
-    assert {name: row[name] for name in OUTCOMES} == {"on_time": 1, "late": 1, "unfinished": 1, "never_started": 1, "lost": 1, "dropped": 2}
+    assert {name: row[name] for name in OUTCOMES} == {
+        "on_time": 1,
+        "late": 1,
+        "unfinished": 1,
+        "never_started": 1,
+        "lost": 1,
+        "dropped": 2,
+    }
     assert row["released"] == 7
     assert row["misses"] == 6  # all but the first: deadlines of the open ones have passed
 

@@ -19,7 +19,8 @@ def test_the_limit_is_where_all_passes_and_anomalies_lie_beyond() -> None:
     def outcome(points: list[tuple[float, bool | None]], more_is_harder: bool) -> tuple[float | None, list[float]]:
         scan = Scan("cycles", "key", "meaning", more_is_harder)
         scan.points = [
-            {"value": value, "ran": passed is not None, "passed": bool(passed), "refused": None} for value, passed in points
+            {"value": value, "ran": passed is not None, "passed": bool(passed), "refused": None}
+            for value, passed in points
         ]
         return scan.limit(), scan.beyond()
 
@@ -45,12 +46,23 @@ def test_the_slack_of_the_servo_is_what_its_cycles_leave() -> None:
     pid = cmrc.run(duration_s=0.05, dsps=4, settings=AT_ONCE).report["tasks"]["pid"]
     cycles = pid["execution_cycles"]
     period_us = 1000.0
-    instructions = 0.04 * sum(cycles[cause] for cause in ("execute", "branch", "register_conflict", "memory_conflict")) / pid["execution_ps"]["count"]
-    instructions += (pid["execution_ps"]["worst"] - pid["execution_ps"]["mean"]) * 1e-6  # its longest tick decides: some look for more errors than others
+    instructions = (
+        0.04
+        * sum(cycles[cause] for cause in ("execute", "branch", "register_conflict", "memory_conflict"))
+        / pid["execution_ps"]["count"]
+    )
+    instructions += (
+        pid["execution_ps"]["worst"] - pid["execution_ps"]["mean"]
+    ) * 1e-6  # its longest tick decides: some look for more errors than others
     rest = pid["response_ps"]["worst"] * 1e-6 - instructions
     predicted = (period_us - rest) / instructions
     assert 5 < predicted < 50
-    found = cmrc.limits(cycles=[round(predicted * share, 2) for share in (0.5, 0.85, 1.15, 1.5)], duration_s=0.05, dsps=None, settings={"machine.dsps": 4, **AT_ONCE})
+    found = cmrc.limits(
+        cycles=[round(predicted * share, 2) for share in (0.5, 0.85, 1.15, 1.5)],
+        duration_s=0.05,
+        dsps=None,
+        settings={"machine.dsps": 4, **AT_ONCE},
+    )
     assert list(found.points["passed"]) == [True, True, False, False]
     assert found.limit("cycles") == round(predicted * 0.85, 2)
 
@@ -75,7 +87,9 @@ def test_grids_that_are_none(grids: dict[str, list[float]], message: str) -> Non
 
 @pytest.mark.parametrize("grid", ["", "3:1:1", "1:2:0", "1:2:-1", "a", "1,,2", "1:2:3:4", "1:1000000:0.5"])
 def test_grids_that_are_ill_typed(grid: str) -> None:
-    run = subprocess.run([EMULATOR, "limits", "--duration", "0.03", "--cycles", grid], capture_output=True, text=True, check=False)
+    run = subprocess.run(
+        [EMULATOR, "limits", "--duration", "0.03", "--cycles", grid], capture_output=True, text=True, check=False
+    )
     assert run.returncode == 2 and "--cycles" in run.stderr and run.stdout == ""
 
 
@@ -112,10 +126,27 @@ def test_every_setting_of_the_emulator_can_be_given(tmp_path: Path) -> None:
     command = [EMULATOR, "limits", "--cycles", "1", "--json", "l.json", *given]
     run = subprocess.run(command, capture_output=True, text=True, check=True, cwd=tmp_path)
     settings = {"bus.topology": "single", "scheduling.equation": "as_printed", "host.start_ms": 0}
-    found = cmrc.limits(cycles=[1], config=tmp_path / "c.toml", preset="saturated", duration_s=0.022, seed=2, turn_order=3, idle_policy="pause", settings=settings)
+    found = cmrc.limits(
+        cycles=[1],
+        config=tmp_path / "c.toml",
+        preset="saturated",
+        duration_s=0.022,
+        seed=2,
+        turn_order=3,
+        idle_policy="pause",
+        settings=settings,
+    )
     assert run.stdout == found.text and json.loads((tmp_path / "l.json").read_text()) == found.report
-    for bad in (["--json", "c.toml"], ["--json", "none/l.json"], ["--board", "none.toml"], ["--dsps", "99"], ["--idle-policy", "x"]):
-        run = subprocess.run([EMULATOR, "limits", "--config", "c.toml", *bad], capture_output=True, text=True, check=False, cwd=tmp_path)
+    for bad in (
+        ["--json", "c.toml"],
+        ["--json", "none/l.json"],
+        ["--board", "none.toml"],
+        ["--dsps", "99"],
+        ["--idle-policy", "x"],
+    ):
+        run = subprocess.run(
+            [EMULATOR, "limits", "--config", "c.toml", *bad], capture_output=True, text=True, check=False, cwd=tmp_path
+        )
         assert run.returncode == 2 and run.stdout == "" and run.stderr.startswith("cmrc limits: "), run.stderr
     assert (tmp_path / "c.toml").read_text() == "[machine]\ndsps = 3\n"
 
@@ -137,7 +168,9 @@ def test_an_ideal_run_answers_within_a_latch_and_misses_nothing() -> None:
     result = cmrc.run(preset="saturated", dsps=1, duration_s=0.1, ideal=True)
     assert result.misses == 0
     for kind, task in result.report["tasks"].items():
-        assert (task["response_ps"]["worst"] or 0) < 125_000_000 / 2, kind  # avoidance: 330 000 cycles of 40 ps, behind three others
+        assert (task["response_ps"]["worst"] or 0) < 125_000_000 / 2, (
+            kind
+        )  # avoidance: 330 000 cycles of 40 ps, behind three others
 
 
 def test_an_ideal_run_computes_what_the_real_one_does() -> None:
@@ -149,7 +182,9 @@ def test_an_ideal_run_computes_what_the_real_one_does() -> None:
 
 def test_an_ideal_run_is_at_the_limit_of_instant_execution() -> None:
     # If time still counted, DSPs that take two thirds of it per cycle would control differently.
-    slow, fast = (cmrc.run(dsps=2, duration_s=0.5, ideal=True, dsp_clock=clock).report for clock in ("C40-40", "C40-60"))
+    slow, fast = (
+        cmrc.run(dsps=2, duration_s=0.5, ideal=True, dsp_clock=clock).report for clock in ("C40-40", "C40-60")
+    )
     assert slow["tasks"]["pid"]["response_ps"]["worst"] > 1.3 * fast["tasks"]["pid"]["response_ps"]["worst"]
     for joint, error in slow["pid_error"].items():
         assert fast["pid_error"][joint]["rms"] == pytest.approx(error["rms"], rel=1e-6), joint
@@ -167,14 +202,26 @@ def test_nothing_of_the_machine_fails_in_an_ideal_run_and_drives_do() -> None:
 def test_a_comparison_is_the_difference_of_two_runs() -> None:
     real, ideal = (cmrc.run(dsps=1, duration_s=0.2, ideal=ideal).report for ideal in (False, True))
     found = cmrc.compare(dsps=1, duration_s=0.2)
-    assert found["missed deadlines"] == {"unit": "", "measures": "quality", "run": sum(t["misses"] for t in real["tasks"].values()), "ideal": 0, "difference": 4}
-    for row, of in (("load error", real["errors"]["load_m"]), ("error psi", real["errors"]["joints"]["psi"]), ("sway error beta", real["errors"]["sway"]["beta"])):
+    assert found["missed deadlines"] == {
+        "unit": "",
+        "measures": "quality",
+        "run": sum(t["misses"] for t in real["tasks"].values()),
+        "ideal": 0,
+        "difference": 4,
+    }
+    for row, of in (
+        ("load error", real["errors"]["load_m"]),
+        ("error psi", real["errors"]["joints"]["psi"]),
+        ("sway error beta", real["errors"]["sway"]["beta"]),
+    ):
         assert found[f"{row} RMS"]["run"] == of["rms"] and found[f"{row} peak"]["run"] == of["peak"], row
         assert found[f"{row} RMS"]["ideal"] == 0
     cost = found["control cost"]
     assert (cost["run"], cost["ideal"]) == (real["control_cost"]["cost_m2s"], ideal["control_cost"]["cost_m2s"])
     assert {name for name, row in found.report["metrics"].items() if row["measures"] == "effort"} == {
-        "drives, squared torque", *(f"drive {joint} at full torque" for joint in ("s", "psi", "phi", "l", "kappa"))}
+        "drives, squared torque",
+        *(f"drive {joint} at full torque" for joint in ("s", "psi", "phi", "l", "kappa")),
+    }
     with pytest.raises(cmrc.ConfigError, match=r"run\.ideal"):
         cmrc.compare(duration_s=0.03, ideal=True)
 
@@ -189,7 +236,10 @@ def test_longer_cycles_leave_the_buses_alone() -> None:
     slow = cmrc.run(dsps=2, duration_s=0.05, cycle_time_factor=1.37).report
     fast = cmrc.run(dsps=2, duration_s=0.05).report
     assert slow["dsps"][0]["clock_hz"] == pytest.approx(25e6 / 1.37, rel=1e-12)
-    assert slow["buses"]["A"]["clock_hz"] == fast["buses"]["A"]["clock_hz"] and slow["buses"]["A"]["clocks"] == fast["buses"]["A"]["clocks"]
+    assert (
+        slow["buses"]["A"]["clock_hz"] == fast["buses"]["A"]["clock_hz"]
+        and slow["buses"]["A"]["clocks"] == fast["buses"]["A"]["clocks"]
+    )
     for kind in ("pid", "torque_compensation"):
         own = [run["tasks"][kind]["execution_causes_ps"]["execute"] for run in (slow, fast)]
         assert own[0] / own[1] == pytest.approx(1.37, rel=0.02)

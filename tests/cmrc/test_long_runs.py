@@ -1,4 +1,5 @@
-"""A long run's memory is bounded: what is kept coarser is what docs/report.md, Long runs, says, and nothing else changes."""
+"""A long run's memory is bounded: what is kept coarser is what docs/report.md, Long runs, says, and nothing else
+changes."""
 
 import re
 import subprocess
@@ -13,7 +14,15 @@ SHORT = {"duration_s": 4.0, "machine.dsps": 1, "machine.cycle_time_factor": 9.0}
 
 def test_a_run_with_bounds_that_are_reached_says_the_same() -> None:
     whole = cmrc.run(settings=SHORT | {"report.signal_decimation": 8})
-    bounded = cmrc.run(settings=SHORT | {"report.signal_decimation": 8, "report.signal_rows_max": 1000, "report.error_rows_max": 5000, "report.samples_max": 100})
+    bounded = cmrc.run(
+        settings=SHORT
+        | {
+            "report.signal_decimation": 8,
+            "report.signal_rows_max": 1000,
+            "report.error_rows_max": 5000,
+            "report.samples_max": 100,
+        }
+    )
     assert bounded.hash == whole.hash
     a, b = whole.report["tasks"]["pid"]["response_ps"], bounded.report["tasks"]["pid"]["response_ps"]
     assert (a.pop("percentiles"), b.pop("percentiles")) == ("exact", "within 0.1 %")
@@ -38,7 +47,12 @@ def test_a_run_with_bounds_that_are_reached_says_the_same() -> None:
 
 def peak_kib(*arguments: str) -> int:
     """The most memory that a run of the command line has had, of all its processes the largest."""
-    done = subprocess.run(["/usr/bin/env", "python3", "-c", PEAK, str(BUILD / "bin" / "emulator"), *arguments], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        ["/usr/bin/env", "python3", "-c", PEAK, str(BUILD / "bin" / "emulator"), *arguments],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     return int(re.findall(r"\d+", done.stdout)[-1])
 
 

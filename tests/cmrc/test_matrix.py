@@ -12,7 +12,12 @@ ALL = [(dsps, agvs) for dsps in range(1, 17) for agvs in range(1, 9)]
 
 
 def check(dsps: int, agvs: int, duration_s: float, preset: str = "base", **settings: Any) -> dict[str, Any]:
-    simulation = cmrc.Simulation(cmrc.config(preset=preset, settings={"dsps": dsps, "agvs": agvs, "duration_s": duration_s, "report.reference": "none", **settings}))
+    simulation = cmrc.Simulation(
+        cmrc.config(
+            preset=preset,
+            settings={"dsps": dsps, "agvs": agvs, "duration_s": duration_s, "report.reference": "none", **settings},
+        )
+    )
     simulation.run()
     report: dict[str, Any] = json.loads(simulation.report_json())
     assert report["stop_reason"] == "completed"

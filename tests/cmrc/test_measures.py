@@ -1,4 +1,5 @@
-"""Errors, lag, demand and rates (docs/report.md, Errors): recomputed from signals and traces. A controller without enough processor time must not look better."""
+"""Errors, lag, demand and rates (docs/report.md, Errors): recomputed from signals and traces. A controller without
+enough processor time must not look better."""
 
 import itertools
 import json
@@ -13,7 +14,8 @@ from locations import BUILD
 
 EMULATOR = BUILD / "bin" / "emulator"
 EVERY_LATCH = {"report.signal_decimation": 1}
-# The hoist and the gains of 22 November 2026: the figures of measures.md 3 are measured with them. That hoist cannot hold 24 t, but within 5 s it lifts nothing.
+# The hoist and the gains of 22 November 2026: the figures of measures.md 3 are measured with them. That hoist cannot
+# hold 24 t, but within 5 s it lifts nothing.
 NOVEMBER = {
     "slewing.hoist.rated_torque_n_m": 3185.0, "slewing.hoist.rotor_inertia_kg_m2": 16.0, "slewing.rated_load_kg": 19_500, "dock.container_mass_kg": 19_000,
     "control.travel_bandwidth_rad_s": 3.0, "control.slew_bandwidth_rad_s": 5.0, "control.luff_bandwidth_rad_s": 5.0, "control.hoist_bandwidth_rad_s": 8.0,
@@ -21,11 +23,21 @@ NOVEMBER = {
 }  # fmt: skip
 SIX = ("on_time", "late", "unfinished", "never_started", "lost", "dropped")
 F_T = 125.0
-LOW_RATES = {"rates.refresh_frequency_hz": 2000, "rates.servo_frequency_hz": 250, "scheduling.alpha_refreshes": 6, "scheduling.beta_refreshes": 3}
+LOW_RATES = {
+    "rates.refresh_frequency_hz": 2000,
+    "rates.servo_frequency_hz": 250,
+    "scheduling.alpha_refreshes": 6,
+    "scheduling.beta_refreshes": 3,
+}
 
 
 def starved(factor: float, duration_s: float = 5.0, **more: Any) -> cmrc.Result:
-    return cmrc.run(dsps=1, duration_s=duration_s, settings={**NOVEMBER, "machine.cycle_time_factor": factor, "report.misses_max": 0}, **more)
+    return cmrc.run(
+        dsps=1,
+        duration_s=duration_s,
+        settings={**NOVEMBER, "machine.cycle_time_factor": factor, "report.misses_max": 0},
+        **more,
+    )
 
 
 def as_recorded(values: np.ndarray) -> np.ndarray:
@@ -52,21 +64,29 @@ def test_a_slower_machine_never_looks_better() -> None:
     for run in runs[5:]:
         assert 0.95 <= run.errors["load_of_doing_nothing"] <= 1.05
         assert run.rates["f_t"]["finished"] == 0 and run.rates["f_t"]["missed_share"] == 1
-    # Regression figures of this controller. measures.md 3 has 0.0006, 0.0081, 0.034, 0.205, measured independently with an earlier PID
-    # that did not detect errors: its ticks took 75 us. They take 93 us now, since PID observes the wind; and torque compensation reads the load cell. Where the servo is
-    # almost lost, a few per cent of a task's time change the result: at factor 15 hardly any time is left for planning.
+    # Regression figures of this controller. measures.md 3 has 0.0006, 0.0081, 0.034, 0.205, measured independently with
+    # an earlier PID that did not detect errors: its ticks took 75 us. They take 93 us now, since PID observes the wind;
+    # and torque compensation reads the load cell. Where the servo is almost lost, a few per cent of a task's time
+    # change the result: at factor 15 hardly any time is left for planning.
     assert rms[:4] == pytest.approx([0.0006, 0.0102, 0.1245, 0.3234], rel=0.05)
 
 
 def test_errors_are_those_of_the_ideal_run_of_the_same_scene() -> None:
     run = cmrc.run(dsps=1, duration_s=0.6, settings={**EVERY_LATCH, "machine.cycle_time_factor": 14})
-    ideal = cmrc.run(dsps=1, duration_s=0.6, ideal=True, settings={**EVERY_LATCH, "machine.cycle_time_factor": 14, "report.reference": "none"})
+    ideal = cmrc.run(
+        dsps=1,
+        duration_s=0.6,
+        ideal=True,
+        settings={**EVERY_LATCH, "machine.cycle_time_factor": 14, "report.reference": "none"},
+    )
     begin, end = run.errors["window_s"]
     window = (ideal.signals["time_s"] >= begin - 1e-9) & (ideal.signals["time_s"] <= end + 1e-9)
     distance = np.linalg.norm(loads(run.signals) - loads(ideal.signals), axis=0)[window]
     told = run.errors["load_m"]
     assert told["rms"] == pytest.approx(np.sqrt(np.mean(distance**2)), rel=1e-9)
-    assert (told["peak"], told["end"]) == pytest.approx((distance.max(), distance[-1]), rel=1e-9) and told["peak"] > 1e-5
+    assert (told["peak"], told["end"]) == pytest.approx((distance.max(), distance[-1]), rel=1e-9) and told[
+        "peak"
+    ] > 1e-5
     still = np.linalg.norm(loads(ideal.signals)[:, window] - loads(ideal.signals)[:, window][:, :1], axis=0)
     assert run.errors["doing_nothing_m"] == pytest.approx(np.sqrt(np.mean(still**2)), rel=1e-9)
     weighed = 0.0
@@ -76,7 +96,9 @@ def test_errors_are_those_of_the_ideal_run_of_the_same_scene() -> None:
         error = as_recorded(run.signals[f"{joint}_{unit}"]) - meant
         assert run.signals[f"{joint}_error_{unit}"] == pytest.approx(error, abs=1e-15)
         assert run.signals[f"{joint}_reference_{unit}"][1:] == pytest.approx(meant[1:], abs=1e-15)
-        assert run.errors["joints"][joint]["rms"] == pytest.approx(np.sqrt(np.mean(error[window] ** 2)), rel=1e-9, abs=1e-15)
+        assert run.errors["joints"][joint]["rms"] == pytest.approx(
+            np.sqrt(np.mean(error[window] ** 2)), rel=1e-9, abs=1e-15
+        )
         weighed += float(((lever * error[window]) ** 2).sum()) * 125e-6
     cost = run.report["control_cost"]
     codes = [run.signals[f"{joint}_code"] for joint in ("s", "psi", "phi", "l", "kappa")]
@@ -92,9 +114,9 @@ def test_path_errors_take_the_lag_out() -> None:
     assert result.errors["lag"]["crane"]["end_s"] > 0.5
 
 
-
-
-@pytest.mark.parametrize(("dsps", "more"), [(1, {"preset": "saturated"}), (2, {}), (1, {"settings": {"machine.cycle_time_factor": 16}})])
+@pytest.mark.parametrize(
+    ("dsps", "more"), [(1, {"preset": "saturated"}), (2, {}), (1, {"settings": {"machine.cycle_time_factor": 16}})]
+)
 def test_demand_is_what_the_ideal_run_released(dsps: int, more: dict[str, Any]) -> None:
     real = cmrc.run(dsps=dsps, duration_s=1.02, **more).report
     with_reference_off = {**more.get("settings", {}), "report.reference": "none"}
@@ -109,7 +131,9 @@ def test_demand_is_what_the_ideal_run_released(dsps: int, more: dict[str, Any]) 
         kinds = [real["errors"]["demand"][kind] for kind in rate["kinds"] if kind in real["errors"]["demand"]]
         assert rate["demanded"] == sum(kind["demanded"] for kind in kinds), name
         if rate["demanded"]:
-            assert rate["missed_share"] == pytest.approx((rate["misses"] + rate["not_demanded"]) / (rate["demanded"] + rate["extra"]))
+            assert rate["missed_share"] == pytest.approx(
+                (rate["misses"] + rate["not_demanded"]) / (rate["demanded"] + rate["extra"])
+            )
 
 
 def test_a_starving_servo_does_not_stop_the_demand_for_points() -> None:
@@ -154,14 +178,21 @@ def test_a_starved_run_is_better_than_the_ideal_in_nothing() -> None:
 
 def test_the_ideal_run_has_no_error_against_itself() -> None:
     result = cmrc.run(dsps=1, duration_s=1.0, ideal=True)
-    assert result.errors["load_m"] == {"rms": 0, "peak": 0, "end": 0} and result.errors["lag"]["crane"] == {"end_s": 0, "peak_s": 0}
+    assert result.errors["load_m"] == {"rms": 0, "peak": 0, "end": 0} and result.errors["lag"]["crane"] == {
+        "end_s": 0,
+        "peak_s": 0,
+    }
     assert all(joint["path"]["peak"] == 0 for joint in result.errors["joints"].values())
     assert all(kind["not_demanded"] == kind["extra"] == 0 for kind in result.errors["demand"].values())
 
 
 def test_without_a_reference_nothing_is_called_an_error() -> None:
     result = cmrc.run(dsps=2, duration_s=0.1, settings={"report.reference": "none"})
-    assert (result.report["errors"], result.report["rates"], result.report["control_cost"]["cost_m2s"]) == (None, None, None)
+    assert (result.report["errors"], result.report["rates"], result.report["control_cost"]["cost_m2s"]) == (
+        None,
+        None,
+        None,
+    )
     assert "Errors against" not in result.text and "tracking" not in result.text.lower()
     assert not any("_error_" in name or "_reference_" in name for name in result.signals)
     with pytest.raises(KeyError, match="reference"):
@@ -228,7 +259,8 @@ def test_when_the_last_dsp_is_gone_the_plant_goes_on_braked() -> None:
 
 
 def test_the_sway_at_the_end_is_that_of_two_seconds_and_of_the_instant_at_which_they_begin() -> None:
-    """The account ends at 1.5 s, the run at 3.75 s, and the load swings less and less from 1.5 s on: the window's largest sway is at its start, 1.75 s."""
+    """The account ends at 1.5 s, the run at 3.75 s, and the load swings less and less from 1.5 s on: the window's
+    largest sway is at its start, 1.75 s."""
     settings = {**EVERY_LATCH, "run.after_stop_s": 2.25, "report.reference": "none"}
     result = cmrc.run(dsps=1, duration_s=4.0, events=[{"at_s": 1.0, "action": "fail", "dsp": 0}], settings=settings)
     report = result.report
@@ -247,7 +279,11 @@ def test_a_run_interrupted_after_its_account_has_ended_goes_on_with_the_same_rea
     part = cut.run(lambda now, _: now < 1.0)
     assert (part.stop_reason, part.report["account_end_s"]) == ("interrupted", whole.report["account_end_s"])
     rest = cut.run()
-    assert rest.stop_reason == whole.stop_reason == "no_dsp_left" and rest.hash == whole.hash and rest.errors == whole.errors
+    assert (
+        rest.stop_reason == whole.stop_reason == "no_dsp_left"
+        and rest.hash == whole.hash
+        and rest.errors == whole.errors
+    )
 
 
 def test_a_crane_whose_drives_stay_stopped_ends_the_run() -> None:
@@ -291,10 +327,20 @@ def test_a_run_until_the_job_is_done_ends_when_processes_7_and_8_have_ended(tmp_
 def test_a_job_that_is_done_ends_the_run_without_failures(tmp_path: Path) -> None:
     """One container a few metres away, on the gantry: processes 1 to 8."""
     layout = tmp_path / "layout.toml"
-    layout.write_text("[home]\nx_m = 0.1\ny_m = 9.8\nz_m = 7.2\n[[containers]]\nx_m = 0.0\ny_m = 10.0\n", encoding="utf-8")
-    settings = {"dock.crane": "gantry", "dock.containers": 1, "dock.layout": str(layout), "run.until": "job_done", "report.reference": "none",
-                "rates.servo_frequency_hz": 250, "rates.refresh_frequency_hz": 2000,
-                "scheduling.alpha_refreshes": 8, "scheduling.beta_refreshes": 4}
+    layout.write_text(
+        "[home]\nx_m = 0.1\ny_m = 9.8\nz_m = 7.2\n[[containers]]\nx_m = 0.0\ny_m = 10.0\n", encoding="utf-8"
+    )
+    settings = {
+        "dock.crane": "gantry",
+        "dock.containers": 1,
+        "dock.layout": str(layout),
+        "run.until": "job_done",
+        "report.reference": "none",
+        "rates.servo_frequency_hz": 250,
+        "rates.refresh_frequency_hz": 2000,
+        "scheduling.alpha_refreshes": 8,
+        "scheduling.beta_refreshes": 4,
+    }
     report = cmrc.run(dsps=2, duration_s=400, settings=settings).report
     assert report["stop_reason"] == "job_done" and report["simulated_s"] < 400
     assert report["failures"] == []

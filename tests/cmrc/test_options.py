@@ -28,11 +28,29 @@ def run(preset: str = "base", **settings: Any) -> dict[str, Any]:
     return report
 
 
-def claims_and_ends(path: Path, duration_s: float, *settings: str, preset: str = "base", dsps: int = 4) -> list[tuple[float, str, int, int, int]]:
+def claims_and_ends(
+    path: Path, duration_s: float, *settings: str, preset: str = "base", dsps: int = 4
+) -> list[tuple[float, str, int, int, int]]:
     """(second, "claim" or "finish", kind, tick, block)."""
     trace = path / "trace.txt"
     sets = [word for setting in settings for word in ("--set", setting)]
-    subprocess.run([EMULATOR, "--dsps", str(dsps), "--preset", preset, "--duration", str(duration_s), "--quiet", "--trace", trace, *AT_ONCE_OPTIONS, *sets], check=True)
+    subprocess.run(
+        [
+            EMULATOR,
+            "--dsps",
+            str(dsps),
+            "--preset",
+            preset,
+            "--duration",
+            str(duration_s),
+            "--quiet",
+            "--trace",
+            trace,
+            *AT_ONCE_OPTIONS,
+            *sets,
+        ],
+        check=True,
+    )
     events, ticks = [], {}
     for line in trace.read_text().splitlines():
         found = re.match(r"([0-9.]+) \[dsp \d+\] (claim|finish) block=0x([0-9a-f]+) kind=(\d+)(?:.* tick=(\d+))?", line)
@@ -74,16 +92,20 @@ def most_at_once(events: list[tuple[float, str, int, int, int]]) -> int:
 
 
 def test_a_cap_on_long_blocks_keeps_a_dsp_for_the_servo(tmp_path: Path) -> None:
-    # Four AGVs, a block of 13.2 ms each every 20 ms, all released together. The servo guarantee of 4.5: one DSP more than long blocks at a time.
+    # Four AGVs, a block of 13.2 ms each every 20 ms, all released together. The servo guarantee of 4.5: one DSP more
+    # than long blocks at a time.
     assert most_at_once(claims_and_ends(tmp_path, 0.1, "agv_phase=together", preset="saturated")) == 4
-    assert most_at_once(claims_and_ends(tmp_path, 0.1, "agv_phase=together", "long_blocks_max=3", preset="saturated")) == 3
+    assert (
+        most_at_once(claims_and_ends(tmp_path, 0.1, "agv_phase=together", "long_blocks_max=3", preset="saturated")) == 3
+    )
     capped = run(preset="saturated", duration_s=0.3, dsps=4, agv_phase="together", long_blocks_max=3)["tasks"]
     free = run(preset="saturated", duration_s=0.3, dsps=4, agv_phase="together")["tasks"]
     staggered = run(preset="saturated", duration_s=0.3, dsps=4)["tasks"]
     # Identify runs at the start and is as long: it is under the cap, too.
     assert capped["pid"]["misses"] == capped["torque_compensation"]["misses"] == 0
     assert free["pid"]["misses"] > 100
-    # The price: the block that had to wait for another's end needs 26.4 ms, and has 20 ms. Staggered, each begins 5 ms after the one before.
+    # The price: the block that had to wait for another's end needs 26.4 ms, and has 20 ms. Staggered, each begins 5 ms
+    # after the one before.
     assert capped["obstacle_avoidance"]["misses"] > 0
     assert sum(task["misses"] for task in staggered.values()) == 0
 
@@ -95,27 +117,42 @@ def test_slowed_robots_plan_less_often() -> None:
     # One point per 64, 96, 192 refreshes of 125 us, and at most three more than consumed.
     for released, interval_s in zip(points, (8e-3, 12e-3, 24e-3), strict=True):
         assert 2.9 / interval_s < released < 3 / interval_s + 4
-    assert all(tasks["pid"]["misses"] == tasks["trajectory_planning.crane"]["misses"] == 0 for tasks in (full, crane, factor3))
+    assert all(
+        tasks["pid"]["misses"] == tasks["trajectory_planning.crane"]["misses"] == 0 for tasks in (full, crane, factor3)
+    )
 
 
 def test_slowed_agvs_have_a_longer_interval() -> None:
     config = cmrc.config(settings={"work_mode": "slowed_agv", "slow_factor": 1.75})
     assert config.intervals()["N_a_slowed"] == 280
-    assert cmrc.config(settings={"work_mode": "slowed_agv", "agv_interval_refreshes": 200}).intervals()["N_a_slowed"] == 200
+    assert (
+        cmrc.config(settings={"work_mode": "slowed_agv", "agv_interval_refreshes": 200}).intervals()["N_a_slowed"]
+        == 200
+    )
     with pytest.raises(cmrc.ConfigError, match=r"N\^_a = 480 is above N\^_a,max = 320"):
         cmrc.config(settings={"work_mode": "slowed_agv", "slow_factor": 3})
 
 
 @pytest.mark.campaign
 def test_a_slowed_crane_carries_its_load_the_same_way() -> None:
-    # The load itself, not the jib, which leads it by the acceleration. Planned is the same way in k times the time; the load leaves it by what the
-    # trajectory neglects (docs/kernels.md, Trajectory), and that is of second order in the accelerations: a quarter at half the speed.
-    # The host begins at 0: a start later than that is no part of the way, and takes as long in all three.
-    halved_rates = {"dsps": 1, "refresh_frequency_hz": 4000, "servo_frequency_hz": 500, "alpha_refreshes": 12, "beta_refreshes": 6, **AT_ONCE}
+    # The load itself, not the jib, which leads it by the acceleration. Planned is the same way in k times the time; the
+    # load leaves it by what the trajectory neglects (docs/kernels.md, Trajectory), and that is of second order in the
+    # accelerations: a quarter at half the speed. The host begins at 0: a start later than that is no part of the way,
+    # and takes as long in all three.
+    halved_rates = {
+        "dsps": 1,
+        "refresh_frequency_hz": 4000,
+        "servo_frequency_hz": 500,
+        "alpha_refreshes": 12,
+        "beta_refreshes": 6,
+        **AT_ONCE,
+    }
     ways, points = {}, []
     for factor in (1.0, 1.5, 3.0):
         mode = {} if factor == 1 else {"work_mode": "slowed_crane", "slow_factor": factor}
-        simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 14.0 * factor, "report.reference": "none", **halved_rates, **mode}))
+        simulation = cmrc.Simulation(
+            cmrc.config(settings={"duration_s": 14.0 * factor, "report.reference": "none", **halved_rates, **mode})
+        )
         simulation.run()
         signals = simulation.signals()
         points.append(json.loads(simulation.report_json())["tasks"]["inverse_kinematics.crane"]["released"])
@@ -133,11 +170,16 @@ def test_t_grows_by_one_or_by_what_has_elapsed() -> None:
     oldest = {}
     for reading in ("elapsed", "one"):
         events = [{"at_s": 0.0504, "action": "pause_host", "lasts_ms": 5}]
-        simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 0.06, "time_after_delay": reading, "dsps": 1}, events=events))
+        simulation = cmrc.Simulation(
+            cmrc.config(settings={"duration_s": 0.06, "time_after_delay": reading, "dsps": 1}, events=events)
+        )
         symbol, seen = simulation.symbol, [0]
         for k in range(40):
             simulation.run_until(0.0553 + k * 5e-6)
-            seen += [simulation.peek(symbol("BLOCK_POOL") + n * symbol("BLOCK_WORDS") + symbol("TB_T")) for n in range(symbol("BLOCK_COUNT"))]
+            seen += [
+                simulation.peek(symbol("BLOCK_POOL") + n * symbol("BLOCK_WORDS") + symbol("TB_T"))
+                for n in range(symbol("BLOCK_COUNT"))
+            ]
         oldest[reading] = max(seen)
     assert oldest["elapsed"] >= 40
     assert oldest["one"] < 20

@@ -49,7 +49,8 @@ def test_only_its_dsp_ever_claims_a_block_and_the_order_of_all_is_by_importance(
 
 
 def test_a_block_for_anybody_is_claimed_past_one_that_waits_for_its_dsp(tmp_path: Path, programs: Path) -> None:
-    """DSP 1 has work for 4 ms, and another block of its own waits behind that. Blocks for any DSP go on, although their J is lower."""
+    """DSP 1 has work for 4 ms, and another block of its own waits behind that. Blocks for any DSP go on, although their
+    J is lower."""
     rows = [
         row("long", 1, argument=100_000, importance=0x7002),
         row("waits", 1, importance=0x7001),
@@ -75,7 +76,8 @@ def test_two_tasks_with_dsps_of_their_own_run_at_the_same_time(tmp_path: Path, p
 def test_a_dsp_is_left_to_its_own_block_where_another_can_do_what_stands_before_it(
     tmp_path: Path, programs: Path
 ) -> None:
-    """Both DSPs sleep; the block for any DSP comes first by J. The host rings DSP 1 for it, and DSP 0 for its own block."""
+    """Both DSPs sleep; the block for any DSP comes first by J. The host rings DSP 1 for it, and DSP 0 for its own
+    block."""
     period = 41  # refreshes: most releases fall between two servo ticks, which are 8 apart
     rows = [
         row(name, dsp, importance=j, argument=50_000, period_ms=period / 8)
@@ -155,7 +157,8 @@ def test_the_ideal_run_has_one_dsp_that_does_it_all(programs: Path) -> None:
 
 
 def test_without_a_dsp_the_words_are_as_ever(programs: Path) -> None:
-    """The image of a configuration without `dsp` has no code for it. With `dsp`, all other code and data keep their places."""
+    """The image of a configuration without `dsp` has no code for it. With `dsp`, all other code and data keep their
+    places."""
     without, within = (cmrc.dsp_image(core(programs, [row("one", dsp)])) for dsp in (None, 0))
     assert "own_claim" not in without.symbols
     others = {

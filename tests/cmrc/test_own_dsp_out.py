@@ -1,4 +1,5 @@
-"""Tasks with a DSP of their own, when that DSP fails, hangs, is pulled out or is never there: from the trace and the report."""
+"""Tasks with a DSP of their own, when that DSP fails, hangs, is pulled out or is never there: from the trace and the
+report."""
 
 from pathlib import Path
 

@@ -18,7 +18,9 @@ MS = 1_000_000_000
 
 
 def config(seed: int = 1, jitter: bool = True, **settings: Any) -> Any:
-    return cmrc.config(settings={"seed": seed, "phase_jitter": jitter, "dsps": 3, "report.reference": "none", **settings})
+    return cmrc.config(
+        settings={"seed": seed, "phase_jitter": jitter, "dsps": 3, "report.reference": "none", **settings}
+    )
 
 
 def clocks(seed: int = 1, jitter: bool = True, **settings: Any) -> dict[str, dict[str, Any]]:
@@ -44,7 +46,9 @@ def test_every_clock_but_the_latch_is_drawn() -> None:
     assert all(one["ppm"] == one["phase_ps"] == 0 for one in nominal.values())
     drawn = clocks(agvs=2)
     assert drawn.keys() == nominal.keys()
-    assert len({one["ppm"] for one in drawn.values()}) > 5 and len({one["phase_ps"] for one in drawn.values()}) == len(drawn)
+    assert len({one["ppm"] for one in drawn.values()}) > 5 and len({one["phase_ps"] for one in drawn.values()}) == len(
+        drawn
+    )
 
 
 def test_phases_stay_within_a_period_and_ppm_within_100_and_both_fill_their_range() -> None:
@@ -57,7 +61,12 @@ def test_phases_stay_within_a_period_and_ppm_within_100_and_both_fill_their_rang
             assert 0 <= one["phase_ps"] < one["period_ps"]
             parts.append(one["phase_ps"] / one["period_ps"])
     assert set(ppm) == set(range(-100, 101))
-    assert abs(sum(ppm)) / len(ppm) < 5 and abs(sum(parts) / len(parts) - 0.5) < 0.03 and min(parts) < 0.01 and max(parts) > 0.99
+    assert (
+        abs(sum(ppm)) / len(ppm) < 5
+        and abs(sum(parts) / len(parts) - 0.5) < 0.03
+        and min(parts) < 0.01
+        and max(parts) > 0.99
+    )
 
 
 def test_a_clock_is_its_own_whatever_stands_beside_it() -> None:
@@ -79,7 +88,9 @@ def test_the_range_sensor_has_a_clock_where_it_has_a_rate(tmp_path: Path) -> Non
             assert number == (shown + 1) % 2**32  # -1 before the first
             shown = number
     period = Fraction(50 * MS * 1_000_000, 1_000_000 + sensor["ppm"])
-    assert changes == [ceil((sensor["phase_ps"] + n * period) / MS) for n in range(8)][: len(changes)] and len(changes) in (7, 8)
+    assert changes == [ceil((sensor["phase_ps"] + n * period) / MS) for n in range(8)][: len(changes)] and len(
+        changes
+    ) in (7, 8)
 
 
 # ---- what a run makes of it
@@ -93,11 +104,23 @@ def test_the_seed_decides_the_run_with_jitter_and_nothing_else_does() -> None:
 
 
 def test_without_jitter_the_seed_changes_nothing_while_nothing_else_is_random(tmp_path: Path) -> None:
-    """What the sway sensors show has noise by the seed: it is in the final state, but no program reads it in the first refreshes."""
+    """What the sway sensors show has noise by the seed: it is in the final state, but no program reads it in the first
+    refreshes."""
 
     def events(seed: int, jitter: bool) -> str:
         trace = tmp_path / "trace"
-        options = ["--dsps", "3", "--seed", str(seed), "--duration", "0.0209", "--set", "report.reference=none", "--set", f"run.phase_jitter={str(jitter).lower()}"]
+        options = [
+            "--dsps",
+            "3",
+            "--seed",
+            str(seed),
+            "--duration",
+            "0.0209",
+            "--set",
+            "report.reference=none",
+            "--set",
+            f"run.phase_jitter={str(jitter).lower()}",
+        ]
         subprocess.run([BUILD / "bin" / "emulator", "--quiet", "--trace", trace, *options], check=True)
         return trace.read_text()
 
@@ -106,12 +129,28 @@ def test_without_jitter_the_seed_changes_nothing_while_nothing_else_is_random(tm
 
 
 def test_turn_orders_change_nothing_with_jitter_on() -> None:
-    for settings in ({"preset": "saturated"}, {"bus.topology": "host_on_both"}, {"topology.bridges": "A-B", "topology.boards": "A"}):
+    for settings in (
+        {"preset": "saturated"},
+        {"bus.topology": "host_on_both"},
+        {"topology.bridges": "A-B", "topology.boards": "A"},
+    ):
         settings = dict(settings)
         preset = settings.pop("preset", "base")
         hashes = set()
         for order in (0, 1, 2, 3):
-            simulation = cmrc.Simulation(cmrc.config(preset=preset, settings={"phase_jitter": True, "dsps": 3, "duration_s": 0.05, "report.reference": "none", "turn_order": order, **settings}))
+            simulation = cmrc.Simulation(
+                cmrc.config(
+                    preset=preset,
+                    settings={
+                        "phase_jitter": True,
+                        "dsps": 3,
+                        "duration_s": 0.05,
+                        "report.reference": "none",
+                        "turn_order": order,
+                        **settings,
+                    },
+                )
+            )
             simulation.run()
             hashes.add(json.loads(simulation.report_json())["hash"])
         assert len(hashes) == 1, settings
@@ -127,7 +166,9 @@ def test_chips_and_buses_count_by_their_own_clocks() -> None:
             assert abs(dsp["cycles"] - cycles) < 2, slot
         for name in ("A", "B"):
             own = drawn[f"PCI {name}"]
-            clock = (Fraction(duration) * 10**12 - own["phase_ps"]) * Fraction(100, 3) * (1_000_000 + own["ppm"]) / 10**12
+            clock = (
+                (Fraction(duration) * 10**12 - own["phase_ps"]) * Fraction(100, 3) * (1_000_000 + own["ppm"]) / 10**12
+            )
             assert abs(report["buses"][name]["clocks"] - clock) < 3, name
     assert len({dsp["cycles"] for dsp in report["dsps"]}) == 3
 
@@ -135,12 +176,19 @@ def test_chips_and_buses_count_by_their_own_clocks() -> None:
 def test_releases_stand_on_the_hosts_own_timer() -> None:
     for seed in (1, 4):
         timer = clocks(seed)["host timer"]
-        simulation = cmrc.Simulation(cmrc.config(preset="saturated", settings={"seed": seed, "phase_jitter": True, "dsps": 1, "duration_s": 0.1, "report.reference": "none"}))
+        simulation = cmrc.Simulation(
+            cmrc.config(
+                preset="saturated",
+                settings={"seed": seed, "phase_jitter": True, "dsps": 1, "duration_s": 0.1, "report.reference": "none"},
+            )
+        )
         simulation.run()
         missed = [miss for miss in json.loads(simulation.report_json())["misses"] if miss["kind"] == "pid"]
         assert len(missed) > 10
         for miss in missed:
-            assert sum(miss["parts_ps"].values()) == miss["lateness_ps"]  # to the picosecond, chips off their nominal clocks
+            assert (
+                sum(miss["parts_ps"].values()) == miss["lateness_ps"]
+            )  # to the picosecond, chips off their nominal clocks
             tick = Fraction(10**12 * 1_000_000, 8000 * (1_000_000 + timer["ppm"]))
             assert miss["release_ps"] == timer["phase_ps"] + floor(8 * miss["number"] * tick)
 
@@ -174,13 +222,16 @@ def test_an_agv_units_drive_ticks_by_its_own_clock() -> None:
         unit = clocks(seed)["AGV unit 0"]
         dock = plant.Dock(cmrc.dock_of(config(seed)))
         dock.agv_push(0, 1000, 0, 0, 0)
-        moved = next(ms for ms in range(1, 60) if dock.agv_status(0, ms * MS) & 0x10 == 0)  # no longer standing: its first tick with a set-point
+        moved = next(
+            ms for ms in range(1, 60) if dock.agv_status(0, ms * MS) & 0x10 == 0
+        )  # no longer standing: its first tick with a set-point
         period = Fraction(10 * MS * 1_000_000, 1_000_000 + unit["ppm"])
         assert moved == next(tick for n in range(3) if (tick := ceil((unit["phase_ps"] + n * period) / MS)) >= 1), seed
 
 
 def test_an_agv_unit_holds_set_points_by_its_own_clock() -> None:
-    """Each is taken at the unit's first step of 1 ms after the one before has been held: with a slow clock a step later than with an exact one."""
+    """Each is taken at the unit's first step of 1 ms after the one before has been held: with a slow clock a step later
+    than with an exact one."""
     slow = next(seed for seed in range(1, 100) if clocks(seed)["AGV unit 0"]["ppm"] < -50)
     for seed, jitter in ((slow, True), (slow, False)):
         ppm = clocks(seed, jitter)["AGV unit 0"]["ppm"]
@@ -219,13 +270,18 @@ def test_the_ideal_run_keeps_the_clocks_of_what_is_released_and_sampled() -> Non
 
 def test_a_perfect_run_misses_nothing_against_its_ideal_run_whatever_the_phases() -> None:
     for seed in range(6):
-        simulation = cmrc.Simulation(cmrc.config(preset="base", settings={"seed": seed, "phase_jitter": True, "dsps": 4, "duration_s": 0.3}))
+        simulation = cmrc.Simulation(
+            cmrc.config(preset="base", settings={"seed": seed, "phase_jitter": True, "dsps": 4, "duration_s": 0.3})
+        )
         simulation.run()
         for name, rate in json.loads(simulation.report_json())["rates"].items():
             assert rate["missed_share"] in (0, None), (seed, name, rate)
 
 
 def test_a_clock_that_cannot_be_kept_exactly_is_refused() -> None:
-    with pytest.raises(cmrc.ConfigError, match=r"run.phase_jitter: host timer at 8000001/1000 Hz and -?\d+ ppm cannot be represented exactly"):
+    with pytest.raises(
+        cmrc.ConfigError,
+        match=r"run.phase_jitter: host timer at 8000001/1000 Hz and -?\d+ ppm cannot be represented exactly",
+    ):
         cmrc.Simulation(config(refresh_frequency_hz=8000.001))
     cmrc.Simulation(config(jitter=False, refresh_frequency_hz=8000.001))

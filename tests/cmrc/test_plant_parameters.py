@@ -1,4 +1,5 @@
-"""Crane, drives and vehicles as keys: every parameter of the plant is one, kernels know the plant's own, and what cannot work is refused."""
+"""Crane, drives and vehicles as keys: every parameter of the plant is one, kernels know the plant's own, and what
+cannot work is refused."""
 
 import math
 from typing import Any
@@ -16,7 +17,10 @@ LOW_RATES: dict[str, Any] = {
     "report.reference": "none", "report.signal_decimation": 4,
 }  # fmt: skip
 # Soft loops that hardly react to the sway sensor's noise: a torque that the feed-forward does not know moves them.
-SOFT = {"control.sway_gain_m_s_rad": 0.0, **{f"control.{joint}_bandwidth_rad_s": 5.0 for joint in ("travel", "slew", "luff", "trolley", "hoist", "rotator")}}
+SOFT = {
+    "control.sway_gain_m_s_rad": 0.0,
+    **{f"control.{joint}_bandwidth_rad_s": 5.0 for joint in ("travel", "slew", "luff", "trolley", "hoist", "rotator")},
+}
 
 
 def numbers(of: Any, path: str = "") -> dict[str, float]:
@@ -26,7 +30,11 @@ def numbers(of: Any, path: str = "") -> dict[str, float]:
         if name.startswith("_") or callable(value := getattr(of, name)):
             continue
         here = f"{path}.{name}"
-        if isinstance(value, bool) or isinstance(type(of).__dict__.get(name), property) and type(of).__dict__[name].fset is None:
+        if (
+            isinstance(value, bool)
+            or isinstance(type(of).__dict__.get(name), property)
+            and type(of).__dict__[name].fset is None
+        ):
             continue
         if isinstance(value, int | float):
             found[here] = float(value)
@@ -92,7 +100,9 @@ def test_every_parameter_of_the_plant_is_one_key(machine: str) -> None:
 
 def test_a_machine_does_not_mind_the_other_ones_parameters() -> None:
     assert parts(dock_of(**{"gantry.trolley_mass_kg": 3e4})) == parts(dock_of())
-    assert parts(dock_of(**{"dock.crane": "gantry", "slewing.jib_m": 40.0})) == parts(dock_of(**{"dock.crane": "gantry"}))
+    assert parts(dock_of(**{"dock.crane": "gantry", "slewing.jib_m": 40.0})) == parts(
+        dock_of(**{"dock.crane": "gantry"})
+    )
 
 
 def test_degrees_are_degrees_and_an_untouched_default_keeps_its_bits() -> None:
@@ -108,7 +118,8 @@ def test_degrees_are_degrees_and_an_untouched_default_keeps_its_bits() -> None:
 
 
 def drift(machine: str, **settings: Any) -> np.ndarray:
-    """How far each joint leaves its place within 0.13 s of the drives' being on, before the first leg has moved the crane: in counts of its encoder."""
+    """How far each joint leaves its place within 0.13 s of the drives' being on, before the first leg has moved the
+    crane: in counts of its encoder."""
     config = cmrc.config(settings={**LOW_RATES, "dock.crane": machine, "duration_s": 0.17, **SOFT, **settings})
     simulation = cmrc.Simulation(config)
     simulation.run()
@@ -122,7 +133,8 @@ def drift(machine: str, **settings: Any) -> np.ndarray:
 
 @pytest.mark.parametrize("machine", ["slewing", "gantry"])
 def test_no_parameter_leaves_an_offset_at_rest(machine: str) -> None:
-    """A tenth more of each parameter. If a kernel did not know of it, a joint would move as soon as the brakes open, or with the first set-point."""
+    """A tenth more of each parameter. If a kernel did not know of it, a joint would move as soon as the brakes open, or
+    with the first set-point."""
     usual = drift(machine)
     tables = (machine,) if machine == "gantry" else ("slewing", "agv", "landing")
     offsets = {}
@@ -135,8 +147,6 @@ def test_no_parameter_leaves_an_offset_at_rest(machine: str) -> None:
     assert beyond == {}, usual
 
 
-
-
 @pytest.mark.parametrize(("key", "joint"), [("control.hoist_feed_forward", 3), ("control.luff_feed_forward", 2)])
 def test_such_an_offset_would_be_seen(key: str, joint: int) -> None:
     """A tenth less torque on load and jib acts like a tenth more mass that no kernel knows of."""
@@ -145,12 +155,22 @@ def test_such_an_offset_would_be_seen(key: str, joint: int) -> None:
 
 @pytest.mark.parametrize(
     ("drive", "limit"),
-    [("slewing.slew", "slew_speed_limit_rad_s"), ("slewing.hoist", "hoist_speed_limit_m_s"), ("gantry.trolley", "trolley_speed_limit_m_s")],
+    [
+        ("slewing.slew", "slew_speed_limit_rad_s"),
+        ("slewing.hoist", "hoist_speed_limit_m_s"),
+        ("gantry.trolley", "trolley_speed_limit_m_s"),
+    ],
 )
 def test_a_speed_limit_is_held_against_the_configured_drive(drive: str, limit: str) -> None:
     """With a third of a drive's rated speed the usual limit is above what the drive can do; a lower one is not."""
     rated, key = f"{drive}.rated_speed_rad_s", f"control.{limit}"
-    settings = {"dock.crane": drive.split(".")[0], rated: KEYS[rated]["default"] / 3, "report.reference": "none", "duration_s": 1.0, **SOFT}
+    settings = {
+        "dock.crane": drive.split(".")[0],
+        rated: KEYS[rated]["default"] / 3,
+        "report.reference": "none",
+        "duration_s": 1.0,
+        **SOFT,
+    }
     with pytest.raises(cmrc.ConfigError, match=f"{key}: .* is above the drive's rated speed"):
         cmrc.Simulation(cmrc.config(settings=settings))
     cmrc.Simulation(cmrc.config(settings={**settings, key: KEYS[key]["default"] / 3.5, "dock.ramp_speed_m_s": 0.1}))

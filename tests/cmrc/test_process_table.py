@@ -1,4 +1,5 @@
-"""The table of processes: the built-in table is the paper's, a user's own rows change what runs, and bad rows are refused with their place."""
+"""The table of processes: the built-in table is the paper's, a user's own rows change what runs, and bad rows are
+refused with their place."""
 
 import json
 import re
@@ -61,8 +62,24 @@ def processes_of(toml: str, duration_s: float, tmp_path: Path, *more: str) -> li
     """(second, process, started, robot) as the run's trace tells them."""
     (tmp_path / "own.toml").write_text(toml)
     trace = tmp_path / "trace.txt"
-    subprocess.run([EMULATOR, "--config", tmp_path / "own.toml", "--duration", str(duration_s), "--quiet", "--trace", trace, *AT_ONCE_OPTIONS, *more], check=True)
-    found = re.findall(r"^([0-9.]+) \[host\] process number=(\d+) state=(\d) robot=(\d+)$", trace.read_text(), re.MULTILINE)
+    subprocess.run(
+        [
+            EMULATOR,
+            "--config",
+            tmp_path / "own.toml",
+            "--duration",
+            str(duration_s),
+            "--quiet",
+            "--trace",
+            trace,
+            *AT_ONCE_OPTIONS,
+            *more,
+        ],
+        check=True,
+    )
+    found = re.findall(
+        r"^([0-9.]+) \[host\] process number=(\d+) state=(\d) robot=(\d+)$", trace.read_text(), re.MULTILINE
+    )
     return [(float(at), int(number), int(state), int(robot)) for at, number, state, robot in found]
 
 
@@ -80,13 +97,23 @@ def row(number: int, robot: str, rest: str, name: str = "own") -> str:
 
 
 def test_the_order_of_the_start_is_1_2_3(tmp_path: Path) -> None:
-    assert [entry[1:] for entry in processes_of("", 0.01, tmp_path)] == [(1, 1, 0), (1, 0, 0), (2, 1, 0), (2, 0, 0), (3, 1, 0)]
+    assert [entry[1:] for entry in processes_of("", 0.01, tmp_path)] == [
+        (1, 1, 0),
+        (1, 0, 0),
+        (2, 1, 0),
+        (2, 0, 0),
+        (3, 1, 0),
+    ]
 
 
 def test_a_step_more_is_taken(tmp_path: Path) -> None:
     # Process 3 begins with a pause of 20 ms: its first point is planned that much later.
     steps = '["hold 0.02", "leg 1", "settle", "lower", "lock", "raise", "leg 2", "settle"]'
-    grab = row(3, "crane", f'subprocesses = [1, 2, 3, 4]\nsteps = {steps}\nmust = [1]\nmay = [4]\ninitial = [4]\nclears = ["4->7", "4->8"]')
+    grab = row(
+        3,
+        "crane",
+        f'subprocesses = [1, 2, 3, 4]\nsteps = {steps}\nmust = [1]\nmay = [4]\ninitial = [4]\nclears = ["4->7", "4->8"]',
+    )
     plain, held = (json.loads(run_report(toml, 0.1)) for toml in ("", grab))
     points = [report["tasks"]["trajectory_planning.crane"]["released"] for report in (plain, held)]
     assert points[0] - points[1] in (2, 3)  # 20 ms of 8 ms each
@@ -100,7 +127,9 @@ def test_the_end_of_a_process_names_the_robot_of_its_start(tmp_path: Path) -> No
 
 
 def run_report(toml: str, duration_s: float, **settings: Any) -> str:
-    simulation = cmrc.Simulation(cmrc.config(toml=toml, settings={**AT_ONCE, "duration_s": duration_s, "report.reference": "none", **settings}))
+    simulation = cmrc.Simulation(
+        cmrc.config(toml=toml, settings={**AT_ONCE, "duration_s": duration_s, "report.reference": "none", **settings})
+    )
     simulation.run()
     report = simulation.report_json()
     assert json.loads(report)["audit"]["violations"] == []
@@ -118,19 +147,29 @@ def test_a_process_of_ones_own_runs_when_it_is_consented_to(tmp_path: Path) -> N
 
 
 def test_sub_process_5_is_released_where_its_row_and_the_processes_say() -> None:
-    """A vehicle that stands is in no process that lists 5; one that drives is in process 6. load.parked says otherwise of row 5, whatever it has."""
-    quiet = '[[subprocesses]]\nnumber = 5\nname = "obstacle avoidance"\nagv = "obstacle_avoidance"\nrelease = "interval"\n'
+    """A vehicle that stands is in no process that lists 5; one that drives is in process 6. load.parked says otherwise
+    of row 5, whatever it has."""
+    quiet = (
+        '[[subprocesses]]\nnumber = 5\nname = "obstacle avoidance"\nagv = "obstacle_avoidance"\nrelease = "interval"\n'
+    )
     parked = quiet + "between_processes = true\n"
     for rows, more, expected in [
         (quiet, {}, 0), ("", {}, 0), (parked, {}, 4), ("", {"load.driving": True}, 4), (quiet, {"load.driving": True}, 4), ("", {"load.parked": True}, 4),
     ]:  # fmt: skip
         report = json.loads(run_report(rows, 0.1, **{"load.avoidance_cycles": 1000, **more}))
-        assert report["tasks"]["obstacle_avoidance"]["released"] == expected, (rows, more)  # at refreshes 160, 320, 480, 640
+        assert report["tasks"]["obstacle_avoidance"]["released"] == expected, (
+            rows,
+            more,
+        )  # at refreshes 160, 320, 480, 640
 
 
 def test_a_processs_steps_decide_when_the_servo_runs() -> None:
-    # Literal reading of plant-and-bus.md 4.4 item 5: 3 and 4 only while a process that is made of them lives. Process 3 starts at 2.4 ms here.
-    rows = "".join(f'[[subprocesses]]\nnumber = {n}\nname = "{name}"\ncrane = "{name}"\nrelease = "tick"\n' for n, name in ((3, "torque_compensation"), (4, "pid")))
+    # Literal reading of plant-and-bus.md 4.4 item 5: 3 and 4 only while a process that is made of them lives. Process 3
+    # starts at 2.4 ms here.
+    rows = "".join(
+        f'[[subprocesses]]\nnumber = {n}\nname = "{name}"\ncrane = "{name}"\nrelease = "tick"\n'
+        for n, name in ((3, "torque_compensation"), (4, "pid"))
+    )
     released = json.loads(run_report(rows, 0.1))["tasks"]["pid"]["released"]
     assert released == 98  # ticks 3 ms, 4 ms, ..., 100 ms
 

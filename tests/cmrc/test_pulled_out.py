@@ -1,4 +1,5 @@
-"""A board is pulled out in the middle of its work on the buses: while it reads or writes on either bus, has words in its bridge, or holds the list."""
+"""A board is pulled out in the middle of its work on the buses: while it reads or writes on either bus, has words in
+its bridge, or holds the list."""
 
 import json
 import subprocess
@@ -16,7 +17,13 @@ US = 10**6  # ps
 TICK = 10_000 * US  # a servo tick: two DSPs are rung, torque compensation and PID run
 WORK = 100 * US  # both are done by then
 CLOCK = 30_000  # ps, of the buses
-SETTINGS: dict[str, Any] = {"dsps": 2, "duration_s": 0.016, "machine.boot": "preloaded", "host.start_ms": 0, "report.reference": "none"}
+SETTINGS: dict[str, Any] = {
+    "dsps": 2,
+    "duration_s": 0.016,
+    "machine.boot": "preloaded",
+    "host.start_ms": 0,
+    "report.reference": "none",
+}
 OUTCOMES = ("on_time", "late", "unfinished", "never_started", "lost", "dropped")
 
 
@@ -25,13 +32,17 @@ def activities(tmp_path: Path) -> list[tuple[int, int, int, str]]:
     trace, config = tmp_path / "trace", tmp_path / "dock.toml"
     config.write_text(cmrc.config(settings=SETTINGS).to_toml())
     window = f"{(TICK - 10 * US) / 1e12}:{(TICK + 2 * WORK) / 1e12}"
-    subprocess.run([BUILD / "bin" / "emulator", "--quiet", "--config", config, "--trace", trace, "--trace-window", window], check=True)
+    subprocess.run(
+        [BUILD / "bin" / "emulator", "--quiet", "--config", config, "--trace", trace, "--trace-window", window],
+        check=True,
+    )
     found, held = [], {}
     with trace.open() as lines:
         for time, component, event, values in scheduling_replay.events(lines, ("latch", "push")):
             if event == "bus_transaction" and values["master"] > 0:
                 what = f"{component[-1]} {'writes' if values['flags'] & 1 else 'reads'}"
-                # From the grant: address, the target's wait states (devices.inc's cards have 6 for a read, 2 for a write), the words.
+                # From the grant: address, the target's wait states (devices.inc's cards have 6 for a read, 2 for a
+                # write), the words.
                 waits = 0 if component[-1] == "A" else 2 if values["flags"] & 1 else 6
                 found.append((time - (2 + waits + values["words"]) * CLOCK, time, values["master"] - 1, what))
             if event == "issue":  # the word lay in the bridge
@@ -46,13 +57,17 @@ def activities(tmp_path: Path) -> list[tuple[int, int, int, str]]:
 
 
 def pulled(slot: int, at: int) -> dict[str, Any]:
-    simulation = cmrc.Simulation(cmrc.config(settings=SETTINGS, events=[{"at_s": at / 1e12, "action": "unplug", "dsp": slot}]))
+    simulation = cmrc.Simulation(
+        cmrc.config(settings=SETTINGS, events=[{"at_s": at / 1e12, "action": "unplug", "dsp": slot}])
+    )
     simulation.run_until(at / 1e12 + 0.5e-6)  # what had begun on a bus has ended
     before = json.loads(simulation.report_json())
     simulation.run()
     report: dict[str, Any] = json.loads(simulation.report_json())
     report["words_after"] = {
-        bus: report["buses"][bus]["masters"][f"DSP {slot}"]["words_written"] - before["buses"][bus]["masters"][f"DSP {slot}"]["words_written"] for bus in "AB"
+        bus: report["buses"][bus]["masters"][f"DSP {slot}"]["words_written"]
+        - before["buses"][bus]["masters"][f"DSP {slot}"]["words_written"]
+        for bus in "AB"
     }
     return report
 
@@ -69,11 +84,16 @@ def check(slot: int, at: int) -> None:
         assert sum(dsp["causes"].values()) == dsp["cycles"]
     for bus in report["buses"].values():
         assert sum(bus["clocks_by_use"].values()) == bus["clocks"]
-    # A limit of 16 refreshes is 2 ms, a held list is freed after 0.5 ms: of the ticks from 10 to 15 ms at most three of a kind are missed.
+    # A limit of 16 refreshes is 2 ms, a held list is freed after 0.5 ms: of the ticks from 10 to 15 ms at most three of
+    # a kind are missed.
     for kind in ("pid", "torque_compensation"):
         task = report["tasks"][kind]
         assert task["misses"] <= 3 and task["on_time"] >= 10, (kind, task)
-        assert task["misses"] == 0 or report["host"]["recomputed"] + report["host"]["semaphores_freed"] > 0 or report["host"]["skipped_refreshes"] > 0
+        assert (
+            task["misses"] == 0
+            or report["host"]["recomputed"] + report["host"]["semaphores_freed"] > 0
+            or report["host"]["skipped_refreshes"] > 0
+        )
     assert report["host"]["semaphores_freed"] <= 1 and report["host"]["recomputed"] <= 1
 
 
@@ -98,11 +118,24 @@ def test_a_board_is_pulled_out_at_every_tenth_of_a_microsecond(tmp_path: Path) -
 
 @pytest.mark.parametrize("policy", ["spin", "pause"])
 def test_the_list_of_a_board_that_is_gone_goes_to_the_host_before_others_get_it(policy: str) -> None:
-    # While they poll, whoever gets the list after a claim that broke off would take the same block again; the audit would tell.
+    # While they poll, whoever gets the list after a claim that broke off would take the same block again; the audit
+    # would tell.
     freed = 0
     for number, at in enumerate(range(TICK + 4 * US, TICK + 16 * US, 787_111)):
-        settings = {**SETTINGS, "dsps": 4, "duration_s": 0.014, "idle_policy": policy, "pause_nops": 10, "watchdog.semaphore_limit_us": 20}
-        simulation = cmrc.Simulation(cmrc.config(settings=settings, events=[{"at_s": at / 1e12, "action": "unplug", "dsp": (number + n) % 4} for n in range(2)]))
+        settings = {
+            **SETTINGS,
+            "dsps": 4,
+            "duration_s": 0.014,
+            "idle_policy": policy,
+            "pause_nops": 10,
+            "watchdog.semaphore_limit_us": 20,
+        }
+        simulation = cmrc.Simulation(
+            cmrc.config(
+                settings=settings,
+                events=[{"at_s": at / 1e12, "action": "unplug", "dsp": (number + n) % 4} for n in range(2)],
+            )
+        )
         simulation.run()
         report = json.loads(simulation.report_json())
         assert report["audit"]["violations"] == [], at
@@ -111,8 +144,17 @@ def test_the_list_of_a_board_that_is_gone_goes_to_the_host_before_others_get_it(
 
 
 def test_a_run_goes_on_where_the_host_takes_the_list_from_a_board_that_is_gone() -> None:
-    settings = {**SETTINGS, "dsps": 4, "duration_s": 0.014, "idle_policy": "pause", "pause_nops": 10, "watchdog.semaphore_limit_us": 20}
-    config = cmrc.config(settings=settings, events=[{"at_s": 0.010004787111, "action": "unplug", "dsp": dsp} for dsp in (1, 2)])
+    settings = {
+        **SETTINGS,
+        "dsps": 4,
+        "duration_s": 0.014,
+        "idle_policy": "pause",
+        "pause_nops": 10,
+        "watchdog.semaphore_limit_us": 20,
+    }
+    config = cmrc.config(
+        settings=settings, events=[{"at_s": 0.010004787111, "action": "unplug", "dsp": dsp} for dsp in (1, 2)]
+    )
     whole, first = cmrc.Simulation(config), cmrc.Simulation(config)
     whole.run()
     told = {**json.loads(whole.report_json()), "elapsed_s": None}

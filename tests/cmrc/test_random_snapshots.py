@@ -1,4 +1,5 @@
-"""Random docks that stop at random picoseconds and go on elsewhere: in a new simulation, and in another process (docs/snapshots.md).
+"""Random docks that stop at random picoseconds and go on elsewhere: in a new simulation, and in another process
+(docs/snapshots.md).
 
 The suite runs the first 4 docks, 60 ms each; `pytest -m campaign` runs 36 more.
 """
@@ -42,14 +43,20 @@ def cut_until(simulation: Any, instant: float, draw: random.Random) -> None:
 
 
 def faults_of(dock: Dock, seed: int) -> list[str]:
-    """Where a run in four parts, each in a new simulation after another turn order and other cuts, differs from the whole."""
+    """Where a run in four parts, each in a new simulation after another turn order and other cuts, differs from the
+    whole."""
     draw = random.Random(seed)
     whole = cmrc.Simulation(dock.config())
     try:
         whole.run()
-    except RuntimeError:  # a plant that cannot be integrated (docs/plant.md); test_random_docks.py looks at what it says
+    except (
+        RuntimeError
+    ):  # a plant that cannot be integrated (docs/plant.md); test_random_docks.py looks at what it says
         return []
-    straight, part = cmrc.Simulation(dock.config()), cmrc.Simulation(dock.config(**{"run.turn_order": draw.randrange(1 << 30)}))
+    straight, part = (
+        cmrc.Simulation(dock.config()),
+        cmrc.Simulation(dock.config(**{"run.turn_order": draw.randrange(1 << 30)})),
+    )
     for instant in sorted(draw.randrange(int(dock.duration_s * 1e12)) * 1e-12 for _ in range(3)):
         straight.run_until(instant)
         cut_until(part, instant, draw)
@@ -69,7 +76,13 @@ def faults_of(dock: Dock, seed: int) -> list[str]:
     return found + [f"looked at: {one}" for one in dock_checks.differences(told(whole), told(straight))]
 
 
-@pytest.mark.parametrize("first", [pytest.param(first, marks=[] if first < IN_SUITE else [pytest.mark.campaign]) for first in range(0, SEEDS, PER_TEST)])
+@pytest.mark.parametrize(
+    "first",
+    [
+        pytest.param(first, marks=[] if first < IN_SUITE else [pytest.mark.campaign])
+        for first in range(0, SEEDS, PER_TEST)
+    ],
+)
 def test_a_random_dock_goes_on_from_any_instant(first: int, programs: Path) -> None:
     for seed in range(first, first + PER_TEST):
         dock = Generator(seed, programs, longest_s=0.06).dock()
@@ -99,7 +112,16 @@ def test_a_random_dock_goes_on_in_another_process(seed: int, programs: Path, tmp
     snapshot = first.snapshot()
     (tmp_path / "toml").write_text(snapshot.configuration)
     (tmp_path / "snap").write_bytes(snapshot.to_bytes())
-    done = subprocess.run([sys.executable, "-c", ELSEWHERE, "toml", "snap"], cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(BUILD / "python")}, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", ELSEWHERE, "toml", "snap"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(BUILD / "python")},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr
     resumed = dock_checks.without_the_clock(dock_checks.finite(done.stdout))
-    assert dock_checks.differences(dock_checks.without_the_clock(dock_checks.finite(whole.report_json())), resumed) == []
+    assert (
+        dock_checks.differences(dock_checks.without_the_clock(dock_checks.finite(whole.report_json())), resumed) == []
+    )

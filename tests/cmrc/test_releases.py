@@ -1,4 +1,5 @@
-"""Ruling 39: when sub-process 5 runs, and at which refreshes it is released: by interval, and by what an AGV's range sensor sees."""
+"""Ruling 39: when sub-process 5 runs, and at which refreshes it is released: by interval, and by what an AGV's range
+sensor sees."""
 
 import itertools
 import json
@@ -25,14 +26,36 @@ def rows(release: str, more: str = "on_legs = true") -> str:
     return f'[[subprocesses]]\nnumber = 5\nname = "obstacle avoidance"\nagv = "obstacle_avoidance"\nrelease = "{release}"\n{more}\n'
 
 
-def run(tmp_path: Path, toml: str = "", **settings: Any) -> tuple[dict[int, list[int]], list[tuple[int, int]], dict[str, Any]]:
-    """By AGV: the refreshes at which avoidance was loaded, and those at which a release was dropped, with the block in its way. And the report."""
+def run(
+    tmp_path: Path, toml: str = "", **settings: Any
+) -> tuple[dict[int, list[int]], list[tuple[int, int]], dict[str, Any]]:
+    """By AGV: the refreshes at which avoidance was loaded, and those at which a release was dropped, with the block in
+    its way. And the report."""
     config, trace, report = tmp_path / "run.toml", tmp_path / "trace", tmp_path / "report.json"
     config.write_text(toml)
     options = [part for key, value in settings.items() for part in ("--set", f"{key}={value}")]
-    finished = subprocess.run([EMULATOR, "--quiet", "--config", config, "--trace", trace, "--report", report, "--set", "report.reference=none", *options], capture_output=True, text=True, check=False)
+    finished = subprocess.run(
+        [
+            EMULATOR,
+            "--quiet",
+            "--config",
+            config,
+            "--trace",
+            trace,
+            "--report",
+            report,
+            "--set",
+            "report.reference=none",
+            *options,
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     braked = json.loads(report.read_text())["braked"]
-    assert finished.returncode == (1 if braked else 0), finished.stderr  # a crane without its servo stands with an error
+    assert finished.returncode == (1 if braked else 0), (
+        finished.stderr
+    )  # a crane without its servo stands with an error
     loads: dict[int, list[int]] = {}
     drops = []
     with trace.open() as lines:
@@ -55,7 +78,8 @@ def test_a_parked_vehicle_has_no_avoidance_but_under_the_parked_load(tmp_path: P
     short = {"dock.agvs": 3, "load.avoidance_cycles": 1000, "run.duration_s": 0.101}
     loads, _, report = run(tmp_path, **short)
     assert loads == {} and report["tasks"]["obstacle_avoidance"]["released"] == 0
-    # ... as it was before ruling 39: each AGV once per interval, the first time one interval after the start, all at once.
+    # ... as it was before ruling 39: each AGV once per interval, the first time one interval after the start, all at
+    # once.
     loads, _, _ = run(tmp_path, **short, **{"load.parked": "true", "scheduling.agv_phase": "together"})
     assert loads == {agv: [320, 480, 640, 800] for agv in range(3)}
 
@@ -70,7 +94,9 @@ def test_it_runs_in_the_processes_that_list_it_only(tmp_path: Path) -> None:
 # ---- at which refreshes
 
 
-@pytest.mark.parametrize(("agvs", "phases"), [(1, [0]), (2, [0, 80]), (3, [0, 53, 106]), (8, [0, 20, 40, 60, 80, 100, 120, 140])])
+@pytest.mark.parametrize(
+    ("agvs", "phases"), [(1, [0]), (2, [0, 80]), (3, [0, 53, 106]), (8, [0, 20, 40, 60, 80, 100, 120, 140])]
+)
 def test_releases_by_interval_fall_on_refreshes_of_their_own(tmp_path: Path, agvs: int, phases: list[int]) -> None:
     options = {"load.driving": "true", "load.avoidance_cycles": 1000, "dock.agvs": agvs, "run.duration_s": 0.101}
     loads, drops, _ = run(tmp_path, **options)
@@ -85,7 +111,13 @@ def test_the_demand_does_not_fall_when_the_dsps_cannot_follow(tmp_path: Path) ->
     """Late blocks do not postpone a release. A release that is not possible is dropped, and counts as missed."""
     counted = []
     for dsps in (1, 6):
-        options = {"machine.dsps": dsps, "dock.agvs": 4, "load.driving": "true", "load.avoidance_cycles": 330000, "run.duration_s": 0.3}
+        options = {
+            "machine.dsps": dsps,
+            "dock.agvs": 4,
+            "load.driving": "true",
+            "load.avoidance_cycles": 330000,
+            "run.duration_s": 0.3,
+        }
         loads, drops, report = run(tmp_path, **options)
         task = report["tasks"]["obstacle_avoidance"]
         assert task["dropped"] == len(drops) and task["released"] == len(drops) + sum(map(len, loads.values()))
@@ -95,9 +127,21 @@ def test_the_demand_does_not_fall_when_the_dsps_cannot_follow(tmp_path: Path) ->
     assert counted[0][1] > 20 and counted[1][1:] == (0, 0)
 
 
-def steps(release: str, ticks: list[tuple[int, int]], number: int = 1, count: int = 4, ends: set[int] | None = None, objects: set[int] | None = None, rests: set[int] | None = None) -> list[tuple[bool, list[int]]]:
-    """Steps by `ticks`, pairs of refresh and interval. Blocks end at the refreshes of `ends` (without: before the next refresh)."""
-    table = [(tick, interval, tick not in (rests or set()), tick in (objects or set()), ends is None or tick in ends) for tick, interval in ticks]
+def steps(
+    release: str,
+    ticks: list[tuple[int, int]],
+    number: int = 1,
+    count: int = 4,
+    ends: set[int] | None = None,
+    objects: set[int] | None = None,
+    rests: set[int] | None = None,
+) -> list[tuple[bool, list[int]]]:
+    """Steps by `ticks`, pairs of refresh and interval. Blocks end at the refreshes of `ends` (without: before the next
+    refresh)."""
+    table = [
+        (tick, interval, tick not in (rests or set()), tick in (objects or set()), ends is None or tick in ends)
+        for tick, interval in ticks
+    ]
     return list(scheduling.release_steps(release, number, count, True, table))
 
 
@@ -106,11 +150,19 @@ def loaded(found: list[tuple[bool, list[int]]], ticks: list[tuple[int, int]]) ->
 
 
 def test_a_new_interval_is_followed_from_the_refresh_at_which_it_comes() -> None:
-    """AGV 1 of 4: 40 modulo 160, then 50 modulo 200. The gap between the last release of the old and the first of the new is that of the two grids."""
+    """AGV 1 of 4: 40 modulo 160, then 50 modulo 200. The gap between the last release of the old and the first of the
+    new is that of the two grids."""
     ticks = [(tick, 160 if tick <= 500 else 200) for tick in range(1, 1000)]
     assert loaded(steps("interval", ticks), ticks) == [40, 200, 360, 650, 850]
     ticks = [(tick, 160 if tick <= 648 else 200) for tick in range(1, 1000)]
-    assert loaded(steps("interval", ticks), ticks) == [40, 200, 360, 520, 650, 850]  # never twice at one refresh, but 130 apart
+    assert loaded(steps("interval", ticks), ticks) == [
+        40,
+        200,
+        360,
+        520,
+        650,
+        850,
+    ]  # never twice at one refresh, but 130 apart
 
 
 def test_a_late_host_drops_what_it_has_passed_and_releases_the_last() -> None:
@@ -137,7 +189,19 @@ def test_what_did_not_run_owes_nothing() -> None:
 def test_an_object_enters_where_nothing_was_or_nearer_by_a_jump() -> None:
     readings = [30000, 14000, 13990, 13400, 12700, 12690, 30000, 15000, 14999, 14999, 3000]
     #           nothing | enters | closer, closer (590) | 700 nearer: another | closer | gone | at the field's end, out | enters | - | another
-    assert scheduling.objects_entered(readings, 15000) == [False, True, False, False, True, False, False, False, True, False, True]
+    assert scheduling.objects_entered(readings, 15000) == [
+        False,
+        True,
+        False,
+        False,
+        True,
+        False,
+        False,
+        False,
+        True,
+        False,
+        True,
+    ]
     assert scheduling.objects_entered([4000], 15000) == [True]  # there when the first reading is made
     assert scheduling.objects_entered([4000], 3000) == [False]
 
@@ -163,10 +227,17 @@ path = [[0.0, 36.0, 14.0], [0.06, 36.0, 14.0], [0.07, 36.0, 8.0]]
 
 @pytest.mark.parametrize("topology", ["host_on_both", "sensors_with_host", "single"])
 def test_what_comes_into_the_field_releases_avoidance(tmp_path: Path, topology: str) -> None:
-    """A post appears in the lane 6.6 m before the vehicle, between 60 and 70 ms. The vehicle starts at 20 ms, and its way reaches 1.8 m to either side."""
+    """A post appears in the lane 6.6 m before the vehicle, between 60 and 70 ms. The vehicle starts at 20 ms, and its
+    way reaches 1.8 m to either side."""
     layout = tmp_path / "layout.toml"
     layout.write_text(SUDDEN)
-    options = {"bus.topology": topology, "dock.layout": str(layout), "load.driving": "true", "load.avoidance_cycles": 1000, "run.duration_s": 0.101}
+    options = {
+        "bus.topology": topology,
+        "dock.layout": str(layout),
+        "load.driving": "true",
+        "load.avoidance_cycles": 1000,
+        "run.duration_s": 0.101,
+    }
     loads, _, report = run(tmp_path, rows("event"), **options)
     (tick,) = loads[0]
     # It enters at y = 8 + 1.8 + 0.3, after two thirds of its way; the host reads each ms, and releases in that refresh.
@@ -236,13 +307,20 @@ def test_a_round_of_too_many_lanes_is_refused(tmp_path: Path) -> None:
     )
     config = tmp_path / "run.toml"
     config.write_text(f'[dock]\nlayout = "{layout}"\n[load]\ndriving = true\n')
-    finished = subprocess.run([EMULATOR, "--config", config, "--duration", "0.05"], capture_output=True, text=True, check=False)
+    finished = subprocess.run(
+        [EMULATOR, "--config", config, "--duration", "0.05"], capture_output=True, text=True, check=False
+    )
     assert finished.returncode == 2
-    assert "load.driving: the round from slot 0 past the warehouse and back has 9 pieces of lane; at most 8 are expected" in finished.stderr
+    assert (
+        "load.driving: the round from slot 0 past the warehouse and back has 9 pieces of lane; at most 8 are expected"
+        in finished.stderr
+    )
 
 
 def test_vehicles_drive_their_round_at_their_distances_and_deliver_nothing() -> None:
-    simulation = cmrc.Simulation(cmrc.config(preset="saturated", settings={"dsps": 6, "duration_s": 4.0, "report.reference": "none"}))
+    simulation = cmrc.Simulation(
+        cmrc.config(preset="saturated", settings={"dsps": 6, "duration_s": 4.0, "report.reference": "none"})
+    )
     simulation.run()
     report = json.loads(simulation.report_json())
     assert report["cycles_completed"] == 0 and report["containers_delivered"] == 0

@@ -30,7 +30,21 @@ def run(tmp_path: Path, *options: str, toml: str = "") -> tuple[list[scheduling_
     """The events and the report of a run."""
     config, trace, report = tmp_path / "run.toml", tmp_path / "trace", tmp_path / "report.json"
     config.write_text(toml)
-    command = [EMULATOR, "--quiet", "--config", config, "--trace", trace, "--report", report, "--set", "report.misses_max=100000", "--set", "report.reference=none", *options]
+    command = [
+        EMULATOR,
+        "--quiet",
+        "--config",
+        config,
+        "--trace",
+        trace,
+        "--report",
+        report,
+        "--set",
+        "report.misses_max=100000",
+        "--set",
+        "report.reference=none",
+        *options,
+    ]
     finished = subprocess.run(command, capture_output=True, text=True, check=False)
     assert finished.returncode in (0, 1), finished.stderr
     found = json.loads(report.read_text())
@@ -42,16 +56,25 @@ def run(tmp_path: Path, *options: str, toml: str = "") -> tuple[list[scheduling_
 def failures(*rows: tuple[float, str, dict[str, Any]]) -> str:
     text = ""
     for at, action, fields in rows:
-        text += f'[[events]]\nat_s = {at}\naction = "{action}"\n' + "".join(f"{key} = {json.dumps(value)}\n" for key, value in fields.items())
+        text += f'[[events]]\nat_s = {at}\naction = "{action}"\n' + "".join(
+            f"{key} = {json.dumps(value)}\n" for key, value in fields.items()
+        )
     return text
 
 
-CROWDED = "--dsps 1 --duration 0.15 --set dock.agvs=8 --set load.avoidance_cycles=30000 --set scheduling.agv_phase=together"
+CROWDED = (
+    "--dsps 1 --duration 0.15 --set dock.agvs=8 --set load.avoidance_cycles=30000 --set scheduling.agv_phase=together"
+)
 # The host takes the list from a DSP that has become too slow to release it.
 SLOW = failures((0.02002, "slow", {"dsp": 1, "factor": 0.001}))
 # DSP 1 never boots.
 NEVER_BOOTED = failures((0.00005, "break_link", {"dsp": 1}), (0.01, "pause_host", {"lasts_ms": 1.7}))
-DYING = failures((0.04003, "fail", {"dsp": 0}), (0.06003, "hang", {"dsp": 1}), (0.09004, "unplug", {"dsp": 2}), (0.12, "plug", {"dsp": 2}))
+DYING = failures(
+    (0.04003, "fail", {"dsp": 0}),
+    (0.06003, "hang", {"dsp": 1}),
+    (0.09004, "unplug", {"dsp": 2}),
+    (0.12, "plug", {"dsp": 2}),
+)
 ROUGH = failures(
     (0.0203, "pause_host", {"lasts_ms": 1.7}), (0.03, "stall_bus", {"bus": "A", "lasts_ms": 0.9}), (0.0402, "hang", {"dsp": 0}), (0.05, "slow", {"dsp": 1, "factor": 0.05}),
     (0.08, "slow", {"dsp": 1, "factor": 1}),
@@ -70,30 +93,57 @@ ROUGH = failures(
         ("--dsps 2 --duration 0.13 --preset saturated --idle-policy spin", "", Rule(), {5, 6, 11}),
         ("--dsps 4 --duration 0.13", DYING, Rule(), {5, 6}),
         ("--dsps 2 --duration 0.13 --idle-policy pause", ROUGH, Rule(), {5, 6}),
-        ("--dsps 3 --duration 0.13 --set scheduling.gamma_refreshes=2 --set scheduling.alpha_refreshes=30", "", Rule(gamma=2, alpha=30), {5, 6}),
+        (
+            "--dsps 3 --duration 0.13 --set scheduling.gamma_refreshes=2 --set scheduling.alpha_refreshes=30",
+            "",
+            Rule(gamma=2, alpha=30),
+            {5, 6},
+        ),
         ("--dsps 2 --duration 0.13 --preset saturated --set scheduling.slice_cycles=10000", ROUGH, Rule(), {5, 6, 11}),
-        ("--dsps 2 --duration 0.13 --set rates.servo_frequency_hz=2000 --set scheduling.p=20480", "", Rule(servo=4, p=20480), {5, 6}),
+        (
+            "--dsps 2 --duration 0.13 --set rates.servo_frequency_hz=2000 --set scheduling.p=20480",
+            "",
+            Rule(servo=4, p=20480),
+            {5, 6},
+        ),
     ],
 )
-def test_the_list_and_every_claim_follow_equation_7(tmp_path: Path, options: str, toml: str, rule: Rule, kinds: set[int]) -> None:
+def test_the_list_and_every_claim_follow_equation_7(
+    tmp_path: Path, options: str, toml: str, rule: Rule, kinds: set[int]
+) -> None:
     events, report = run(tmp_path, *options.split(), toml=toml)
     replay = Replay(rule, doorbells="--idle-policy" not in options)
     replay.follow(events)
     assert replay.faults == []
-    assert replay.refreshes == report["host"]["refreshes"] and replay.claims == sum(dsp["claims"] for dsp in report["dsps"]) > 50
+    assert (
+        replay.refreshes == report["host"]["refreshes"]
+        and replay.claims == sum(dsp["claims"] for dsp in report["dsps"]) > 50
+    )
     assert kinds <= replay.kinds
 
 
 def test_the_replay_notices_a_broken_rule(tmp_path: Path) -> None:
     events, _ = run(tmp_path, *CROWDED.split(), *AT_ONCE_OPTIONS, toml=DRIVING)
-    rules = [Rule(), Rule(gamma=1), Rule(a=0x200), Rule(b=0x2100), Rule(alpha=120), Rule(beta=300), Rule(agv=60), Rule(p=0x1000, q=0x100)]
+    rules = [
+        Rule(),
+        Rule(gamma=1),
+        Rule(a=0x200),
+        Rule(b=0x2100),
+        Rule(alpha=120),
+        Rule(beta=300),
+        Rule(agv=60),
+        Rule(p=0x1000, q=0x100),
+    ]
     faults = []
     for rule in rules:
         replay = Replay(rule)
         replay.follow(events)
         faults.append(len(replay.faults))
     assert faults[0] == 0 and all(faults[1:])
-    swapped = [(time, who, name, {**n, "kind": {5: 6, 6: 5}.get(n["kind"], n["kind"])} if name == "load" else n) for time, who, name, n in events]
+    swapped = [
+        (time, who, name, {**n, "kind": {5: 6, 6: 5}.get(n["kind"], n["kind"])} if name == "load" else n)
+        for time, who, name, n in events
+    ]
     replay = Replay(Rule())
     replay.follow(swapped)
     assert any("work pointer" in fault or "order" in fault for fault in replay.faults)
@@ -120,7 +170,9 @@ def test_the_replay_notices_a_broken_rule(tmp_path: Path) -> None:
         ("--dsps 3 --duration 0.13 --preset saturated --set scheduling.slice_cycles=5000", DYING, 3, 1),
     ],
 )
-def test_chains_add_up_and_are_those_of_the_trace(tmp_path: Path, options: str, toml: str, dsps: int, least: int) -> None:
+def test_chains_add_up_and_are_those_of_the_trace(
+    tmp_path: Path, options: str, toml: str, dsps: int, least: int
+) -> None:
     events, report = run(tmp_path, *options.split(), toml=toml)
     assert report["misses_left_out"] == 0
     assert len(report["misses"]) == sum(task["misses"] for task in report["tasks"].values())
@@ -130,7 +182,9 @@ def test_chains_add_up_and_are_those_of_the_trace(tmp_path: Path, options: str, 
         why = task["why_late"]
         own = [miss for miss in report["misses"] if miss["kind"] == kind]
         chained = [miss for miss in own if miss["runs"] or miss["outcome"] != "dropped"]
-        assert why["jobs"] == len(chained) and why["dropped_previous_out"] + why["dropped_host_late"] == len(own) - len(chained)
+        assert why["jobs"] == len(chained) and why["dropped_previous_out"] + why["dropped_host_late"] == len(own) - len(
+            chained
+        )
         assert sum(why["parts_ps"].values()) == why["lateness_ps"]
         for part, total in why["parts_ps"].items():
             assert total == sum(miss["parts_ps"].get(part, 0) for miss in chained), (kind, part)

@@ -1,4 +1,5 @@
-"""Every value that a run lists is loaded, and a comparison names it: of the controller, its accounts, and what is measured."""
+"""Every value that a run lists is loaded, and a comparison names it: of the controller, its accounts, and what is
+measured."""
 
 from __future__ import annotations
 
@@ -11,7 +12,21 @@ from leaves import check_that_every_value_is_loaded
 from locations import AT_ONCE
 
 core = _core.cmrc
-ROOMS = ("host.", "ledger.", "observer.", "log.", "course.", "events", "given events", "last alive", "last driven", "enabled", "account end", "after end", "stop")
+ROOMS = (
+    "host.",
+    "ledger.",
+    "observer.",
+    "log.",
+    "course.",
+    "events",
+    "given events",
+    "last alive",
+    "last driven",
+    "enabled",
+    "account end",
+    "after end",
+    "stop",
+)
 TEXTS = {key["name"] for key in core.config_keys() if key["type"] not in ("boolean", "integer", "number")}
 # Keys of maps, which other keys may equal; what points into a table; events, which are put in order.
 KEYS = (".process", "host.changes.", "host.cycles.agvs.", "host.cycles.started.", "host.drops.", "host.longest.", "host.gaps.", "ledger.open.", "ledger.jobs.",
@@ -45,6 +60,11 @@ def test_every_value_of_a_run_is_loaded(instant: float, share: float) -> None:
     spare, draw = Run(), random.Random(instant)
 
     def leave_out(path: str) -> bool:
-        return not path.startswith(ROOMS) or any(part in path for part in KEYS) or path.removeprefix("host.") in TEXTS or draw.random() > share
+        return (
+            not path.startswith(ROOMS)
+            or any(part in path for part in KEYS)
+            or path.removeprefix("host.") in TEXTS
+            or draw.random() > share
+        )
 
     assert check_that_every_value_is_loaded(lambda: spare, full, leave_out) > 100

@@ -14,7 +14,9 @@ OUTCOMES = ("on_time", "late", "unfinished", "never_started", "lost", "dropped")
 
 
 def run(script: list[tuple[float, str, int]] | None = None, preset: str = "base", **settings: Any) -> Report:
-    simulation = cmrc.Simulation(cmrc.config(preset=preset, settings={**AT_ONCE, "report.reference": "none", **settings}))
+    simulation = cmrc.Simulation(
+        cmrc.config(preset=preset, settings={**AT_ONCE, "report.reference": "none", **settings})
+    )
     for time_s, action, slot in script or []:
         simulation.at({"at_s": time_s, "action": action, "dsp": slot})
     simulation.run()
@@ -97,7 +99,8 @@ def test_misses_fall_as_dsps_are_added_to_the_saturated_preset() -> None:
 
 @pytest.mark.parametrize(("action", "kind"), [("hang", "pid"), ("fail", "pid"), ("unplug", "torque_compensation")])
 def test_a_block_of_a_dead_dsp_is_run_again(action: str, kind: str) -> None:
-    # The release at 100 ms: DSP 0 takes torque compensation, DSP 1 PID, both within 40 us; the watchdog's limit is 16 refreshes of 125 us.
+    # The release at 100 ms: DSP 0 takes torque compensation, DSP 1 PID, both within 40 us; the watchdog's limit is 16
+    # refreshes of 125 us.
     slot = {"pid": 1, "torque_compensation": 0}[kind]
     report = run([(0.10004, action, slot)], duration_s=0.15, dsps=2)
     task = report["tasks"][kind]
@@ -122,7 +125,13 @@ def test_a_dsp_that_dies_holding_the_list_does_not_stop_it() -> None:
         report = run([(0.05 + k * 0.4e-6, "hang", 0)], duration_s=0.08, dsps=2)
         freed += report["host"]["semaphores_freed"]
         assert report["stop_reason"] == "completed"
-        assert sum(report["tasks"][kind]["dropped"] + report["tasks"][kind]["late"] for kind in ("pid", "torque_compensation")) <= 3
+        assert (
+            sum(
+                report["tasks"][kind]["dropped"] + report["tasks"][kind]["late"]
+                for kind in ("pid", "torque_compensation")
+            )
+            <= 3
+        )
     assert freed > 0
 
 
@@ -145,7 +154,9 @@ def test_a_dsp_plugged_in_starts_working_by_itself() -> None:
 
 
 def test_a_rigid_crane_does_not_sway() -> None:
-    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 4, "crane_model": "rigid", "report.reference": "none"}))
+    simulation = cmrc.Simulation(
+        cmrc.config(settings={"duration_s": 4, "crane_model": "rigid", "report.reference": "none"})
+    )
     simulation.run()
     signals = simulation.signals()
     assert abs(signals["sway_alpha_rad"]).max() == abs(signals["sway_beta_rad"]).max() == 0
@@ -165,7 +176,9 @@ def test_strict_turns_a_miss_into_a_failed_run() -> None:
 
 def _strict_status(strict: bool) -> int:
     # One DSP: identify alone takes longer than a servo period.
-    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 0.04, "dsps": 1, "strict": strict, "report.reference": "none"}))
+    simulation = cmrc.Simulation(
+        cmrc.config(settings={"duration_s": 0.04, "dsps": 1, "strict": strict, "report.reference": "none"})
+    )
     simulation.run()
     return int(simulation.exit_status)
 

@@ -1,9 +1,21 @@
-"""Equation (7) against the paper's table, and the scheduling rule against the hand-worked tables of plant-and-bus.md 4.8."""
+"""Equation (7) against the paper's table, and the scheduling rule against the hand-worked tables of plant-and-bus.md
+4.8."""
 
 import pytest
 from cmrc_test import scheduling
 
-BASE = {"N_p": 8, "N_t": 64, "N_a": 160, "gamma": 0, "alpha": 24, "beta": 12, "p": 0x4000, "q": 0x2000, "b": 0x100, "a": 0x40}
+BASE = {
+    "N_p": 8,
+    "N_t": 64,
+    "N_a": 160,
+    "gamma": 0,
+    "alpha": 24,
+    "beta": 12,
+    "p": 0x4000,
+    "q": 0x2000,
+    "b": 0x100,
+    "a": 0x40,
+}
 
 # (x, y, t, restored, as printed): the rows of paper.md 6, at the first t at which they hold and the last before.
 ROWS = [
@@ -52,7 +64,8 @@ def test_a_kind_without_a_rank_is_an_error() -> None:
         scheduling.importance(5, 0, 0, BASE)
 
 
-# The tables of 4.8, typed from the document: block:t[:J], * executing. Where the document leaves J out, it is not compared.
+# The tables of 4.8, typed from the document: block:t[:J], * executing. Where the document leaves J out, it is not
+# compared.
 ONE_DSP = """\
 TC:0:FFF7* TP:1:4000 ATP:1:2010 PID:2:0
 PID:0:FFEF* TP:2:4000 ATP:2:2020 TC:1:0
@@ -88,7 +101,18 @@ def entry(text: str) -> tuple[str, int, str | None, bool]:
 
 @pytest.mark.parametrize(("dsps", "table"), [(1, ONE_DSP), (2, TWO_DSPS)])
 def test_tick_tables_of_the_worked_example(dsps: int, table: str) -> None:
-    parameters = {"N_p": 4, "N_t": 16, "N_a": 24, "gamma": 1, "alpha": 4, "beta": 2, "p": 0x4000, "q": 0x2000, "b": 0x100, "a": 0x10}
+    parameters = {
+        "N_p": 4,
+        "N_t": 16,
+        "N_a": 24,
+        "gamma": 1,
+        "alpha": 4,
+        "beta": 2,
+        "p": 0x4000,
+        "q": 0x2000,
+        "b": 0x100,
+        "a": 0x10,
+    }
     machine = scheduling.TickTable(parameters, [
         ("TC", 7, 1, 1, True, ""), ("PID", 8, 1, 1, True, ""), ("TP", 5, 1, 3, False, "IK"), ("IK", 6, 1, 1, False, ""),
         ("ATP", 5, 2, 3, False, "AIK"), ("AIK", 6, 2, 1, False, ""), ("OBS", 21, 2, 2, False, ""),

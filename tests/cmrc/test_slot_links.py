@@ -1,4 +1,5 @@
-"""Links between the dock's DSPs (docs/add-a-task.md, Links between DSPs): words, cuts, what is lost, and what changes nothing."""
+"""Links between the dock's DSPs (docs/add-a-task.md, Links between DSPs): words, cuts, what is lost, and what changes
+nothing."""
 
 import json
 import random
@@ -52,7 +53,8 @@ answer_next:
         br      link_end
 """
 
-# The one's DMA 0 sends 24 words, and the other's DMA 4 takes them, while both processors read shared memory all the time.
+# The one's DMA 0 sends 24 words, and the other's DMA 4 takes them, while both processors read shared memory all the
+# time.
 DMA_KERNELS = """
 kernel_ask:
         ldhi    hi16(SCRATCH), ar1
@@ -139,10 +141,14 @@ def programs_with(kernels: str, directory: Path) -> Path:
 
 def rows(**fields: Any) -> list[dict[str, Any]]:
     common = {"importance": 0x7000, "period_ms": 5, "deadline_ms": 4, "argument": WORDS} | fields
-    return [common | {"name": name, "program": f"kernel_{name}", "dsp": dsp} for name, dsp in (("ask", 0), ("answer", 1))]
+    return [
+        common | {"name": name, "program": f"kernel_{name}", "dsp": dsp} for name, dsp in (("ask", 0), ("answer", 1))
+    ]
 
 
-def simulation(programs: Path, tmp_path: Path, duration_s: float = 0.1, dsps: int = 2, links: str = "0.0:1.4", **settings: Any) -> cmrc.Simulation:
+def simulation(
+    programs: Path, tmp_path: Path, duration_s: float = 0.1, dsps: int = 2, links: str = "0.0:1.4", **settings: Any
+) -> cmrc.Simulation:
     config = tmp_path / "links.toml"
     config.write_text(toml_of(rows()))
     given = {"machine.programs": str(programs), "machine.links": links, "report.reference": "none", **settings}
@@ -188,7 +194,9 @@ def test_dma_moves_words_while_the_processors_wait_for_the_bus(dma_programs: Pat
     assert report["tasks"]["user.answer"]["execution_cycles"]["bus_transfer"] > 0
 
 
-@pytest.mark.parametrize("seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(4, 40))])
+@pytest.mark.parametrize(
+    "seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(4, 40))]
+)
 def test_cuts_turn_orders_and_snapshots_change_nothing(
     programs: Path, dma_programs: Path, tmp_path: Path, seed: int
 ) -> None:
@@ -217,8 +225,8 @@ def test_cuts_turn_orders_and_snapshots_change_nothing(
 
 
 def test_a_partner_that_dies_is_a_cut_link_until_it_runs_again(programs: Path, tmp_path: Path) -> None:
-    """DSP 1 fails for good while it answers, its board is pulled and another is put in: the asking DSP waits at its port, is
-    taken for hung by the watchdog and reset; then both work again."""
+    """DSP 1 fails for good while it answers, its board is pulled and another is put in: the asking DSP waits at its
+    port, is taken for hung by the watchdog and reset; then both work again."""
     run = simulation(programs, tmp_path, duration_s=0.6)
     run.at(0.1013, "fail", dsp=1)
     run.at(0.11, "unplug", dsp=1)
@@ -236,8 +244,8 @@ def test_a_partner_that_dies_is_a_cut_link_until_it_runs_again(programs: Path, t
 
 
 def test_a_wait_for_a_word_that_never_comes_is_in_every_account(programs: Path, tmp_path: Path) -> None:
-    """The DSP still waits at the end: its cycles are those of the whole time, and the wait has its name in the report, in
-    the chain of the miss and in the profile."""
+    """The DSP still waits at the end: its cycles are those of the whole time, and the wait has its name in the report,
+    in the chain of the miss and in the profile."""
     config = tmp_path / "answer.toml"
     config.write_text(toml_of([row for row in rows(period_ms=1, deadline_ms=0.1) if row["name"] == "answer"]))
     settings = {"machine.programs": str(programs), "machine.links": "0.0:1.4", "report.reference": "none", **AT_ONCE}

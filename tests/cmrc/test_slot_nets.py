@@ -1,4 +1,5 @@
-"""Nets between pins of the dock's DSPs (docs/add-a-task.md, Pins): edges, when they are seen, and what changes nothing."""
+"""Nets between pins of the dock's DSPs (docs/add-a-task.md, Pins): edges, when they are seen, and what changes
+nothing."""
 
 import json
 import random
@@ -12,8 +13,8 @@ from locations import ROOT
 from own_dsp_run import toml_of
 from test_slot_links import area_of, without_time
 
-# The one lets timer 0 give pulses at TCLK0, PERIOD ticks apart, and makes IIOF1 an output that changes at each job. The other's
-# timer 1 counts the pulses; it keeps what it has counted, and the level of its IIOF2 (FLAG is bit 10 of IIF).
+# The one lets timer 0 give pulses at TCLK0, PERIOD ticks apart, and makes IIOF1 an output that changes at each job. The
+# other's timer 1 counts the pulses; it keeps what it has counted, and the level of its IIOF2 (FLAG is bit 10 of IIF).
 KERNELS = """
 kernel_gives:
         ldhi    0010h, ar0
@@ -81,7 +82,9 @@ def rows(*names: str) -> list[dict[str, Any]]:
     return [common | {"name": name, "program": f"kernel_{name}", "dsp": dsp} for dsp, name in enumerate(names)]
 
 
-def simulation(programs: Path, tmp_path: Path, *names: str, nets: str = NETS, duration_s: float = 0.1, **settings: Any) -> cmrc.Simulation:
+def simulation(
+    programs: Path, tmp_path: Path, *names: str, nets: str = NETS, duration_s: float = 0.1, **settings: Any
+) -> cmrc.Simulation:
     config = tmp_path / "nets.toml"
     config.write_text(toml_of(rows(*(names or ("gives", "takes")))))
     given = {"machine.programs": str(programs), "machine.nets": nets, "report.reference": "none", **settings}
@@ -102,7 +105,9 @@ def test_a_timer_of_one_counts_pulses_of_another(programs: Path, tmp_path: Path)
     assert whole - 5e9 / each - 1 <= counted <= whole
 
 
-@pytest.mark.parametrize("seed", [*range(2), *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(2, 20))])
+@pytest.mark.parametrize(
+    "seed", [*range(2), *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(2, 20))]
+)
 def test_cuts_turn_orders_and_snapshots_change_nothing(programs: Path, tmp_path: Path, seed: int) -> None:
     rng = random.Random(seed)
     at = rng.uniform(0.02, 0.04)
@@ -130,14 +135,20 @@ def test_a_pin_resets_another_dsp(programs: Path, tmp_path: Path) -> None:
     run = simulation(programs, tmp_path, "resets", "takes", nets="reset: 0.IIOF1>1.RESET")
     report = run.run().report
     assert report["nets"][0]["edges"] == 2 and report["nets"][0]["level"] == 1
-    # The DSP was in a block. The host knows nothing of the pin, so it resets the DSP once more when the block does not go on.
+    # The DSP was in a block. The host knows nothing of the pin, so it resets the DSP once more when the block does not
+    # go on.
     _first, by_pin, last = report["dsps"][1]["boots"]
     assert len(report["dsps"][0]["boots"]) == 1 and by_pin["reset_at_s"] > 0.02 and last["boot_s"] is not None
 
 
 def test_nets_change_nothing_where_nobody_uses_them(tmp_path: Path) -> None:
     """The hash has the net's state in it, and so the configuration; all else is equal."""
-    reports = [cmrc.Simulation(dsps=2, duration_s=0.1, settings={"machine.nets": nets, "report.reference": "none"}).run().report for nets in ("", NETS)]
+    reports = [
+        cmrc.Simulation(dsps=2, duration_s=0.1, settings={"machine.nets": nets, "report.reference": "none"})
+        .run()
+        .report
+        for nets in ("", NETS)
+    ]
     for report in reports:
         for key in ("hash", "elapsed_s", "nets", "configuration"):
             report.pop(key, None)

@@ -24,9 +24,26 @@ SCENES: dict[str, dict[str, Any]] = {
     "heavy": {"dsps": 2, "preset": "heavy", "duration_s": 0.06, "report.reference": "none", "agvs": 2, **AT_ONCE},
     "gantry": {"dsps": 3, "crane": "gantry", "duration_s": 0.05, "report.reference": "none", **AT_ONCE},
     "one_bus": {"dsps": 3, "topology": "single", "duration_s": 0.05, "report.reference": "none", **AT_ONCE},
-    "bridged": {"dsps": 3, "topology.buses": "A B", "topology.boards": "A", "topology.bridges": "A-B", "run.phase_jitter": True, "bus.multi_transaction_clocks": 40,
-                "duration_s": 0.05, "agvs": 2, "report.reference": "none", **AT_ONCE},
-    "troubled": {"dsps": 4, "duration_s": 0.06, "report.reference": "none", "watchdog.silence_ms": 4.0, "dock.sway_sensors": 2, **AT_ONCE},
+    "bridged": {
+        "dsps": 3,
+        "topology.buses": "A B",
+        "topology.boards": "A",
+        "topology.bridges": "A-B",
+        "run.phase_jitter": True,
+        "bus.multi_transaction_clocks": 40,
+        "duration_s": 0.05,
+        "agvs": 2,
+        "report.reference": "none",
+        **AT_ONCE,
+    },
+    "troubled": {
+        "dsps": 4,
+        "duration_s": 0.06,
+        "report.reference": "none",
+        "watchdog.silence_ms": 4.0,
+        "dock.sway_sensors": 2,
+        **AT_ONCE,
+    },
 }
 EVENTS: dict[str, list[dict[str, Any]]] = {
     "at_once": [{"at_s": 0.021, "action": "fail", "dsp": 1}, {"at_s": 0.03, "action": "slow", "dsp": 0, "factor": 0.7}],
@@ -110,7 +127,13 @@ def test_the_state_at_an_instant_does_not_depend_on_how_the_run_came_there(scene
 
 def test_a_boot_that_was_given_up_is_told_however_the_run_is_parted_there() -> None:
     """The host reports it at its next rest: here after an access to another DSP's port, 50 to 54 us after power-on."""
-    settings = {"machine.dsps": 4, "machine.boot": "link", "watchdog.boot_limit_ms": 0.05, "report.reference": "none", "duration_s": 0.03}
+    settings = {
+        "machine.dsps": 4,
+        "machine.boot": "link",
+        "watchdog.boot_limit_ms": 0.05,
+        "report.reference": "none",
+        "duration_s": 0.03,
+    }
     config = core.config(settings=settings, events=[{"at_s": 0.0, "action": "unplug", "dsp": 1}])
     first = core.Simulation(config)
     for quarter in range(200, 220):
@@ -119,7 +142,9 @@ def test_a_boot_that_was_given_up_is_told_however_the_run_is_parted_there() -> N
         resumed.restore(first.snapshot())
         resumed.run_until(60e-6)
         failures = json.loads(resumed.report_json())["failures"]
-        assert [(one["dsp"], one["kind"], one["message"]) for one in failures] == [(1, "boot", "it never requested its program")], quarter
+        assert [(one["dsp"], one["kind"], one["message"]) for one in failures] == [
+            (1, "boot", "it never requested its program")
+        ], quarter
 
 
 def test_going_back_and_on_again_and_again() -> None:
@@ -147,7 +172,12 @@ def test_two_futures_of_one_past() -> None:
     other = run.fork()
     other.at(0.03, "fail", dsp=1)
     with_two, with_one = run.run(), other.run()
-    failed = cmrc.run(dsps=2, duration_s=0.05, settings={**AT_ONCE, "report.reference": "none"}, events=[{"at_s": 0.03, "action": "fail", "dsp": 1}])
+    failed = cmrc.run(
+        dsps=2,
+        duration_s=0.05,
+        settings={**AT_ONCE, "report.reference": "none"},
+        events=[{"at_s": 0.03, "action": "fail", "dsp": 1}],
+    )
     assert with_one.hash == failed.hash != with_two.hash
 
 
@@ -177,14 +207,27 @@ def test_another_process_goes_on(tmp_path: Path) -> None:
         ["--quiet", "--resume", "snap"],
         ["--quiet", "--resume", "later.snap"],
     ]):  # fmt: skip
-        finished = subprocess.run([EMULATOR, *arguments, "--report", f"{number}.json"], cwd=tmp_path, capture_output=True, text=True, check=False)
+        finished = subprocess.run(
+            [EMULATOR, *arguments, "--report", f"{number}.json"],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
         assert finished.returncode in (0, 1) and finished.stderr == "", finished.stderr
         report = json.loads((tmp_path / f"{number}.json").read_text())
         report.pop("elapsed_s")
         report.pop("reference_elapsed_s")
         reports.append(report)
     assert reports[0] == reports[1] == reports[2]
-    python = subprocess.run([sys.executable, "-c", RESUME, "snap"], cwd=tmp_path, capture_output=True, text=True, check=False, env={**os.environ, "PYTHONPATH": str(BUILD / "python")})
+    python = subprocess.run(
+        [sys.executable, "-c", RESUME, "snap"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PYTHONPATH": str(BUILD / "python")},
+    )
     assert python.returncode == 0, python.stderr
     digest, errors = json.loads(python.stdout)
     assert (digest, errors) == (reports[0]["hash"], reports[0]["errors"])
@@ -198,7 +241,18 @@ def test_the_two_parts_of_a_golden_scenes_trace_are_the_whole(tmp_path: Path, ds
     picosecond = random.Random(dsps).randrange(22_000_000_000, 29_000_000_000)
     slots = [word for slot in range(dsps) for word in ("--trace-instructions", str(slot))]
     common = ["--quiet", "--trace-window", "0.02:0.03", *slots]
-    whole = ["--dsps", str(dsps), "--duration", "0.05", "--set", "report.reference=none", "--snapshot-at", f"{picosecond * 1e-12:.12f}:snap", "--trace", "whole"]
+    whole = [
+        "--dsps",
+        str(dsps),
+        "--duration",
+        "0.05",
+        "--set",
+        "report.reference=none",
+        "--snapshot-at",
+        f"{picosecond * 1e-12:.12f}:snap",
+        "--trace",
+        "whole",
+    ]
     for arguments in (whole, ["--resume", "snap", "--trace", "rest"]):
         assert subprocess.run([EMULATOR, *common, *arguments], cwd=tmp_path, check=False).returncode == 0
 
@@ -248,7 +302,8 @@ def test_a_snapshot_is_refused_by_name_and_nothing_has_changed(tmp_path: Path) -
 
 
 def test_a_file_has_room_for_what_a_second_adds() -> None:
-    """10 MB for 180 s of the default dock with 4 DSPs (issue 18): 55 kB per second, and the fixed part with which each run begins."""
+    """10 MB for 180 s of the default dock with 4 DSPs (issue 18): 55 kB per second, and the fixed part with which each
+    run begins."""
     simulation = core.Simulation(core.config(settings={"dsps": 4, "duration_s": 180.0}))
     sizes = []
     for instant in (2.0, 5.0):
@@ -323,13 +378,25 @@ def test_a_run_that_is_over_before_says_so(tmp_path: Path) -> None:
     toml = tmp_path / "dies.toml"
     toml.write_text('[machine]\ndsps = 1\nboot = "preloaded"\n[run]\nduration_s = 3.0\nafter_stop_s = 0.1\n[report]\nreference = "none"\n'
                     '[[events]]\nat_s = 0.05\naction = "fail"\ndsp = 0\n')  # fmt: skip
-    finished = subprocess.run([EMULATOR, "--quiet", "--config", toml, "--snapshot-at", "0.01:early", "--snapshot-at", "2.5:late"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    finished = subprocess.run(
+        [EMULATOR, "--quiet", "--config", toml, "--snapshot-at", "0.01:early", "--snapshot-at", "2.5:late"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert finished.returncode == 1 and "late is not written; the run ended at" in finished.stderr
     assert (tmp_path / "early").exists() and not (tmp_path / "late").exists()
 
 
 def test_the_example_asks_what_would_have_happened() -> None:
-    ran = subprocess.run([sys.executable, ROOT / "examples" / "what_if.py"], capture_output=True, text=True, check=True, env={**os.environ, "PYTHONPATH": str(BUILD / "python")})
+    ran = subprocess.run(
+        [sys.executable, ROOT / "examples" / "what_if.py"],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, "PYTHONPATH": str(BUILD / "python")},
+    )
     fails, does_not = ran.stdout.splitlines()
     misses = [int(line.split(" deadlines")[0].split()[-1]) for line in (fails, does_not)]
     assert fails.startswith("DSP 1 fails at 0.5 s") and misses[0] > misses[1]

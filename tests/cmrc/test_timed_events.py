@@ -1,4 +1,5 @@
-"""Failures, hot-plug and changes of parameters at given instants: their effects, that nothing is lost, and that bad input is refused."""
+"""Failures, hot-plug and changes of parameters at given instants: their effects, that nothing is lost, and that bad
+input is refused."""
 
 import json
 import random
@@ -63,7 +64,11 @@ def test_a_paused_host_leaves_out_its_refreshes() -> None:
 
 
 def test_a_stalled_bus_moves_no_word_while_it_lasts() -> None:
-    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 0.1}, events=[{"at_s": 0.05, "action": "stall_bus", "bus": "A", "lasts_ms": 2}]))
+    simulation = cmrc.Simulation(
+        cmrc.config(
+            settings={"duration_s": 0.1}, events=[{"at_s": 0.05, "action": "stall_bus", "bus": "A", "lasts_ms": 2}]
+        )
+    )
     words = []
     for at_s in (0.05001, 0.0519, 0.054):
         simulation.run_until(at_s)
@@ -76,13 +81,21 @@ def test_a_stalled_bus_moves_no_word_while_it_lasts() -> None:
 def test_a_wait_for_a_stalled_bus_has_its_name_before_it_is_over(bus: str) -> None:
     """The run ends while a block waits. The block has waited for most of the time, and executed a few instructions."""
     stall = {"at_s": 0.05503, "action": "stall_bus", "bus": bus, "lasts_ms": 20}
-    report = run([stall], duration_s=0.0565, dsps=1, **{"machine.boot": "preloaded", "host.start_ms": 0, "report.reference": "none"})
+    report = run(
+        [stall],
+        duration_s=0.0565,
+        dsps=1,
+        **{"machine.boot": "preloaded", "host.start_ms": 0, "report.reference": "none"},
+    )
     (dsp,) = report["dsps"]
     assert dsp["cycles"] == pytest.approx(0.0565 * 25e6, abs=10)
     (miss,) = [miss for miss in report["misses"] if miss["outcome"] == "unfinished"]
     parts = miss["parts_ps"]
     assert 1.3 * 10**9 < parts[f"execution.bus_{bus.lower()}_arbitration"] < 1.5 * 10**9
-    assert sum(amount for name, amount in parts.items() if name.startswith("execution.") and "_arbitration" not in name) < 10**8
+    assert (
+        sum(amount for name, amount in parts.items() if name.startswith("execution.") and "_arbitration" not in name)
+        < 10**8
+    )
 
 
 def test_every_clock_of_a_stalled_bus_is_accounted_for() -> None:
@@ -98,7 +111,12 @@ def test_every_clock_of_a_stalled_bus_is_accounted_for() -> None:
 
 
 def test_a_failed_drive_brakes_its_joint_alone() -> None:
-    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 3, "signal_decimation": 80, "report.reference": "none"}, events=[{"at_s": 2, "action": "fail_drive", "joint": "slew"}]))
+    simulation = cmrc.Simulation(
+        cmrc.config(
+            settings={"duration_s": 3, "signal_decimation": 80, "report.reference": "none"},
+            events=[{"at_s": 2, "action": "fail_drive", "joint": "slew"}],
+        )
+    )
     simulation.run()
     signals = simulation.signals()
     last = signals["time_s"] > 2.9
@@ -122,7 +140,8 @@ def test_a_stuck_encoder_shows_the_same_count() -> None:
 
 
 def test_drives_brake_when_no_torque_code_comes() -> None:
-    # Both DSPs die; the drives hold the last code for 100 ms, then brake; the run ends when no DSP has been alive for 500 ms.
+    # Both DSPs die; the drives hold the last code for 100 ms, then brake; the run ends when no DSP has been alive for
+    # 500 ms.
     report = run([{"at_s": 1, "action": "fail", "dsp": dsp} for dsp in (0, 1)], duration_s=5, dsps=2)
     assert report["stop_reason"] == "no_dsp_left"
     assert report["braked"]
@@ -133,14 +152,20 @@ def test_drives_brake_when_no_torque_code_comes() -> None:
 
 
 def test_a_board_plugged_into_an_empty_slot_works() -> None:
-    report = run([{"at_s": 0.05, "action": "plug", "dsp": 1}, {"at_s": 0.06, "action": "fail", "dsp": 0}], duration_s=0.2, dsps=1, slots=2)
+    report = run(
+        [{"at_s": 0.05, "action": "plug", "dsp": 1}, {"at_s": 0.06, "action": "fail", "dsp": 0}],
+        duration_s=0.2,
+        dsps=1,
+        slots=2,
+    )
     assert report["dsps"][1]["claims"] > 200
     assert report["tasks"]["pid"]["on_time"] > 170
     assert [entry["what"] for entry in report["timed_events"]] == ["plug DSP 1", "fail DSP 0"]
 
 
 def test_an_operator_changes_a_parameter() -> None:
-    # With as_printed a waiting pid block has J = FFECh instead of FFEFh (paper table). The trace shows only the order by J, so the test reads shared memory.
+    # With as_printed a waiting pid block has J = FFECh instead of FFEFh (paper table). The trace shows only the order
+    # by J, so the test reads shared memory.
     simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 0.2, "dsps": 1}))
     simulation.at({"at_s": 0.1, "action": "set", "key": "scheduling.equation", "value": "as_printed"})
     symbol = simulation.symbol
@@ -247,7 +272,10 @@ def survives(seed: int) -> None:
     report = run(failures(seed, dsps, 0.3), duration_s=0.3, dsps=dsps, agvs=1 + seed % 2)
     assert report["stop_reason"] == "completed"
     # A block is lost only with a DSP that has just failed: at the end all but the last few blocks are done.
-    assert sum(task["lost"] + task["unfinished"] + task["never_started"] for task in report["tasks"].values()) <= 2 * dsps + 4
+    assert (
+        sum(task["lost"] + task["unfinished"] + task["never_started"] for task in report["tasks"].values())
+        <= 2 * dsps + 4
+    )
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -326,7 +354,10 @@ def test_the_past_cannot_be_changed() -> None:
 
 
 def test_events_are_part_of_the_configuration_as_toml() -> None:
-    events = [{"at_s": 0.5, "action": "slow", "dsp": 1, "factor": 0.5}, {"at_s": 1, "action": "set", "key": "scheduling.equation", "value": "as_printed"}]
+    events = [
+        {"at_s": 0.5, "action": "slow", "dsp": 1, "factor": 0.5},
+        {"at_s": 1, "action": "set", "key": "scheduling.equation", "value": "as_printed"},
+    ]
     toml = cmrc.config(events=events).to_toml()
     assert cmrc.config(toml=toml).to_toml() == toml
     assert toml.count("[[events]]") == 2

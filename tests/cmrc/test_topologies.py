@@ -1,4 +1,5 @@
-"""Which agent is on which bus: the presets of plant-and-bus.md 3.4, other topologies as data, and topologies that are refused."""
+"""Which agent is on which bus: the presets of plant-and-bus.md 3.4, other topologies as data, and topologies that are
+refused."""
 
 from __future__ import annotations
 
@@ -71,7 +72,11 @@ def test_crossing_a_bridge_takes_longer() -> None:
     def mean(result: package.Result) -> float:
         return result.report["tasks"]["pid"]["execution_ps"]["mean"] / 1e6
 
-    near, drives, dsps = mean(run()), mean(run(layout=ACROSS["drives behind a bridge"])), mean(run(layout=ACROSS["DSPs behind a bridge"]))
+    near, drives, dsps = (
+        mean(run()),
+        mean(run(layout=ACROSS["drives behind a bridge"])),
+        mean(run(layout=ACROSS["DSPs behind a bridge"])),
+    )
     # 5 encoders, the spreader and two sway words are read one by one: at least 6 clocks (forward both ways) each.
     assert drives > near + 8 * 6 * 0.03
     assert dsps > near + 1
@@ -109,7 +114,12 @@ def test_arbiters_timers_and_cards_are_keys(arbiter: str) -> None:
 
 def test_delayed_reads_of_the_device_card_are_retried() -> None:
     retries = [
-        sum(master["retries"] for master in package.run(settings={"bus.delayed_reads": delayed}, **SHORT).report["buses"]["B"]["masters"].values())
+        sum(
+            master["retries"]
+            for master in package.run(settings={"bus.delayed_reads": delayed}, **SHORT)
+            .report["buses"]["B"]["masters"]
+            .values()
+        )
         for delayed in (False, True)
     ]
     assert retries[0] == 0 and retries[1] > 100
@@ -122,7 +132,10 @@ def test_delayed_reads_of_the_device_card_are_retried() -> None:
         ('[topology]\nbuses = "A C"\n', r'topology\.buses: "A C" is not a list of buses; '),
         ('[topology]\nboards = "A A"\n', r"topology\.boards: bus A is named twice; "),
         ('[topology]\nsensors = "A B"\n', r"topology\.sensors: it is on 2 buses; a target is on one bus"),
-        ('[topology]\nboards = "A"\n', r"topology\.boards: the DSPs cannot reach the drives on bus B; .*topology\.bridges"),
+        (
+            '[topology]\nboards = "A"\n',
+            r"topology\.boards: the DSPs cannot reach the drives on bus B; .*topology\.bridges",
+        ),
         ('[topology]\nhost = "B"\n', r"topology\.host: the host cannot reach shared memory on bus A; "),
         ('[topology]\nbridges = "A-B, B-A"\n', r"topology\.bridges: with B-A the bridges form a loop; "),
         (

@@ -1,4 +1,5 @@
-"""The watchdog: long blocks by their heartbeat (measures.md 4), and no healthy DSP is reset for time in which the host did not look (ruling 37)."""
+"""The watchdog: long blocks by their heartbeat (measures.md 4), and no healthy DSP is reset for time in which the host
+did not look (ruling 37)."""
 
 import json
 import re
@@ -18,7 +19,11 @@ LONG = {**PARKED, "load.avoidance_cycles": 50_000}
 
 
 def noticed(report: dict[str, Any]) -> list[tuple[float, int, str]]:
-    return [(failure["time_s"], failure["dsp"], failure["message"]) for failure in report["failures"] if failure["kind"] == "watchdog"]
+    return [
+        (failure["time_s"], failure["dsp"], failure["message"])
+        for failure in report["failures"]
+        if failure["kind"] == "watchdog"
+    ]
 
 
 @pytest.mark.parametrize("action", ["hang", "freeze", "fail"])
@@ -53,7 +58,8 @@ def test_a_dsp_that_hangs_in_the_same_block_again_is_reset_again(tmp_path: Path)
 @pytest.mark.parametrize("idle", ["doorbell", "pause"])
 @pytest.mark.parametrize("owner", [0, 33, 99, 0xFFFFFFFF])
 def test_a_block_whose_owner_is_no_dsp_is_taken_back_and_nobody_is_reset(owner: int, idle: str, tmp_path: Path) -> None:
-    """A program has acquired the list's semaphore, has overwritten its block's owner word, and hangs. Owners are 1 to 16."""
+    """A program has acquired the list's semaphore, has overwritten its block's owner word, and hangs. Owners are 1 to
+    16."""
     programs = tmp_path / "programs"
     shutil.copytree(ROOT / "c40_programs", programs)
     text = f"""
@@ -70,7 +76,13 @@ hangs:  br      hangs
 """
     (programs / "kernels" / "user.asm").write_text(text)
     row = '[[tasks]]\nname = "spoils"\nprogram = "kernel_spoils"\nkind = 9\nimportance = 65530\nperiod_ms = 20\nheartbeat_ms = 1\n'
-    settings = {"machine.dsps": 2, "machine.boot": "preloaded", "machine.programs": str(programs), "duration_s": 0.028, "machine.idle_policy": idle}
+    settings = {
+        "machine.dsps": 2,
+        "machine.boot": "preloaded",
+        "machine.programs": str(programs),
+        "duration_s": 0.028,
+        "machine.idle_policy": idle,
+    }
     simulation = cmrc.Simulation(cmrc.config(toml=row, settings={**settings, "report.reference": "none"}))
     simulation.run()
     report = json.loads(simulation.report_json())
@@ -91,7 +103,14 @@ def test_a_block_is_taken_away_at_the_refresh_of_its_limit(limit: int) -> None:
 
 def test_a_failure_in_avoidance_is_noticed_within_3_ms() -> None:
     # Two blocks of 8 ms every 20 ms, from 40 ms on: at 42 ms both run.
-    report = run([{"at_s": 0.042, "action": "hang", "dsp": dsp} for dsp in (0, 1, 2, 3)], duration_s=0.06, dsps=4, agvs=2, **PARKED, **{"load.avoidance_cycles": 200_000})
+    report = run(
+        [{"at_s": 0.042, "action": "hang", "dsp": dsp} for dsp in (0, 1, 2, 3)],
+        duration_s=0.06,
+        dsps=4,
+        agvs=2,
+        **PARKED,
+        **{"load.avoidance_cycles": 200_000},
+    )
     found = [when for when, _, message in noticed(report) if "obstacle_avoidance" in message]
     assert len(found) == 2 and all(0.042 < when < 0.045 for when in found)
 
@@ -106,14 +125,18 @@ def test_a_pause_of_the_host_has_no_healthy_dsp_reset(pause_ms: float) -> None:
 
 
 def test_one_that_dies_in_the_pause_is_found_after_it() -> None:
-    events = [{"at_s": 0.1, "action": "pause_host", "lasts_ms": 60}, *({"at_s": 0.102, "action": "hang", "dsp": dsp} for dsp in (1, 2))]
+    events = [
+        {"at_s": 0.1, "action": "pause_host", "lasts_ms": 60},
+        *({"at_s": 0.102, "action": "hang", "dsp": dsp} for dsp in (1, 2)),
+    ]
     report = run(events, duration_s=0.3, dsps=4, agvs=8, **LONG)
     reset = {failure["dsp"] for failure in report["failures"] if failure["kind"] in ("watchdog", "silent")}
     assert reset == {1, 2} and [dsp["resets"] for dsp in report["dsps"]] == [0, 1, 1, 0]
 
 
 def test_a_host_kept_off_the_list_has_no_healthy_dsp_reset() -> None:
-    # Eight DSPs that poll without a pause, and a host that tries again only every 20 us or more: a refresh takes up to some ms.
+    # Eight DSPs that poll without a pause, and a host that tries again only every 20 us or more: a refresh takes up to
+    # some ms.
     settings = {**LONG, "idle_policy": "spin", "host.semaphore_retry_ns": 20_000, "watchdog.semaphore_limit_us": 1e6}
     report = run([], duration_s=0.08, dsps=8, agvs=8, **settings)
     assert report["host"]["skipped_refreshes"] > 100 and report["host"]["refresh_duration_ps"]["worst"] > 2e9
@@ -130,7 +153,10 @@ TASK = '[[tasks]]\nname = "look"\nprogram = "kernel_none"\nkind = 9\nimportance 
 
 
 def test_a_heartbeat_longer_than_the_watchdogs_limit_is_refused() -> None:
-    with pytest.raises(cmrc.ConfigError, match=r'own\.toml:1:1: tasks\.heartbeat_ms: 2\.5 ms of "look" are longer than the watchdog\'s limit, 16 refreshes: 2 ms'):
+    with pytest.raises(
+        cmrc.ConfigError,
+        match=r'own\.toml:1:1: tasks\.heartbeat_ms: 2\.5 ms of "look" are longer than the watchdog\'s limit, 16 refreshes: 2 ms',
+    ):
         cmrc.config(toml=TASK.format(2.5), name="own.toml")
     with pytest.raises(cmrc.ConfigError, match="heartbeat_ms"):
         cmrc.config(toml=TASK.format(-1), name="own.toml")

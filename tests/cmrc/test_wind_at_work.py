@@ -33,7 +33,8 @@ def at(simulation: Any, what: str) -> list[float]:
 
 
 def test_in_a_breeze_the_spreader_lands_at_the_first_try(tmp_path: Path) -> None:
-    """12 m/s: without a shift upwind the spreader would hang 0.25 m beside the container, beyond what the guides catch."""
+    """12 m/s: without a shift upwind the spreader would hang 0.25 m beside the container, beyond what the guides
+    catch."""
     wind = {"dock__wind_mean_m_s": 12.0, "dock__wind_gust_m_s": 1.56, "dock__wind_direction_deg": 90.0}
     simulation = simulate(22.0, tmp_path, OVER_A_CONTAINER, **wind)
     assert len(at(simulation, "locked")) == 1 and not at(simulation, "missed")
@@ -72,8 +73,8 @@ def test_the_share_of_time_is_true_where_the_controller_cannot_look(event: dict[
 
 @pytest.mark.campaign
 def test_a_load_that_stands_jammed_on_a_vehicle_is_eased_into_the_cones() -> None:
-    """A load that touched down beside its place and was held there by friction. Four tries failed while the hoist took no weight
-    off the load."""
+    """A load that touched down beside its place and was held there by friction. Four tries failed while the hoist took
+    no weight off the load."""
     run = landings.land(15.0, 10_000, 90.0, seed=7)
     assert len(run.tries) == 2 and max(run.tries) <= 2 and run.missed == 0
 
@@ -172,7 +173,8 @@ def test_a_page_without_marks_is_refused(tmp_path: Path, capsys: pytest.CaptureF
 
 
 def test_wind_on_a_rigid_crane_is_for_its_drives(tmp_path: Path) -> None:
-    """dock.crane_model = "rigid": the load hangs plumb, and its drag pushes on the jib's tip. Wind along x, the load at (0, 24): all on the slew."""
+    """dock.crane_model = "rigid": the load hangs plumb, and its drag pushes on the jib's tip. Wind along x, the load at
+    (0, 24): all on the slew."""
     of = {"dock__crane_model": "rigid", "dock__wind_mean_m_s": 15.0, "dock__wind_limit_m_s": 10.0}
     signals = {}
     for direction in (0.0, 180.0):  # the limit makes it wait

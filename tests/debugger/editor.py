@@ -1,4 +1,5 @@
-"""A client of the Debug Adapter Protocol that is not ours (PyPI dap-python), at `emulator dap`. It checks every message against the protocol."""
+"""A client of the Debug Adapter Protocol that is not ours (PyPI dap-python), at `emulator dap`. It checks every message
+against the protocol."""
 
 from __future__ import annotations
 
@@ -18,7 +19,12 @@ PATIENCE_S = 60  # of a hang, not of a slow machine
 
 class Editor:
     def __init__(self, *options: str) -> None:
-        self.process = subprocess.Popen([BUILD / "bin" / "emulator", "dap", *options], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.process = subprocess.Popen(
+            [BUILD / "bin" / "emulator", "dap", *options],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        )
         self.client = dap.Client("c40")
         answered = self.client.handler.handle_response
 
@@ -75,7 +81,11 @@ class Editor:
                 message = self.heard.pop(0)
                 if isinstance(message, wanted) if isinstance(wanted, type) else wanted(message):
                     return message
-                if isinstance(message, ErrorResponse) and isinstance(wanted, type) and wanted.__name__.endswith("Response"):
+                if (
+                    isinstance(message, ErrorResponse)
+                    and isinstance(wanted, type)
+                    and wanted.__name__.endswith("Response")
+                ):
                     raise AssertionError(message)
             self._read()
         raise AssertionError(f"no {wanted} came")
@@ -113,4 +123,7 @@ class Editor:
     def registers(self, frame: int) -> dict[str, Any]:
         scope = self.ask(self.client.scopes(frame), responses.ScopesResponse).scopes[0]
         assert scope.name == "Registers"
-        return {v.name: v for v in self.ask(self.client.variables(scope.variablesReference), responses.VariablesResponse).variables}
+        return {
+            v.name: v
+            for v in self.ask(self.client.variables(scope.variablesReference), responses.VariablesResponse).variables
+        }

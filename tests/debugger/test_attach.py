@@ -11,7 +11,17 @@ import cmrc
 import pytest
 from locations import AT_ONCE_OPTIONS, BUILD
 
-RUN = [BUILD / "bin" / "emulator", "--quiet", "--dsps", "2", "--duration", "0.3", "--set", "report.reference=none", *AT_ONCE_OPTIONS]
+RUN = [
+    BUILD / "bin" / "emulator",
+    "--quiet",
+    "--dsps",
+    "2",
+    "--duration",
+    "0.3",
+    "--set",
+    "report.reference=none",
+    *AT_ONCE_OPTIONS,
+]
 
 
 class Client:
@@ -65,11 +75,15 @@ def hash_of(report: Path) -> str:
 @pytest.mark.parametrize("end", [False, True])
 def test_an_editor_attaches_to_a_run_that_waits_and_lets_it_go_on_or_ends_it(tmp_path: Path, end: bool) -> None:
     report, alone = tmp_path / "report.json", tmp_path / "alone.json"
-    run = subprocess.Popen([*RUN, "--report", report, "--debug", "0", "--debug-wait"], stderr=subprocess.PIPE, text=True)
+    run = subprocess.Popen(
+        [*RUN, "--report", report, "--debug", "0", "--debug-wait"], stderr=subprocess.PIPE, text=True
+    )
     assert run.stderr is not None
     client = Client(int(run.stderr.readline().split("port ")[1].split()[0]))
     attach(client)
-    assert client.ask("setFunctionBreakpoints", breakpoints=[{"name": "kernel_pid"}])["body"]["breakpoints"][0]["verified"]
+    assert client.ask("setFunctionBreakpoints", breakpoints=[{"name": "kernel_pid"}])["body"]["breakpoints"][0][
+        "verified"
+    ]
     for _ in range(3):
         client.ask("continue", threadId=1)
         assert client.event("stopped")["reason"] == "breakpoint"
@@ -86,7 +100,9 @@ def test_an_editor_attaches_to_a_run_that_waits_and_lets_it_go_on_or_ends_it(tmp
 
 def test_an_editor_that_vanishes_lets_the_run_go_on(tmp_path: Path) -> None:
     report, alone = tmp_path / "report.json", tmp_path / "alone.json"
-    run = subprocess.Popen([*RUN, "--report", report, "--debug", "0", "--debug-wait"], stderr=subprocess.PIPE, text=True)
+    run = subprocess.Popen(
+        [*RUN, "--report", report, "--debug", "0", "--debug-wait"], stderr=subprocess.PIPE, text=True
+    )
     assert run.stderr is not None
     client = Client(int(run.stderr.readline().split("port ")[1].split()[0]))
     attach(client)
@@ -127,7 +143,14 @@ def test_python_lets_an_editor_attach() -> None:
             debugger.listen(taken.getsockname()[1])
 
 
-@pytest.mark.parametrize(("options", "message"), [(["--debug-wait"], "needs --debug"), (["--debug", "70000"], "--debug"), (["--debug", "0", "--profile", "/tmp/p"], "profile")])
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--debug-wait"], "needs --debug"),
+        (["--debug", "70000"], "--debug"),
+        (["--debug", "0", "--profile", "/tmp/p"], "profile"),
+    ],
+)
 def test_what_makes_no_sense_is_refused(options: list[str], message: str) -> None:
     done = subprocess.run([*RUN, *options], capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 2 and message in done.stderr

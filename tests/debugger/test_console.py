@@ -8,7 +8,10 @@ import pytest
 from locations import AT_ONCE_OPTIONS, BUILD
 from test_dap import PROGRAM
 
-TEXT = PROGRAM.replace("start:  ldp     total\n", "start:  ldp     total\n        ldhi    2fh,ar7\n        or      0f800h,ar7\n        ldi     ar7,sp\n")
+TEXT = PROGRAM.replace(
+    "start:  ldp     total\n",
+    "start:  ldp     total\n        ldhi    2fh,ar7\n        or      0f800h,ar7\n        ldi     ar7,sp\n",
+)
 
 
 @pytest.fixture
@@ -19,7 +22,14 @@ def program(tmp_path: Path) -> Path:
 
 
 def debug(*arguments: object, stdin: str = "") -> subprocess.CompletedProcess[str]:
-    return subprocess.run([str(word) for word in (BUILD / "bin" / "emulator", "debug", *arguments)], input=stdin, capture_output=True, text=True, timeout=120, check=False)
+    return subprocess.run(
+        [str(word) for word in (BUILD / "bin" / "emulator", "debug", *arguments)],
+        input=stdin,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
 
 
 def script(tmp_path: Path, *commands: str) -> Path:
@@ -29,20 +39,53 @@ def script(tmp_path: Path, *commands: str) -> Path:
 
 
 def test_a_firmware_test_is_ten_lines(program: Path, tmp_path: Path) -> None:
-    good = script(tmp_path, "# sums 5 to 1", "break end", "continue", "assert [total] == 15", "assert r0 == 0", "lastwrite total", "back", "goto 0 us", "assert pc == start")
+    good = script(
+        tmp_path,
+        "# sums 5 to 1",
+        "break end",
+        "continue",
+        "assert [total] == 15",
+        "assert r0 == 0",
+        "lastwrite total",
+        "back",
+        "goto 0 us",
+        "assert pc == start",
+    )
     done = debug(program, "-x", good)
     assert done.returncode == 0, done.stdout
     assert re.search(r"wrote 0000000Fh \(before: 0000000Eh\) to total .* at add\+0x2", done.stdout)
     bad = debug(program, "-x", script(tmp_path, "break end", "continue", "assert [total] == 16", "print 1"))
-    assert bad.returncode == 1 and "assertion failed: [total] == 16" in bad.stdout and f"{tmp_path}/commands.txt:3" in bad.stdout
+    assert (
+        bad.returncode == 1
+        and "assertion failed: [total] == 16" in bad.stdout
+        and f"{tmp_path}/commands.txt:3" in bad.stdout
+    )
     assert "1 (00000001h)" not in bad.stdout  # the script has ended there
 
 
 def test_a_place_may_be_a_line_of_a_file(program: Path, tmp_path: Path) -> None:
     line = 1 + next(n for n, text in enumerate(TEXT.splitlines()) if text.startswith("add:"))
-    done = debug(program, "-x", script(tmp_path, f"break sums.asm:{line}", "continue", "assert pc == add", f"break *sums.asm:{line + 1}", "continue", "assert pc == add + 1"))
+    done = debug(
+        program,
+        "-x",
+        script(
+            tmp_path,
+            f"break sums.asm:{line}",
+            "continue",
+            "assert pc == add",
+            f"break *sums.asm:{line + 1}",
+            "continue",
+            "assert pc == add + 1",
+        ),
+    )
     assert done.returncode == 0, done.stdout
-    for place, message in (("sums.asm:", "LINE a number"), ("sums.asm:1x", "LINE a number"), ("sums.asm:0123456789", "LINE a number"), ("sums.asm:999999999", "no instruction in that line"), ("other.asm:3", "files with lines: sums.asm")):
+    for place, message in (
+        ("sums.asm:", "LINE a number"),
+        ("sums.asm:1x", "LINE a number"),
+        ("sums.asm:0123456789", "LINE a number"),
+        ("sums.asm:999999999", "no instruction in that line"),
+        ("other.asm:3", "files with lines: sums.asm"),
+    ):
         done = debug(program, "-x", script(tmp_path, f"break {place}"))
         assert done.returncode != 0 and message in done.stdout + done.stderr, (place, done.stdout, done.stderr)
 
@@ -59,7 +102,9 @@ def test_a_place_may_be_a_line_of_a_file(program: Path, tmp_path: Path) -> None:
         ("lastwrite", "a place is expected"), ("assert", "a value is expected"),
     ],
 )  # fmt: skip
-def test_commands_that_make_no_sense_say_what_would_be_right(program: Path, tmp_path: Path, command: str, message: str) -> None:
+def test_commands_that_make_no_sense_say_what_would_be_right(
+    program: Path, tmp_path: Path, command: str, message: str
+) -> None:
     done = debug(program, stdin=f"{command}\nprint 6 * 7\n")
     assert done.returncode == 0
     assert re.search(message, done.stdout), done.stdout
@@ -85,7 +130,16 @@ def test_a_program_and_the_dock_exclude_each_other(program: Path) -> None:
 
 
 def test_the_dock_by_commands() -> None:
-    done = debug("--dsps", "3", "--duration", "0.1", "--set", "report.reference=none", *AT_ONCE_OPTIONS, stdin="on claim task=pid\nc\npage list\nchips\nblock\nrefresh\nrefresh 2\nrrefresh\nstops\nhistory\nlist\nregisters\nstack\n")
+    done = debug(
+        "--dsps",
+        "3",
+        "--duration",
+        "0.1",
+        "--set",
+        "report.reference=none",
+        *AT_ONCE_OPTIONS,
+        stdin="on claim task=pid\nc\npage list\nchips\nblock\nrefresh\nrefresh 2\nrrefresh\nstops\nhistory\nlist\nregisters\nstack\n",
+    )
     assert done.returncode == 0
     for text in ("task=pid", "DSP 2", "refresh number=", "snapshots from 0.000000000 s", "cycles of its last run"):
         assert text in done.stdout, text
@@ -95,7 +149,23 @@ def test_the_dock_by_commands() -> None:
 def test_all_registers_of_the_processor_are_shown(program: Path) -> None:
     shown = set(re.findall(r"\b[A-Z][A-Z0-9]*\b", debug(program, stdin="registers\n").stdout))
     extended, auxiliary = {f"R{n}" for n in range(12)}, {f"AR{n}" for n in range(8)}
-    rest = ["PC", "DP", "IR0", "IR1", "BK", "SP", "ST", "DIE", "IIE", "IIF", "RS", "RE", "RC", "IVTP", "TVTP"]  # c40-isa.md 1
+    rest = [
+        "PC",
+        "DP",
+        "IR0",
+        "IR1",
+        "BK",
+        "SP",
+        "ST",
+        "DIE",
+        "IIE",
+        "IIF",
+        "RS",
+        "RE",
+        "RC",
+        "IVTP",
+        "TVTP",
+    ]  # c40-isa.md 1
     assert shown >= {*extended, *auxiliary, *rest}
 
 

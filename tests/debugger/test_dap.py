@@ -1,4 +1,5 @@
-"""The Debug Adapter Protocol with a client that is not ours: a program, a network, the dock; and input that is no message."""
+"""The Debug Adapter Protocol with a client that is not ours: a program, a network, the dock; and input that is no
+message."""
 
 import base64
 import json
@@ -33,7 +34,12 @@ SUMS = [5, 9, 12, 14, 15]
 @pytest.fixture
 def program(tmp_path: Path) -> Path:
     path = tmp_path / "sums.asm"
-    path.write_text(PROGRAM.replace("start:  ldp     total\n", "start:  ldp     total\n        ldhi    2fh,ar7\n        or      0f800h,ar7\n        ldi     ar7,sp\n"))
+    path.write_text(
+        PROGRAM.replace(
+            "start:  ldp     total\n",
+            "start:  ldp     total\n        ldhi    2fh,ar7\n        or      0f800h,ar7\n        ldi     ar7,sp\n",
+        )
+    )
     return path
 
 
@@ -42,7 +48,10 @@ def line_of(program: Path, text: str) -> int:
 
 
 def break_at(editor: Editor, program: Path, line: int, **fields: Any) -> Any:
-    return editor.ask(editor.send("setBreakpoints", source={"path": str(program)}, breakpoints=[{"line": line, **fields}]), responses.SetBreakpointsResponse).breakpoints[0]
+    return editor.ask(
+        editor.send("setBreakpoints", source={"path": str(program)}, breakpoints=[{"line": line, **fields}]),
+        responses.SetBreakpointsResponse,
+    ).breakpoints[0]
 
 
 def test_a_program_stops_at_a_source_line_and_shows_what_is_there(program: Path) -> None:
@@ -123,7 +132,10 @@ def test_data_function_and_instruction_breakpoints_and_back_again(program: Path)
         editor.stopped()
         info = editor.ask(editor.client.data_breakpoint_info("total"), responses.DataBreakpointInfoResponse)
         assert info.dataId and set(info.accessTypes) == {"read", "write", "readWrite"}
-        editor.ask(editor.send("setDataBreakpoints", breakpoints=[{"dataId": info.dataId, "accessType": "write"}]), responses.SetDataBreakpointsResponse)
+        editor.ask(
+            editor.send("setDataBreakpoints", breakpoints=[{"dataId": info.dataId, "accessType": "write"}]),
+            responses.SetDataBreakpointsResponse,
+        )
         for total in SUMS:
             editor.client.continue_(1)
             assert editor.stopped().reason == "data breakpoint"
@@ -133,13 +145,22 @@ def test_data_function_and_instruction_breakpoints_and_back_again(program: Path)
             editor.stopped()
             assert editor.value("[total]").startswith(f"{total} ")
         editor.ask(editor.send("setDataBreakpoints", breakpoints=[]), responses.SetDataBreakpointsResponse)
-        named = editor.ask(editor.send("setFunctionBreakpoints", breakpoints=[{"name": "add"}, {"name": "nothing"}]), responses.SetFunctionBreakpointsResponse) and editor.bodies["setFunctionBreakpoints"]["breakpoints"]
+        named = (
+            editor.ask(
+                editor.send("setFunctionBreakpoints", breakpoints=[{"name": "add"}, {"name": "nothing"}]),
+                responses.SetFunctionBreakpointsResponse,
+            )
+            and editor.bodies["setFunctionBreakpoints"]["breakpoints"]
+        )
         assert [one["verified"] for one in named] == [True, False]
         editor.client.continue_(1)
         assert editor.stopped().hitBreakpointIds == [str(named[0]["id"])]
         editor.ask(editor.send("setFunctionBreakpoints", breakpoints=[]), responses.SetFunctionBreakpointsResponse)
         reference = editor.top().instructionPointerReference
-        editor.ask(editor.send("setInstructionBreakpoints", breakpoints=[{"instructionReference": reference, "offset": 2}]), responses.SetInstructionBreakpointsResponse)
+        editor.ask(
+            editor.send("setInstructionBreakpoints", breakpoints=[{"instructionReference": reference, "offset": 2}]),
+            responses.SetInstructionBreakpointsResponse,
+        )
         editor.client.continue_(1)
         editor.stopped()
         assert editor.top().line == line_of(program, "sti     r1")
@@ -151,21 +172,36 @@ def test_memory_instructions_and_changes_by_hand(program: Path) -> None:
         editor.configured()
         editor.stopped()
         start = editor.top().instructionPointerReference
-        editor.ask(editor.send("disassemble", memoryReference=start, instructionOffset=-1, instructionCount=4), responses.DisassembleResponse)
+        editor.ask(
+            editor.send("disassemble", memoryReference=start, instructionOffset=-1, instructionCount=4),
+            responses.DisassembleResponse,
+        )
         rows = editor.bodies["disassemble"]["instructions"]
         first = int(start, 16)
         assert [int(row["address"], 16) for row in rows] == [first - 1, first, first + 1, first + 2]
-        assert "ldpk" in rows[1]["instruction"] and rows[1]["symbol"] == "start" and rows[1]["line"] == line_of(program, "start:")
-        words = struct.unpack("<2I", base64.b64decode(editor.ask(editor.client.read_memory(start, 8), responses.ReadMemoryResponse).data))
+        assert (
+            "ldpk" in rows[1]["instruction"]
+            and rows[1]["symbol"] == "start"
+            and rows[1]["line"] == line_of(program, "start:")
+        )
+        words = struct.unpack(
+            "<2I", base64.b64decode(editor.ask(editor.client.read_memory(start, 8), responses.ReadMemoryResponse).data)
+        )
         assert f"{words[0]:08X}" == rows[1]["instructionBytes"]
         part = editor.ask(editor.client.read_memory(start, 3, offset=2), responses.ReadMemoryResponse)
         assert struct.unpack("<2I", base64.b64decode(part.data)) == words and int(part.address, 16) == first
         total = editor.ask(editor.client.evaluate("total"), responses.EvaluateResponse).memoryReference
-        editor.ask(editor.client.write_memory(total, base64.b64encode(struct.pack("<I", 100)).decode()), responses.WriteMemoryResponse)
+        editor.ask(
+            editor.client.write_memory(total, base64.b64encode(struct.pack("<I", 100)).decode()),
+            responses.WriteMemoryResponse,
+        )
         assert any("new branch" in text for text in editor.outputs)
         scope = editor.ask(editor.client.scopes(editor.top().id), responses.ScopesResponse).scopes[0]
         editor.ask(editor.client.variables(scope.variablesReference), responses.VariablesResponse)
-        answer = editor.ask(editor.client.set_variable(scope.variablesReference, "R3", "f(total) * 0 + 1.5"), responses.SetVariableResponse)
+        answer = editor.ask(
+            editor.client.set_variable(scope.variablesReference, "R3", "f(total) * 0 + 1.5"),
+            responses.SetVariableResponse,
+        )
         assert answer.value == "1.5"
         editor.client.continue_(1)
         editor.stopped()
@@ -176,7 +212,10 @@ def test_the_dock_has_a_thread_for_each_dsp_and_source_that_is_built_in() -> Non
     settings = [word for word in AT_ONCE_OPTIONS if word != "--set"]
     with Editor() as editor:
         editor.begin(dsps=3, duration=0.05, set=[*settings, "report.reference=none"])
-        editor.ask(editor.send("setFunctionBreakpoints", breakpoints=[{"name": "kernel_pid"}]), responses.SetFunctionBreakpointsResponse)
+        editor.ask(
+            editor.send("setFunctionBreakpoints", breakpoints=[{"name": "kernel_pid"}]),
+            responses.SetFunctionBreakpointsResponse,
+        )
         editor.configured()
         event = editor.stopped()
         threads = editor.ask(editor.client.threads(), responses.ThreadsResponse).threads
@@ -241,7 +280,9 @@ def test_a_run_is_paused_and_goes_on_and_ends_when_the_client_says_so(tmp_path: 
         ("exceptionInfo", {"threadId": 0}, "threads 1 to 1"),
     ],
 )  # fmt: skip
-def test_requests_that_make_no_sense_are_refused_with_a_reason(program: Path, command: str, arguments: dict[str, Any], message: str) -> None:
+def test_requests_that_make_no_sense_are_refused_with_a_reason(
+    program: Path, command: str, arguments: dict[str, Any], message: str
+) -> None:
     with Editor() as editor:
         editor.begin(program=str(program), stopOnEntry=True)
         editor.configured()
@@ -254,7 +295,9 @@ def test_requests_that_make_no_sense_are_refused_with_a_reason(program: Path, co
     ("arguments", "message"),
     [({"program": "/nowhere.asm"}, "nowhere.asm"), ({"program": 5}, "launch: program"), ({"dsps": "four"}, "launch: dsps"), ({"dsps": 99}, "dsps"), ({"network": "/nowhere.toml"}, "nowhere.toml"), ({"program": "x.asm", "dsps": 2}, "are for the dock")],
 )  # fmt: skip
-def test_what_cannot_be_launched_is_said_and_something_else_may_be(program: Path, arguments: dict[str, Any], message: str) -> None:
+def test_what_cannot_be_launched_is_said_and_something_else_may_be(
+    program: Path, arguments: dict[str, Any], message: str
+) -> None:
     with Editor() as editor:
         editor.wait(responses.Initialized)
         assert message in editor.refused("launch", arguments)
@@ -295,9 +338,17 @@ def test_clients_come_to_a_port_one_after_the_other_and_a_port_that_is_taken_is_
         port = int(server.stdout.readline().split("port ")[1].split()[0])
         for _ in range(2):
             with socket.create_connection(("127.0.0.1", port), timeout=60) as client:
-                client.sendall(framed(json.dumps({"seq": 1, "type": "request", "command": "initialize", "arguments": {}})))
+                client.sendall(
+                    framed(json.dumps({"seq": 1, "type": "request", "command": "initialize", "arguments": {}}))
+                )
                 assert b"supportsStepBack" in client.recv(65536)
-        taken = subprocess.run([BUILD / "bin" / "emulator", "dap", "--listen", str(port)], capture_output=True, text=True, timeout=60, check=False)
+        taken = subprocess.run(
+            [BUILD / "bin" / "emulator", "dap", "--listen", str(port)],
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+        )
         assert taken.returncode == 2 and f"port {port}" in taken.stderr
     finally:
         server.kill()

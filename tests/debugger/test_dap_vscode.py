@@ -1,4 +1,5 @@
-"""The Debug Adapter Protocol by the client that VS Code's own adapters are tested with (npm, @vscode/debugadapter-testsupport)."""
+"""The Debug Adapter Protocol by the client that VS Code's own adapters are tested with (npm,
+@vscode/debugadapter-testsupport)."""
 
 import shutil
 import subprocess
@@ -11,11 +12,22 @@ from test_dap import PROGRAM
 MODULES = ROOT / "build-editor" / "node_modules"
 
 
-@pytest.mark.skipif(shutil.which("node") is None, reason="Node is not installed: Debian 12 has version 18 (apt-get install nodejs npm)")
-@pytest.mark.skipif(not MODULES.is_dir(), reason="scripts/setup editor installs @vscode/debugadapter-testsupport into build-editor")
+@pytest.mark.skipif(
+    shutil.which("node") is None, reason="Node is not installed: Debian 12 has version 18 (apt-get install nodejs npm)"
+)
+@pytest.mark.skipif(
+    not MODULES.is_dir(), reason="scripts/setup editor installs @vscode/debugadapter-testsupport into build-editor"
+)
 def test_a_session_of_vs_codes_own_test_client(tmp_path: Path) -> None:
     program = tmp_path / "sums.asm"
-    program.write_text(PROGRAM.replace("start:  ldp     total\n", "start:  ldp     total\n        ldhi    2fh,ar7\n        or      0f800h,ar7\n        ldi     ar7,sp\n"))
+    program.write_text(
+        PROGRAM.replace(
+            "start:  ldp     total\n",
+            "start:  ldp     total\n        ldhi    2fh,ar7\n        or      0f800h,ar7\n        ldi     ar7,sp\n",
+        )
+    )
     script = shutil.copy(ROOT / "tests" / "debugger" / "vscode" / "session.js", MODULES.parent / "session.js")
-    done = subprocess.run(["node", script, BUILD / "bin" / "emulator", program], capture_output=True, text=True, timeout=120, check=False)
+    done = subprocess.run(
+        ["node", script, BUILD / "bin" / "emulator", program], capture_output=True, text=True, timeout=120, check=False
+    )
     assert done.returncode == 0, done.stderr

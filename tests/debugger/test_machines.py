@@ -1,4 +1,5 @@
-"""The debugger over networks and the dock: one instant for all chips, what it shows, and that looking changes nothing."""
+"""The debugger over networks and the dock: one instant for all chips, what it shows, and that looking changes
+nothing."""
 
 from typing import Any
 
@@ -10,7 +11,9 @@ from cmrc.network import Network, SharedMemory
 
 
 def dock(duration_s: float = 0.2, dsps: int = 4, **settings: Any) -> cmrc.Simulation:
-    return cmrc.Simulation(settings={"run.duration_s": duration_s, "machine.dsps": dsps, "report.reference": "none", **settings})
+    return cmrc.Simulation(
+        settings={"run.duration_s": duration_s, "machine.dsps": dsps, "report.reference": "none", **settings}
+    )
 
 
 def test_words_of_a_shared_memory_are_watched_whoever_touches_them() -> None:
@@ -43,8 +46,11 @@ end:    bu end
 
 
 def test_a_condition_may_ask_for_a_word_that_other_chips_write() -> None:
-    """Chip 0 counts in a shared word. Chip 1 goes round a loop, and stops there as soon as the word is 5; afterwards any word can be asked for."""
-    counts = c40.assemble("        .text\nstart:  ldhi 0C000h,ar0\n        ldi 0,r0\nloop:   addi 1,r0\n        sti r0,*ar0\n        b loop\n")
+    """Chip 0 counts in a shared word. Chip 1 goes round a loop, and stops there as soon as the word is 5; afterwards
+    any word can be asked for."""
+    counts = c40.assemble(
+        "        .text\nstart:  ldhi 0C000h,ar0\n        ldi 0,r0\nloop:   addi 1,r0\n        sti r0,*ar0\n        b loop\n"
+    )
     waits = c40.assemble("        .text\nstart:  ldi 0,r1\nround:  addi 1,r1\n        b round\n")
     network = Network([counts, waits], memories=[SharedMemory("table", 16, {0: 0xC0000000, 1: 0xC0000000})])
     debugger = network.debug()
@@ -59,7 +65,16 @@ def test_at_a_stop_the_dock_is_as_one_that_nobody_looks_at(dsps: int, settings: 
     preset = settings.get("preset")
 
     def make() -> cmrc.Simulation:
-        return cmrc.Simulation(preset=preset, settings={"run.duration_s": 0.1, "machine.dsps": dsps, "report.reference": "none", "machine.boot": "preloaded", "host.start_ms": 0})
+        return cmrc.Simulation(
+            preset=preset,
+            settings={
+                "run.duration_s": 0.1,
+                "machine.dsps": dsps,
+                "report.reference": "none",
+                "machine.boot": "preloaded",
+                "host.start_ms": 0,
+            },
+        )
 
     run = make()
     debugger = run.debug()

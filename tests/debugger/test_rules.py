@@ -37,7 +37,11 @@ def breaches_of_the_checks() -> Counter[str]:
 
 def debugger_of(kind: str) -> Debugger:
     program = assemble(SOURCE)
-    return Processor(program).debug() if kind == "chip" else Network([program, assemble("start: b start")], links=["0.0:1.3"]).debug()
+    return (
+        Processor(program).debug()
+        if kind == "chip"
+        else Network([program, assemble("start: b start")], links=["0.0:1.3"]).debug()
+    )
 
 
 @pytest.mark.parametrize("kind", ["chip", "network"])

@@ -15,7 +15,12 @@ from nasty_programs import CYCLES, DATA, Bench, assembled, generate, made, state
 
 CYCLE_PS = 50_000
 SEEDS = [*range(30), *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(30, 1000))]
-EXAMPLES = sorted([*(ROOT / "c40_programs" / "examples").glob("*.asm"), *(ROOT / "c40_programs" / "examples" / "peripherals").glob("*.asm")])
+EXAMPLES = sorted(
+    [
+        *(ROOT / "c40_programs" / "examples").glob("*.asm"),
+        *(ROOT / "c40_programs" / "examples" / "peripherals").glob("*.asm"),
+    ]
+)
 
 
 def program_without_pins(seed: int) -> Any:
@@ -53,7 +58,9 @@ def test_breakpoints_stop_before_each_of_their_instructions(seed: int, tmp_path:
     debugger = debugger_of(chip, image)
     for address in chosen:
         debugger.break_at(address)
-    expected = [(record["cycle"], record["pc"]) for record in records if record["pc"] in chosen and 0 < record["cycle"] < CYCLES]
+    expected = [
+        (record["cycle"], record["pc"]) for record in records if record["pc"] in chosen and 0 < record["cycle"] < CYCLES
+    ]
     found = []
     for cycle, hits in stops_until_the_end(debugger):
         assert [hit.pc for hit in hits] == [chip.pc], seed
@@ -82,7 +89,12 @@ def test_watchpoints_stop_after_each_access_of_the_processor(seed: int, tmp_path
         for how, address, value in record["memory"]:
             if how in letters and first <= address < first + words and end <= CYCLES:
                 expected.append((end, record["pc"], value))
-    found = [(cycle, hit.pc, hit.value) for cycle, hits in stops_until_the_end(debugger) for hit in hits if "DMA" not in hit.text and "interrupt" not in hit.text]
+    found = [
+        (cycle, hit.pc, hit.value)
+        for cycle, hits in stops_until_the_end(debugger)
+        for hit in hits
+        if "DMA" not in hit.text and "interrupt" not in hit.text
+    ]
     # An instruction that crosses the end is looked at by the trace only.
     assert found == [hit for hit in expected if hit in found or hit[0] < CYCLES], seed
 
@@ -191,10 +203,19 @@ def test_the_last_writer_is_that_of_the_full_trace(seed: int, tmp_path: Path) ->
     debugger = debugger_of(chip, image)
     debugger.go_to_ps(now * CYCLE_PS)
     here = debugger._core.state()
-    for address in sorted({a for r in records for how, a, _ in r["memory"] if how == "w" and a < 0x100000 or a > 0x100100})[:6]:
-        writes = [(r["cycle"] + r["cycles"], r["pc"], v) for r in records for how, a, v in r["memory"] if how == "w" and a == address and r["cycle"] + r["cycles"] <= now]
+    for address in sorted(
+        {a for r in records for how, a, _ in r["memory"] if how == "w" and a < 0x100000 or a > 0x100100}
+    )[:6]:
+        writes = [
+            (r["cycle"] + r["cycles"], r["pc"], v)
+            for r in records
+            for how, a, v in r["memory"]
+            if how == "w" and a == address and r["cycle"] + r["cycles"] <= now
+        ]
         writer = debugger.last_write(address)
         assert debugger._core.state() == here
         if writer is not None and ("DMA" in writer.text or "interrupt" in writer.text):
             continue
-        assert (None if writer is None else (writer.time_ps // CYCLE_PS, writer.pc, writer.value)) == (writes[-1] if writes else None), (seed, hex(address))
+        assert (None if writer is None else (writer.time_ps // CYCLE_PS, writer.pc, writer.value)) == (
+            writes[-1] if writes else None
+        ), (seed, hex(address))

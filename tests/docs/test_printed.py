@@ -4,17 +4,20 @@ A block of output stands under a comment that names its command:
 
     <!-- printed by: emulator --dsps 4 --duration 2 | from "Deadlines" to "grab_path" -->
 
-Commands are ``emulator ...``, ``python -m cmrc ...`` and ``python FILE ...`` of a script in the tree. ``from "A" to "B"`` takes the
-lines from the first one that begins with A to the next one that begins with B. Several such parts, separated by commas, are shown with a
-blank line between them. ``cut N`` at the end leaves out all beyond column N. ``table``: the whole output is a table, which the page has below. In prose, ``says "..."`` names what the output and the
-paragraph (or table) below both say; runs of blanks count as one. ``campaign`` at the end keeps long runs out of the suite.
-``pytest tests/docs --update-golden`` (with ``-m campaign`` for the long ones) writes blocks and tables again.
+Commands are ``emulator ...``, ``python -m cmrc ...`` and ``python FILE ...`` of a script in the tree. ``from "A" to
+"B"`` takes the lines from the first one that begins with A to the next one that begins with B. Several such parts,
+separated by commas, are shown with a blank line between them. ``cut N`` at the end leaves out all beyond column N.
+``table``: the whole output is a table, which the page has below. In prose, ``says "..."`` names what the output and the
+paragraph (or table) below both say; runs of blanks count as one. ``campaign`` at the end keeps long runs out of the
+suite. ``pytest tests/docs --update-golden`` (with ``-m campaign`` for the long ones) writes blocks and tables again.
 
-Where a test holds a figure, the comment names test and phrases; each number of a phrase stands in the source of that test:
+Where a test holds a figure, the comment names test and phrases; each number of a phrase stands in the source of that
+test:
 
     <!-- held by: tests/kernels/test_heartbeat.py::test_a_beat_keeps_registers_and_status | says "17 cycles" -->
 
-Figures of speed (docs/speed.md) differ from machine to machine: they have their command, date and machine beside them instead.
+Figures of speed (docs/speed.md) differ from machine to machine: they have their command, date and machine beside them
+instead.
 """
 
 import ast
@@ -70,7 +73,17 @@ def places(page: Path) -> list[Printed]:
         else:
             length = len(re.match(r"(?:    .*\n|\n(?=\n?    ))*", rest)[0])  # type: ignore[index]
         line = text[: mark.start()].count("\n") + 1
-        found.append(Printed(str(page.relative_to(ROOT)), line, mark["command"], mark["parts"], bool(mark["campaign"]), mark.end(), mark.end() + length))
+        found.append(
+            Printed(
+                str(page.relative_to(ROOT)),
+                line,
+                mark["command"],
+                mark["parts"],
+                bool(mark["campaign"]),
+                mark.end(),
+                mark.end() + length,
+            )
+        )
     return found
 
 
@@ -108,23 +121,34 @@ def one_blank(text: str) -> str:
 
 @pytest.mark.parametrize(
     "place",
-    [pytest.param(place, id=f"{place.page}:{place.line}", marks=[pytest.mark.campaign] if place.campaign else []) for place in ALL],
+    [
+        pytest.param(place, id=f"{place.page}:{place.line}", marks=[pytest.mark.campaign] if place.campaign else [])
+        for place in ALL
+    ],
 )
 def test_what_a_document_prints_is_what_its_command_prints(place: Printed, request: pytest.FixtureRequest) -> None:
     output = output_of(place.command)
     if "says" in place.parts:
         for phrase in SAYS.findall(place.parts):
-            assert phrase in one_blank(output), f"{place.page}:{place.line}: `{place.command}` does not say {phrase!r} any more"
-            assert phrase in one_blank(place.text()), f"{place.page}:{place.line}: the paragraph does not say {phrase!r}"
+            assert phrase in one_blank(output), (
+                f"{place.page}:{place.line}: `{place.command}` does not say {phrase!r} any more"
+            )
+            assert phrase in one_blank(place.text()), (
+                f"{place.page}:{place.line}: the paragraph does not say {phrase!r}"
+            )
         return
     now = output if place.parts == " | table" else excerpt(output, place.parts)
     if request.config.getoption("--update-golden"):
         page = ROOT / place.page
-        [same] = [other for other in places(page) if (other.command, other.parts) == (place.command, place.parts)]  # an earlier block may have grown
+        [same] = [
+            other for other in places(page) if (other.command, other.parts) == (place.command, place.parts)
+        ]  # an earlier block may have grown
         text = page.read_text(encoding="utf-8")
         page.write_text(text[: same.begin] + now + text[same.end :], encoding="utf-8")
         return
-    assert place.text() == now, f"{place.page}:{place.line}: `{place.command}` prints something else; pytest tests/docs --update-golden writes it"
+    assert place.text() == now, (
+        f"{place.page}:{place.line}: `{place.command}` prints something else; pytest tests/docs --update-golden writes it"
+    )
 
 
 def source_of(test: str) -> str:
@@ -141,7 +165,9 @@ def numbers(text: str) -> set[float]:
 
 
 HOLDING = [
-    pytest.param(page, mark, id=f"{page.name}:{mark['test']}") for page in PAGES for mark in HELD.finditer(page.read_text(encoding="utf-8"))
+    pytest.param(page, mark, id=f"{page.name}:{mark['test']}")
+    for page in PAGES
+    for mark in HELD.finditer(page.read_text(encoding="utf-8"))
 ]
 
 

@@ -13,7 +13,11 @@ import pyarrow.parquet
 import pytest
 from locations import BUILD, ROOT
 
-QUERIES = dict(re.findall(r"```sql\n-- query: (\w+)\n(.*?)```", (ROOT / "docs" / "timelines.md").read_text(encoding="utf-8"), re.DOTALL))
+QUERIES = dict(
+    re.findall(
+        r"```sql\n-- query: (\w+)\n(.*?)```", (ROOT / "docs" / "timelines.md").read_text(encoding="utf-8"), re.DOTALL
+    )
+)
 
 # The page asks about the tick at 1 s; the run of this test lasts 0.16 s.
 TICK_OF_THE_PAGE, TICK = "8000", "800"
@@ -22,10 +26,19 @@ TICK_OF_THE_PAGE, TICK = "8000", "800"
 @pytest.fixture(scope="module")
 def scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("events")
-    settings = ["--set", "scheduling.agv_phase=together", "--set", "report.reference=none", "--set", "report.misses_max=100000"]
+    settings = [
+        "--set",
+        "scheduling.agv_phase=together",
+        "--set",
+        "report.reference=none",
+        "--set",
+        "report.misses_max=100000",
+    ]
     asked = [BUILD / "bin" / "emulator", "config", "--preset", "saturated", *settings]
     saturated = subprocess.run(asked, capture_output=True, text=True, check=True).stdout
-    (folder / "c.toml").write_text(saturated.replace("\ndsps = 4\n", "\ndsps = 3\n").replace("duration_s = 180.0", "duration_s = 0.16"))
+    (folder / "c.toml").write_text(
+        saturated.replace("\ndsps = 4\n", "\ndsps = 3\n").replace("duration_s = 180.0", "duration_s = 0.16")
+    )
     run = ["--config", "c.toml", "--quiet", "--report", "r.json", "--trace", "t.trace"]
     subprocess.run([BUILD / "bin" / "emulator", *run], cwd=folder, check=True)
     return folder
@@ -81,8 +94,14 @@ def test_who_is_on_the_bus(scene: Path, events: Path) -> None:
     """The same from the lines of the trace."""
     lines = [line.split() for line in (scene / "t.trace").read_text().splitlines()[1:]]
     fields = [(line[0], dict(pair.split("=") for pair in line if "=" in pair), line) for line in lines]
-    ((loaded, block, generation),) = [(at, f["block"], f["generation"]) for at, f, line in fields if "load" in line and f["kind"] == "6" and f["tick"] == TICK]
-    (claimed,) = [at for at, f, line in fields if "claim" in line and f["block"] == block and f["generation"] == generation]
+    ((loaded, block, generation),) = [
+        (at, f["block"], f["generation"])
+        for at, f, line in fields
+        if "load" in line and f["kind"] == "6" and f["tick"] == TICK
+    ]
+    (claimed,) = [
+        at for at, f, line in fields if "claim" in line and f["block"] == block and f["generation"] == generation
+    ]
     words: Counter[int] = Counter()
     for at, f, line in fields:
         if loaded <= at <= claimed and line[1:3] == ["[bus", "A]"] and "bus_transaction" in line:
@@ -95,8 +114,13 @@ def test_who_is_on_the_bus(scene: Path, events: Path) -> None:
 def test_blocks_wait_longest_where_the_report_says(events: Path, report: Any) -> None:
     rows = {task: (count, longest) for task, count, _, longest in ask(events, "waiting")}
     assert all(count <= report["tasks"][task]["released"] for task, (count, _) in rows.items())
-    # Others than the servo's are released when they are loaded. From a claim to its arrival, and to the host's loading, it is microseconds.
-    released_at_once = [task for task in rows if task not in ("pid", "torque_compensation") and not report["tasks"][task]["never_started"]]
+    # Others than the servo's are released when they are loaded. From a claim to its arrival, and to the host's loading,
+    # it is microseconds.
+    released_at_once = [
+        task
+        for task in rows
+        if task not in ("pid", "torque_compensation") and not report["tasks"][task]["never_started"]
+    ]
     assert len(released_at_once) > 3
     for task in released_at_once:
         assert rows[task][1] == pytest.approx(report["tasks"][task]["waiting_ps"]["worst"] / 1e6, abs=60)
@@ -114,7 +138,9 @@ def test_blocks_wait_longest_where_the_report_says(events: Path, report: Any) ->
         (["empty", "-o", "o"], "line 1: not an event trace"),
     ],
 )
-def test_bad_input(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], arguments: list[str], says: str) -> None:
+def test_bad_input(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], arguments: list[str], says: str
+) -> None:
     monkeypatch.chdir(tmp_path)
     content = "# cmrc event trace 1\n0.000125000000 [host] refresh number=1 blocks=3 waiting=2 pointer=0x50 skipped=0\n0.5 [host] nothing of the kind\n"
     (tmp_path / "t").write_text(content)
@@ -125,7 +151,9 @@ def test_bad_input(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pyte
     assert (tmp_path / "t").read_text() == content
 
 
-def test_without_pyarrow_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_without_pyarrow_the_extra_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.setitem(__import__("sys").modules, "pyarrow", None)
     (tmp_path / "t").write_text("# cmrc event trace 1\n")
     assert cmrc.__main__.main(["events", str(tmp_path / "t"), "-o", str(tmp_path / "o")]) == 2

@@ -24,7 +24,9 @@ def test_no_seed_and_no_mutation_breaks_a_promise(target: str, tmp_path: Path) -
 
 
 def test_a_missing_input_is_an_error(tmp_path: Path) -> None:
-    done = subprocess.run([BUILD / "fuzzers" / "traces", tmp_path / "none"], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [BUILD / "fuzzers" / "traces", tmp_path / "none"], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 2 and "cannot be read" in done.stderr
 
 

@@ -44,6 +44,7 @@ def program(choose: random.Random) -> str:
 
 def given(choose: random.Random) -> bytes:
     """An input of the target (fuzz/targets/program.cpp): board, pointers, ST, IIE, IIF, DIE, cuts, words."""
+
     def anywhere() -> int:
         return choose.randrange(256)
 

@@ -1,4 +1,5 @@
-"""The decoder against words that the GNU tools assembled and disassembled, and against the reserved patterns of the reference."""
+"""The decoder against words that the GNU tools assembled and disassembled, and against the reserved patterns of the
+reference."""
 
 import re
 from pathlib import Path

@@ -7,7 +7,15 @@ import pytest
 from cmrc._core import isa, toolchain
 
 CMPI3, CMPF3, TSTB3 = 0x33800000, 0x33000000, 0x37800000
-WORDS = [CMPI3 | 0x0105, CMPI3 | 0x400000 | 0x0905, CMPI3 | 0x600000 | 0x1319, TSTB3 | 0x01FF, TSTB3 | 0x200000 | 0x0111, CMPF3 | 0x200000 | 0x0111, CMPF3 | 0x600000 | 0x1319]
+WORDS = [
+    CMPI3 | 0x0105,
+    CMPI3 | 0x400000 | 0x0905,
+    CMPI3 | 0x600000 | 0x1319,
+    TSTB3 | 0x01FF,
+    TSTB3 | 0x200000 | 0x0111,
+    CMPF3 | 0x200000 | 0x0111,
+    CMPF3 | 0x600000 | 0x1319,
+]
 
 
 @pytest.mark.parametrize("word", WORDS)
@@ -27,19 +35,29 @@ def test_of_type_1_it_has_to_be_0() -> None:
 
 
 def test_no_other_instruction_takes_such_a_field() -> None:
-    for line, message in (("cmpi3 5,r1,=32", "=x is a field of 5 bits here"), ("cmpi3 r2,r1,=3", "no encoding takes the register r2 here"), ("cmpi3 5,r1,3", "2 operands"), ("tstb r1,r2,=3", "no encoding takes the register r1 here")):
+    for line, message in (
+        ("cmpi3 5,r1,=32", "=x is a field of 5 bits here"),
+        ("cmpi3 r2,r1,=3", "no encoding takes the register r2 here"),
+        ("cmpi3 5,r1,3", "2 operands"),
+        ("tstb r1,r2,=3", "no encoding takes the register r1 here"),
+    ):
         with pytest.raises(toolchain.AssemblyError, match=message):
             toolchain.assemble(f" {line}\n")
-
 
 
 def test_the_chip_compares_and_writes_no_register(emulator: Path, tmp_path: Path) -> None:
     """CMPI3 7,R1 with the number of R2 in the field: Z is set, R2 stays."""
     lines = []
     for field in (0, 2, 19, 31):
-        lines.append(f"id=cmpi3 R1=0000000007 R2=0000000009 op={CMPI3 | field << 16 | 0x0107:08X} -> PC=00001001 ST=00000004")
-        lines.append(f"id=tstb3 R1=0000000007 R2=0000000009 op={TSTB3 | field << 16 | 0x0108:08X} -> PC=00001001 ST=00000004")
-        lines.append(f"id=memory AR1=00002000 R2=0000000009 @00002003=00000007 R1=0000000007 op={CMPI3 | 0x200000 | field << 16 | 0x0119:08X} -> PC=00001001 ST=00000004")
+        lines.append(
+            f"id=cmpi3 R1=0000000007 R2=0000000009 op={CMPI3 | field << 16 | 0x0107:08X} -> PC=00001001 ST=00000004"
+        )
+        lines.append(
+            f"id=tstb3 R1=0000000007 R2=0000000009 op={TSTB3 | field << 16 | 0x0108:08X} -> PC=00001001 ST=00000004"
+        )
+        lines.append(
+            f"id=memory AR1=00002000 R2=0000000009 @00002003=00000007 R1=0000000007 op={CMPI3 | 0x200000 | field << 16 | 0x0119:08X} -> PC=00001001 ST=00000004"
+        )
     (tmp_path / "v.txt").write_text("\n".join(lines) + "\n")
     done = subprocess.run([emulator, "vectors", tmp_path / "v.txt"], capture_output=True, text=True, check=False)
     assert done.returncode == 0 and f"{len(lines)} passed, 0 failed" in done.stdout, done.stdout

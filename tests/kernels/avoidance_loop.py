@@ -26,14 +26,23 @@ def machine() -> Dsp:
 def show(dsp: Dsp, rays: list[int]) -> None:
     s = dsp.symbols
     assert s["AGV_RANGE"] == RANGE
-    for name, value in (("RANGE_COUNT", len(rays)), ("RANGE_FIRST", FIRST), ("RANGE_STEP", STEP), ("RANGE_MOUNT", MOUNT)):
+    for name, value in (
+        ("RANGE_COUNT", len(rays)),
+        ("RANGE_FIRST", FIRST),
+        ("RANGE_STEP", STEP),
+        ("RANGE_MOUNT", MOUNT),
+    ):
         dsp.device(RANGE + s[name], value)
     dsp.chip.load_words(WINDOW_B + RANGE + s["RANGE_RAY"], rays)
 
 
 def observe(dsp: Dsp, vehicle: Vehicle) -> None:
     status = len(vehicle.queue) | 0x10 * vehicle.standing | 0x20 * vehicle.loaded
-    measure(dsp, *(math.floor(v) for v in (vehicle.x * 1e3, vehicle.y * 1e3, wrap(vehicle.heading) * 1e6, vehicle.v * 1e3)), status)
+    measure(
+        dsp,
+        *(math.floor(v) for v in (vehicle.x * 1e3, vehicle.y * 1e3, wrap(vehicle.heading) * 1e6, vehicle.v * 1e3)),
+        status,
+    )
 
 
 @dataclass
@@ -49,9 +58,18 @@ class Drive:
     stood: float = 0.0
 
 
-def drive(dsp: Dsp, kernel: str | None, segments: list[Segment], scene: Scene, limit: float = 90.0, load: float = 0.0) -> Drive:
+def drive(
+    dsp: Dsp, kernel: str | None, segments: list[Segment], scene: Scene, limit: float = 90.0, load: float = 0.0
+) -> Drive:
     set_leg(dsp, 1, segments)
-    for name in ("AG_AVOID_LIMIT", "AG_AVOID_SHIFT", "AG_AVOID_HOLD", "AG_AVOID_WAIT", "AG_AVOID_BESIDE", "AG_PRODUCED"):
+    for name in (
+        "AG_AVOID_LIMIT",
+        "AG_AVOID_SHIFT",
+        "AG_AVOID_HOLD",
+        "AG_AVOID_WAIT",
+        "AG_AVOID_BESIDE",
+        "AG_PRODUCED",
+    ):
         dsp.put(name, 0)
     dsp.put("AG_PERIOD_US", 20_000)
     vehicle = Vehicle(segments[0].x, segments[0].y, segments[0].heading, load)

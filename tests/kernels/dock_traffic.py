@@ -1,9 +1,10 @@
 """Docks full of traffic, and which side could have prevented a collision: judged from the true courses of vehicles and
 obstacles alone.
 
-A vehicle could have prevented a collision if it moved at the contact, and if its sensor had the obstacle within reach in time. In time: at the last instant from
-which its brakes could still stop it; or earlier, if the obstacle then kept its course. It could not prevent a collision with something that runs into the standing
-vehicle, comes from behind the sensor, or turns at the last moment.
+A vehicle could have prevented a collision if it moved at the contact, and if its sensor had the obstacle within reach
+in time. In time: at the last instant from which its brakes could still stop it; or earlier, if the obstacle then kept
+its course. It could not prevent a collision with something that runs into the standing vehicle, comes from behind the
+sensor, or turns at the last moment.
 """
 
 from __future__ import annotations
@@ -24,7 +25,11 @@ REACTION, BRAKE, REACH, MOUNT, MEMORY = 0.6, 1.0, 30.0, 7.4, 8.0  # s, m/s2, m, 
 
 def on_lane(s: float, lateral: float, agvs: int) -> tuple[float, float]:
     """A point of the default loop for so many AGVs, `s` m from the loading spot, `lateral` m to its left."""
-    segments = [Segment(g.x, g.y, g.heading, g.length, g.curvature, g.speed) for leg in _core.plant.default_dock(agvs).layout.legs[:2] for g in leg]
+    segments = [
+        Segment(g.x, g.y, g.heading, g.length, g.curvature, g.speed)
+        for leg in _core.plant.default_dock(agvs).layout.legs[:2]
+        for g in leg
+    ]
     for g in segments:
         if s <= g.length or g is segments[-1]:
             x, y, heading = pose_at(g, s)
@@ -71,7 +76,12 @@ def random_movers(seed: int, agvs: int, moving: bool = True) -> list[Any]:
         s, way, speed, start = place(), r.choice([-15.0, 15.0]), r.uniform(0.6, 1.5), r.uniform(0, 40)
         stations = np.linspace(s, s + way, 6)
         path = [(s, 8.0), *((float(u), r.uniform(-0.5, 0.5)) for u in stations), (s + way, -8.0)]
-        times = [start, start + 8 / speed, *(start + 8 / speed + abs(float(u) - s) / speed for u in stations[1:]), start + (16 + abs(way)) / speed]
+        times = [
+            start,
+            start + 8 / speed,
+            *(start + 8 / speed + abs(float(u) - s) / speed for u in stations[1:]),
+            start + (16 + abs(way)) / speed,
+        ]
         movers.append(Mover(0.5, 1.8, [Waypoint(t, *on_lane(*p, agvs)) for t, p in zip(times, path)]))
     return _apart(movers)
 
@@ -80,7 +90,9 @@ def _apart(movers: list[Any]) -> list[Any]:
     """Without those that would begin inside another."""
     kept: list[Any] = []
     for m in movers:
-        if all(math.hypot(m.path[0].x - k.path[0].x, m.path[0].y - k.path[0].y) > m.radius + k.radius + 0.8 for k in kept):
+        if all(
+            math.hypot(m.path[0].x - k.path[0].x, m.path[0].y - k.path[0].y) > m.radius + k.radius + 0.8 for k in kept
+        ):
             kept.append(m)
     return kept
 
@@ -122,7 +134,11 @@ def could_prevent(course: Course, contact: float, other: Callable[[float], np.nd
         c, s = math.cos(heading), math.sin(heading)
         ahead = c * (before[:, 0] - x) + s * (before[:, 1] - y) - MOUNT
         aside = c * (before[:, 1] - y) - s * (before[:, 0] - x)
-        if ((ahead > 0) & (np.hypot(ahead, aside) < REACH)).any() and (vehicle and back == 0.0 or float(np.abs(before + (points - other(t - 0.1)) / 0.1 * back - points).max()) < 0.3):
+        if ((ahead > 0) & (np.hypot(ahead, aside) < REACH)).any() and (
+            vehicle
+            and back == 0.0
+            or float(np.abs(before + (points - other(t - 0.1)) / 0.1 * back - points).max()) < 0.3
+        ):
             break
     else:
         return False
@@ -133,7 +149,9 @@ def could_prevent(course: Course, contact: float, other: Callable[[float], np.nd
     return float(np.abs(foreseen - other(contact)).max()) < 0.75
 
 
-def preventable(collisions: Sequence[tuple[float, int, int]], courses: Sequence[Course], movers: Sequence[Any]) -> list[tuple[float, int, int]]:
+def preventable(
+    collisions: Sequence[tuple[float, int, int]], courses: Sequence[Course], movers: Sequence[Any]
+) -> list[tuple[float, int, int]]:
     """Of (time, AGV, other AGV or -1) those that a vehicle could have prevented."""
 
     def disc(mover: Any) -> Callable[[float], np.ndarray]:
@@ -144,11 +162,17 @@ def preventable(collisions: Sequence[tuple[float, int, int]], courses: Sequence[
     found = []
     for time, agv, other in collisions:
         if other >= 0:
-            pairs = [(agv, lambda t, k=other: outline(*courses[k].at(t)[:3])), (other, lambda t, k=agv: outline(*courses[k].at(t)[:3]))]
+            pairs = [
+                (agv, lambda t, k=other: outline(*courses[k].at(t)[:3])),
+                (other, lambda t, k=agv: outline(*courses[k].at(t)[:3])),
+            ]
         else:
             x, y, heading, _ = courses[agv].at(time)
             body = outline(x, y, heading)
-            gaps = [float(np.linalg.norm(body - np.array(_core.plant.mover_place(m, time)[:2]), axis=1).min()) - m.radius for m in movers]
+            gaps = [
+                float(np.linalg.norm(body - np.array(_core.plant.mover_place(m, time)[:2]), axis=1).min()) - m.radius
+                for m in movers
+            ]
             if min(gaps, default=math.inf) > 1.0:  # part of the dock: it stood there, whatever the vehicle did
                 found += [(time, agv, other)] * bool(courses[agv].at(time - 0.02)[3] >= 0.05)
                 continue

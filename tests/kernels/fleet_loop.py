@@ -1,7 +1,8 @@
-"""A fleet on the plant's own dock, driven by the kernels on one emulated DSP: planning, inverse kinematics and avoidance of every AGV.
+"""A fleet on the plant's own dock, driven by the kernels on one emulated DSP: planning, inverse kinematics and
+avoidance of every AGV.
 
-No host and no crane: each AGV goes round the default loop again and again, to the warehouse and back to the loading spot, and stands there for a while. No host
-tells it to queue: only its range sensor shows what stands before it.
+No host and no crane: each AGV goes round the default loop again and again, to the warehouse and back to the loading
+spot, and stands there for a while. No host tells it to queue: only its range sensor shows what stands before it.
 """
 
 from __future__ import annotations
@@ -51,7 +52,12 @@ class Fleet:
             self.dsp.agv(i)
             for name, value in (("AG_UNIT", self.unit[i]), ("AG_STEP_TIME", STEP_TIME), ("AG_PERIOD_US", PERIOD_US)):
                 self.dsp.put(name, value)
-            for name, value in (("COUNT", 180), ("FIRST", -1_562_070), ("STEP", 17_453), ("MOUNT", self.dock.range_mount)):
+            for name, value in (
+                ("COUNT", 180),
+                ("FIRST", -1_562_070),
+                ("STEP", 17_453),
+                ("MOUNT", self.dock.range_mount),
+            ):
                 self.dsp.device(self.range[i] + s[f"RANGE_{name}"], value)
 
     def set_leg(self, i: int) -> None:
@@ -61,7 +67,9 @@ class Fleet:
         segments = segments_of(self.config.layout.legs[v.leg - 1])
         if v.leg == 1:
             start = segments[0]
-            back = math.cos(start.heading) * (start.x - self.dock.agv_x(i, self.t) / 1e3) + math.sin(start.heading) * (start.y - self.dock.agv_y(i, self.t) / 1e3)
+            back = math.cos(start.heading) * (start.x - self.dock.agv_x(i, self.t) / 1e3) + math.sin(start.heading) * (
+                start.y - self.dock.agv_y(i, self.t) / 1e3
+            )
             if back > 0.5:
                 segments[0] = Segment(
                     start.x - back * math.cos(start.heading), start.y - back * math.sin(start.heading), start.heading,
@@ -72,7 +80,14 @@ class Fleet:
         for n, g in enumerate(segments):
             for j, value in enumerate((g.x, g.y, g.heading, g.length, g.curvature, g.speed)):
                 put("AG_SEGMENT", float(value), (v.leg - 1) * 64 + n * 8 + j)
-        for name in ("AG_AVOID_LIMIT", "AG_AVOID_SHIFT", "AG_AVOID_HOLD", "AG_AVOID_WAIT", "AG_AVOID_BESIDE", "AG_PRODUCED"):
+        for name in (
+            "AG_AVOID_LIMIT",
+            "AG_AVOID_SHIFT",
+            "AG_AVOID_HOLD",
+            "AG_AVOID_WAIT",
+            "AG_AVOID_BESIDE",
+            "AG_PRODUCED",
+        ):
             put(name, 0)
         v.k, v.done = 0, False
 

@@ -24,11 +24,15 @@ def image(**settings: str | float) -> Any:
 
     The one that the build has assembled, or that of the folder CMRC_PROGRAMS.
     """
-    return image_of(os.environ.get("CMRC_PROGRAMS", ""), tuple((name.replace("__", "."), value) for name, value in sorted(settings.items())))
+    return image_of(
+        os.environ.get("CMRC_PROGRAMS", ""),
+        tuple((name.replace("__", "."), value) for name, value in sorted(settings.items())),
+    )
 
 
 def to_ti(x: float) -> int:
-    """The nearest single of the C40: x = M 2^(e - 23), M in [2^23, 2^24) or [-2^24, -2^23), sign and fraction stored."""
+    """The nearest single of the C40: x = M 2^(e - 23), M in [2^23, 2^24) or [-2^24, -2^23), sign and fraction
+    stored."""
     if x == 0:
         return 0x80000000
     fraction, exponent = math.frexp(x)
@@ -122,7 +126,8 @@ class Dsp:
         return int(chip.cycle - before)
 
     def function(self, label: str, *arguments: float) -> tuple[float, ...]:
-        """R0, R1, ... of a library function whose arguments are 40-bit floats exactly equal to doubles rounded to single."""
+        """R0, R1, ... of a library function whose arguments are 40-bit floats exactly equal to doubles rounded to
+        single."""
         for i, a in enumerate(arguments):
             self.chip.set(f"R{i}", _core.c40.float40.from_single(to_ti(a)))
         self.call(label)

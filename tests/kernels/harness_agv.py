@@ -1,4 +1,5 @@
-"""One emulated DSP on the flat board with the real image: shared memory and device registers are words that the tests fill."""
+"""One emulated DSP on the flat board with the real image: shared memory and device registers are words that the tests
+fill."""
 
 from __future__ import annotations
 

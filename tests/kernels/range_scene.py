@@ -1,4 +1,5 @@
-"""Obstacles in the plane and what a range sensor of 180 rays sees of them: closed forms of a ray with a circle and with a segment."""
+"""Obstacles in the plane and what a range sensor of 180 rays sees of them: closed forms of a ray with a circle and with
+a segment."""
 
 from __future__ import annotations
 
@@ -63,7 +64,9 @@ class Scene:
     def scan(self, x: float, y: float, heading: float) -> list[int]:
         """The registers RANGE_RAY of a vehicle whose middle is at (x, y)."""
         c, s = math.cos(heading), math.sin(heading)
-        mm = 1e3 * self.distances(x + MOUNT / 1e3 * c, y + MOUNT / 1e3 * s, heading + 1e-6 * (FIRST + STEP * np.arange(RAYS)))
+        mm = 1e3 * self.distances(
+            x + MOUNT / 1e3 * c, y + MOUNT / 1e3 * s, heading + 1e-6 * (FIRST + STEP * np.arange(RAYS))
+        )
         return [MOST if m >= MOST else max(8 * math.floor(m / 8), 48) for m in mm.tolist()]
 
     def clearance(self, x: float, y: float, heading: float, length: float = 14.8, width: float = 3.0) -> float:

@@ -1,4 +1,5 @@
-"""Double-precision reference of the crane kernels, written from the mathematics (docs/kernels.md), not from the assembly.
+"""Double-precision reference of the crane kernels, written from the mathematics (docs/kernels.md), not from the
+assembly.
 
 Every function is a plain function of numbers; the tests fill the shared memory of an emulated DSP with the same numbers
 and compare. The same functions close the loop around the plant in test_closed_loop.py and scripts used for design.
@@ -193,11 +194,7 @@ def joint_torques(q: list[float], qd: list[float], qdd: list[float], payload: fl
         - mu * (psid**2 * cp + psidd * sp)
         - a * (cf * cp * phid**2 + sf * cp * phidd - 2 * sf * sp * phid * psid),
         m_psi * psidd - mu * sp * sdd - 2 * sf * phid * psid * coupling + kappa,
-        h * phidd
-        - a * sf * cp * sdd
-        - payload * JIB * cf * ldd
-        + GRAVITY * a * cf
-        + sf * psid**2 * coupling,
+        h * phidd - a * sf * cp * sdd - payload * JIB * cf * ldd + GRAVITY * a * cf + sf * psid**2 * coupling,
         payload * (ldd - GRAVITY - JIB * cf * phidd + JIB * sf * phid**2),
         kappa,
     ]
@@ -224,7 +221,8 @@ N_D = 20.0
 
 
 def inertia(phi: float, mass: float) -> list[float]:
-    """What each drive has to move above the load's swing, at the joint, kg or kg m2: the load below a rope counts where it moves with it."""
+    """What each drive has to move above the load's swing, at the joint, kg or kg m2: the load below a rope counts where
+    it moves with it."""
     rotor = [j * n * n for j, n in zip(ROTOR, GEAR, strict=True)]
     c = math.cos(phi)
     return [
@@ -242,7 +240,9 @@ def stiffness(phi: float, mass: float) -> list[float]:
 
 
 def control_block() -> list[float]:
-    """The words of CR_CONTROL_BLOCK: the terms of K by cos phi and mass, found from `stiffness` itself, then the rest."""
+    """The words of CR_CONTROL_BLOCK: the terms of K by cos phi and mass, found from `stiffness` itself, then the
+    rest."""
+
     def at(cos: float, mass: float) -> list[float]:
         return stiffness(math.acos(cos), mass)
 
@@ -291,7 +291,8 @@ def sway_update(
     state: PidState, measured: list[float], reference: list[float], h: float, length: float, *, stands: bool = False,
     moves: bool = False,
 ) -> list[float]:  # fmt: skip
-    """A step of h s of the observer; returns the suspension's shift. `stands`: the load does not hang freely; `moves`: the path does."""
+    """A step of h s of the observer; returns the suspension's shift. `stands`: the load does not hang freely; `moves`:
+    the path does."""
     step = min(h, OBSERVER_STEP)
     calm = sum(map(abs, state.wind)) + sum(map(abs, state.speed)) / 8 < WINDY
     before = state.shift(length)

@@ -1,6 +1,8 @@
-"""Double-precision references of the AGV's kernels: the mathematics of docs/kernels_job.md, written for a reader and not for a C40.
+"""Double-precision references of the AGV's kernels: the mathematics of docs/kernels_job.md, written for a reader and
+not for a C40.
 
-Lengths in m, angles in rad, speeds in m/s, times in s. Nothing here is shared with the assembly but the numbers of the specification.
+Lengths in m, angles in rad, speeds in m/s, times in s. Nothing here is shared with the assembly but the numbers of the
+specification.
 """
 
 from __future__ import annotations
@@ -59,7 +61,8 @@ def wrap(angle: float) -> float:
 def next_speed(v: float, limit: float, constraints: list[tuple[float, float]], dt: float) -> float:
     """The fastest speed at the end of a step of dt that leaves every (distance, speed) ahead within reach of the brake.
 
-    Between v and the result the vehicle moves (v + result) dt / 2; then result^2 <= speed^2 + 2 BRAKE (distance - moved).
+    Between v and the result the vehicle moves (v + result) dt / 2; then result^2 <= speed^2 + 2 BRAKE (distance -
+    moved).
     """
     best = min(v + ACCELERATE * dt, limit)
     h = BRAKE * dt
@@ -140,9 +143,18 @@ class Command:
 
 
 def inverse(
-    point: Point, x: float, y: float, heading: float, speed: float, waiting: int, loaded: bool, step_time: float, period: float
+    point: Point,
+    x: float,
+    y: float,
+    heading: float,
+    speed: float,
+    waiting: int,
+    loaded: bool,
+    step_time: float,
+    period: float,
 ) -> Command:
-    """Sub-process 2 of an AGV: from a point and the measured pose to the drive's set-point; the rear wheels steer the other way."""
+    """Sub-process 2 of an AGV: from a point and the measured pose to the drive's set-point; the rear wheels steer the
+    other way."""
     v_ref = point.speed * step_time / period
     travel = speed * (waiting + 1.5) * period
     turned = point.curvature_ahead * travel
@@ -154,7 +166,11 @@ def inverse(
     mass = MASS_LOADED if loaded else MASS_EMPTY
     drift = mass * v_ref * v_ref * point.curvature_ahead / (2.0 * STIFFNESS)
     stiff = HEADING_GAIN * min(1.0, SLOW / v_ref) if v_ref > 0 else HEADING_GAIN
-    k = point.curvature_ahead - LATERAL_RATIO * stiff**2 * lateral - stiff * math.sin(heading + turned - point.heading - drift)
+    k = (
+        point.curvature_ahead
+        - LATERAL_RATIO * stiff**2 * lateral
+        - stiff * math.sin(heading + turned - point.heading - drift)
+    )
     front = max(-STEER_LIMIT, min(STEER_LIMIT, math.atan(WHEELBASE * k / 2.0)))
     v = max(SLOWEST, min(FASTEST, v_ref + ALONG_GAIN * along))
     if abs(along) < AT_SPOT if point.left == 0.0 else v_ref == 0.0:

@@ -1,4 +1,5 @@
-"""Double-precision reference of obstacle avoidance, from docs/kernels.md: lanes by circles and their centres, sums and minima in numpy."""
+"""Double-precision reference of obstacle avoidance, from docs/kernels.md: lanes by circles and their centres, sums and
+minima in numpy."""
 
 from __future__ import annotations
 
@@ -23,8 +24,8 @@ HALF_LENGTH = 7.4
 
 @dataclass
 class Look:
-    """What is kept of a look: the distances along the leg (m) to what blocks the way and to what is close to it; and for each bin of the leg the lateral place
-    nearest to the lane, to the left and (negated) to the right."""
+    """What is kept of a look: the distances along the leg (m) to what blocks the way and to what is close to it; and
+    for each bin of the leg the lateral place nearest to the lane, to the left and (negated) to the right."""
 
     count: int
     block: float
@@ -88,7 +89,7 @@ def swing(view: View, n: int, along: float) -> float:
     ends = [(along - start, path[n - 1][1].curvature)] if n else []
     if n + 1 < len(path):
         ends.append((start + g.length - along, path[n + 1][1].curvature))
-    return sum(-max(0.0, min(HALF_LENGTH, HALF_LENGTH - d)) ** 2 / 2 * k for d, k in ends)
+    return sum(-(max(0.0, min(HALF_LENGTH, HALF_LENGTH - d)) ** 2) / 2 * k for d, k in ends)
 
 
 def clear(e: Echo, place: float) -> float:
@@ -129,7 +130,11 @@ class Lane:
         n = len(view.rays)
         c, s = math.cos(view.heading), math.sin(view.heading)
         for k in range(sectors):
-            sector = [(r, -i) for i, r in enumerate(view.rays) if k * n // sectors <= i < (k + 1) * n // sectors and r is not None]
+            sector = [
+                (r, -i)
+                for i, r in enumerate(view.rays)
+                if k * n // sectors <= i < (k + 1) * n // sectors and r is not None
+            ]
             if not sector:
                 continue
             r, i = min(sector, key=lambda e: (e[0], -e[1]))
@@ -153,7 +158,10 @@ class Lane:
 
 def feasible(lane: Lane, shift: float, first: float) -> float:
     """The shift with which the group of obstacles that begins `first` ahead can be passed; 0 if there is none."""
-    sides = {+1: [-math.inf, SHIFT_MOST], -1: [-math.inf, SHIFT_MOST]}  # needed, possible; to the right all signs are turned
+    sides = {
+        +1: [-math.inf, SHIFT_MOST],
+        -1: [-math.inf, SHIFT_MOST],
+    }  # needed, possible; to the right all signs are turned
     for e in lane.echoes:
         if e.along - first >= GROUP:
             continue
@@ -186,7 +194,16 @@ def side(lane: Lane, shift: float) -> tuple[float, float]:
             shift = view.shift
     elif late and min(late) < min(passable, default=NOTHING):
         shift = 0.0
-    lane.flank = max([view.flank, *(lane.s + e.along + REAR for e in lane.echoes if e.x - view.mount < SOON and e.along - view.mount < BESIDE and clear(e, 0.0) < BESIDE)])
+    lane.flank = max(
+        [
+            view.flank,
+            *(
+                lane.s + e.along + REAR
+                for e in lane.echoes
+                if e.x - view.mount < SOON and e.along - view.mount < BESIDE and clear(e, 0.0) < BESIDE
+            ),
+        ]
+    )
     if lane.flank > lane.s:
         shift = max(min(shift, max(view.shift, 0.0)), min(view.shift, 0.0))
     return (0.0 if lane.left < HOME else shift), hold
@@ -198,7 +215,8 @@ def way(lane: Lane, shift: float, along: float) -> float:
 
 
 def block(lane: Lane, shift: float) -> tuple[float, float, float]:
-    """Distances from the front, in m: to what blocks the way, to what is close to it, and to what blocks nearby and must stay in view."""
+    """Distances from the front, in m: to what blocks the way, to what is close to it, and to what blocks nearby and
+    must stay in view."""
     free, close, seen = math.inf, math.inf, math.inf
     for e in lane.echoes:
         gap = clear(e, way(lane, shift, e.along))
@@ -216,7 +234,8 @@ def block(lane: Lane, shift: float) -> tuple[float, float, float]:
 
 
 def remember(lane: Lane, ahead: float, way: float, speed: float) -> None:
-    """Keeps an obstacle that the sensor soon loses: its place, and the number of the look at which the vehicle has gone `way` m and passed it."""
+    """Keeps an obstacle that the sensor soon loses: its place, and the number of the look at which the vehicle has gone
+    `way` m and passed it."""
     place = lane.s + lane.view.mount + ahead
     if lane.wait <= lane.view.count or place <= lane.place:
         lane.wait, lane.place = lane.view.count + math.floor(way / speed / lane.view.period), place
@@ -239,7 +258,11 @@ def motion(lane: Lane, shift: float, free: float, close: float) -> tuple[float, 
                 remember(lane, close, close + PASSES, comes)
             free = min(free, close - comes * stopping)
     for e in lane.echoes:
-        n, sign, k = math.floor((lane.s + e.along) / BIN), (1 if e.lateral >= lane.lateral else -1), int(e.lateral < lane.lateral)
+        n, sign, k = (
+            math.floor((lane.s + e.along) / BIN),
+            (1 if e.lateral >= lane.lateral else -1),
+            int(e.lateral < lane.lateral),
+        )
         place, ahead = sign * e.lateral, max(e.along, e.x) - view.mount
         now.sides[k][n % BINS] = min(now.sides[k][n % BINS], place)
         if then is None or not rate:
@@ -337,7 +360,11 @@ def vfh(view: View) -> Said:
     side = 1 if (view.shift or -beside) > 0 else -1
     behind = 4 if view.shift else 2
     # distance in sectors, the other side counted as `behind` farther and after this one
-    ways = sorted((abs(k - goal) + (0 if (k - goal) * side > 0 else behind), (k - goal) * side < 0, k) for k in range(72) if smooth[k] < 0.02)
+    ways = sorted(
+        (abs(k - goal) + (0 if (k - goal) * side > 0 else behind), (k - goal) * side < 0, k)
+        for k in range(72)
+        if smooth[k] < 0.02
+    )
     if not ways:
         return decide(lane, view.shift, 0.0)
     angle = (ways[0][2] - goal) / density
@@ -356,7 +383,9 @@ def dynamic_window(view: View) -> Said:
         for j in range(-5, 6):
             k = view.curvature + 0.01 * j
             half = 6.0 * k
-            end = 12.0 * np.array([math.cos(half), math.sin(half)]) + view.mount * np.array([math.cos(2 * half), math.sin(2 * half)])
+            end = 12.0 * np.array([math.cos(half), math.sin(half)]) + view.mount * np.array(
+                [math.cos(2 * half), math.sin(2 * half)]
+            )
             way = max(0.4 * v, 1.6)
             headings = k * way * (np.arange(10) + 0.5)
             ahead = np.stack([np.cos(headings), np.sin(headings)], axis=1)

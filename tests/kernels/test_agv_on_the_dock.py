@@ -1,4 +1,5 @@
-"""The kernels before the plant itself: both legs driven by the DSP on the dock's own vehicle and lane, and the dock's own bay identified."""
+"""The kernels before the plant itself: both legs driven by the DSP on the dock's own vehicle and lane, and the dock's
+own bay identified."""
 
 import math
 

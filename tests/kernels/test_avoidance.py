@@ -1,4 +1,5 @@
-"""The three methods of obstacle avoidance: against their reference on random scenes, and in closed loop among obstacles that stand and move."""
+"""The three methods of obstacle avoidance: against their reference on random scenes, and in closed loop among obstacles
+that stand and move."""
 
 from __future__ import annotations
 
@@ -17,11 +18,13 @@ from reference_avoidance import BINS, METHODS, NOTHING, Lane, Look, Said, View, 
 from test_inverse_agv import measure
 from test_trajectory_agv import set_leg
 
-# plant-and-bus.md 2.2; with a scene full of echoes a method may cost up to twice its estimate (VFH projects up to 72 echoes onto the lane)
+# plant-and-bus.md 2.2; with a scene full of echoes a method may cost up to twice its estimate (VFH projects up to 72
+# echoes onto the lane)
 ESTIMATE = {"avoidance_potential": 1_200, "avoidance_vfh": 9_000, "avoidance_dwa": 150_000}
 WORST = {"avoidance_potential": 34_000, "avoidance_vfh": 48_000, "avoidance_dwa": 250_000}
-# Singles of at most 60 m: 4e-6 m each, some ten of them; the lane's arcs to 1 mm where it is decided (2.4 m beside a lane of 12 m radius), which the
-# forces and angles turn into at most 2 mm of shift or mm/s; integers to the nearest half.
+# Singles of at most 60 m: 4e-6 m each, some ten of them; the lane's arcs to 1 mm where it is decided (2.4 m beside a
+# lane of 12 m radius), which the forces and angles turn into at most 2 mm of shift or mm/s; integers to the nearest
+# half.
 BOUND = 3.5  # mm, mm/s
 
 
@@ -46,10 +49,22 @@ def random_view(r: random.Random) -> View:
     scene = Scene()
     for _ in range(r.choice([0, 1, 2, 5])):
         away, beside = r.uniform(8, 40), r.uniform(-6, 6)
-        scene.discs.append(Disc(x + away * math.cos(heading) - beside * math.sin(heading), y + away * math.sin(heading) + beside * math.cos(heading), 0.3))
+        scene.discs.append(
+            Disc(
+                x + away * math.cos(heading) - beside * math.sin(heading),
+                y + away * math.sin(heading) + beside * math.cos(heading),
+                0.3,
+            )
+        )
     if r.random() < 0.3:  # somebody at the front's corner
         away, beside = r.uniform(7.8, 10), r.uniform(-4, 4)
-        scene.discs.append(Disc(x + away * math.cos(heading) - beside * math.sin(heading), y + away * math.sin(heading) + beside * math.cos(heading), 0.3))
+        scene.discs.append(
+            Disc(
+                x + away * math.cos(heading) - beside * math.sin(heading),
+                y + away * math.sin(heading) + beside * math.cos(heading),
+                0.3,
+            )
+        )
     if r.random() < 0.3:
         scene.box(x + 30 * math.cos(heading), y + 30 * math.sin(heading), r.uniform(-3, 3), 14.8, 3.0)
     x, y, heading = round(1e3 * x) / 1e3, round(1e3 * y) / 1e3, round(1e6 * heading) / 1e6
@@ -67,20 +82,35 @@ def random_view(r: random.Random) -> View:
         # What is seen now stood elsewhere before: nearer to the lane, farther, or not at all.
         lane = Lane(view, 72)
         now = motion(lane, 0.0, math.inf, math.inf)[1]
-        kept = ([p if p == NOTHING else from_ti(to_ti(p + r.choice([0.0, 0.0, 0.3, 1.0, -0.5]))) for p in places] for places in now.sides)
+        kept = (
+            [p if p == NOTHING else from_ti(to_ti(p + r.choice([0.0, 0.0, 0.3, 1.0, -0.5]))) for p in places]
+            for places in now.sides
+        )
         nearest = lane.s + min((e.along for e in lane.echoes), default=10.0)
-        block, beside = (r.choice([NOTHING, *(from_ti(to_ti(place)) for place in (s + r.uniform(10, 30), nearest + r.uniform(0, 1.5)))]) for _ in range(2))
+        block, beside = (
+            r.choice(
+                [NOTHING, *(from_ti(to_ti(place)) for place in (s + r.uniform(10, 30), nearest + r.uniform(0, 1.5)))]
+            )
+            for _ in range(2)
+        )
         view.then = Look(((view.count >> 4) - 2 << 4) + r.randrange(16), block, beside, (next(kept), next(kept)))
-        earlier = ([p if p == NOTHING else from_ti(to_ti(p + r.choice([0.0, 0.5, 1.0, 1.5]))) for p in places] for places in now.sides)
+        earlier = (
+            [p if p == NOTHING else from_ti(to_ti(p + r.choice([0.0, 0.5, 1.0, 1.5]))) for p in places]
+            for places in now.sides
+        )
         if r.random() < 0.7:
-            view.older = Look(((view.count >> 4) - 3 << 4) + r.randrange(16), NOTHING, NOTHING, (next(earlier), next(earlier)))
+            view.older = Look(
+                ((view.count >> 4) - 3 << 4) + r.randrange(16), NOTHING, NOTHING, (next(earlier), next(earlier))
+            )
     return view
 
 
 def bank_of(dsp: Dsp, slot: int) -> int:
     """Where the look of a slot of 16 points is kept: beside what a split task of AGV 0 keeps."""
     s = dsp.symbols
-    return WINDOW_A + s["SV_BASE"] + s["SV_WORDS"] + s["AV_BANK"] + slot % 2 * 0x400 + slot // 2 % 2 * s["AV_BANK_WORDS"]
+    return (
+        WINDOW_A + s["SV_BASE"] + s["SV_WORDS"] + s["AV_BANK"] + slot % 2 * 0x400 + slot // 2 % 2 * s["AV_BANK_WORDS"]
+    )
 
 
 def run(dsp: Dsp, kernel: str, view: View) -> tuple[Said, int, int]:
@@ -88,7 +118,11 @@ def run(dsp: Dsp, kernel: str, view: View) -> tuple[Said, int, int]:
     dsp.put("AG_PRODUCED", view.count)
     dsp.put("AG_PERIOD_US", round(view.period * 1e6))
     for look, slots in ((view.then, 2), (view.older, 3)):
-        words = [0] * (3 + 2 * BINS) if look is None else [look.count + 1, *map(to_ti, (look.block, look.close, *look.sides[0], *look.sides[1]))]
+        words = (
+            [0] * (3 + 2 * BINS)
+            if look is None
+            else [look.count + 1, *map(to_ti, (look.block, look.close, *look.sides[0], *look.sides[1]))]
+        )
         for i, word in enumerate(words):
             dsp.chip.poke(bank_of(dsp, (view.count >> 4) - slots) + i, word)
     dsp.put("AG_TRAJECTORY", view.s, 8)
@@ -103,8 +137,14 @@ def run(dsp: Dsp, kernel: str, view: View) -> tuple[Said, int, int]:
     result, notify, cycles = dsp.run(kernel)
     assert notify == 0
     limit = dsp.word("AG_AVOID_LIMIT")
-    shift, hold, place, flank = (signed(dsp.word(f"AG_AVOID_{name}")) / 1e3 for name in ("SHIFT", "HOLD", "PLACE", "BESIDE"))
-    return ((None if limit == 0 else (limit - 1) / 1e3), shift, hold, place, flank, signed(dsp.word("AG_AVOID_WAIT"))), result, cycles
+    shift, hold, place, flank = (
+        signed(dsp.word(f"AG_AVOID_{name}")) / 1e3 for name in ("SHIFT", "HOLD", "PLACE", "BESIDE")
+    )
+    return (
+        ((None if limit == 0 else (limit - 1) / 1e3), shift, hold, place, flank, signed(dsp.word("AG_AVOID_WAIT"))),
+        result,
+        cycles,
+    )
 
 
 def close(a: Said, b: Said) -> bool:
@@ -134,7 +174,9 @@ def test_a_method_agrees_with_its_reference(dsp: Dsp, kernel: str) -> None:
             # A decision that a millimetre turns: the kernel must then agree with the reference on the other side of it.
             edges += 1
             assert any(close(got, METHODS[kernel](nudged(view, r))) for _ in range(60)), (n, got, want)
-        assert result == (got[0] is not None) * dsp.symbols["AVOID_SLOWED"] | (got[1] != 0) * dsp.symbols["AVOID_SHIFTED"]
+        assert (
+            result == (got[0] is not None) * dsp.symbols["AVOID_SLOWED"] | (got[1] != 0) * dsp.symbols["AVOID_SHIFTED"]
+        )
         limited += got[0] is not None
         shifted += got[1] != 0
         waits += got[-1] > view.wait
@@ -151,7 +193,9 @@ def test_run_again_it_says_the_same(dsp: Dsp, kernel: str) -> None:
         assert dsp.run(kernel)[0] in range(4)
         again = [dsp.word(name) for name in ("AG_AVOID_LIMIT", "AG_AVOID_SHIFT", "AG_AVOID_HOLD", "AG_AVOID_WAIT")]
         dsp.run(kernel)
-        assert [dsp.word(name) for name in ("AG_AVOID_LIMIT", "AG_AVOID_SHIFT", "AG_AVOID_HOLD", "AG_AVOID_WAIT")] == again
+        assert [
+            dsp.word(name) for name in ("AG_AVOID_LIMIT", "AG_AVOID_SHIFT", "AG_AVOID_HOLD", "AG_AVOID_WAIT")
+        ] == again
 
 
 @pytest.mark.parametrize("kernel", METHODS)
@@ -183,12 +227,17 @@ LANE = [Segment(0.0, 0.0, 0.0, 100.0, 0.0, 5.0)]
 @pytest.mark.parametrize("kernel", METHODS)
 @pytest.mark.parametrize("pillar", [2.9, -2.9])
 def test_no_shift_while_something_is_beside_the_flank(dsp: Dsp, kernel: str, pillar: float) -> None:
-    """A post in the lane asks for a shift to the left, and a pillar is going out of view, there or to the right, where the rear would swing: not before that has passed it."""
+    """A post in the lane asks for a shift to the left, and a pillar is going out of view, there or to the right, where
+    the rear would swing: not before that has passed it."""
 
     def shift(s: float, flank: float) -> tuple[float, float]:
         scene = Scene([Disc(41.0, -0.9, 0.3), Disc(28.0, pillar, 0.3)])
         rays = [None if m in (0, MOST) else m / 1e3 for m in scene.scan(s, 0.0, 0.0)]
-        got, *_ = run(dsp, kernel, View(s, 0.0, 0.0, 1.0, rays, FIRST / 1e6, STEP / 1e6, MOUNT / 1e3, LANE, s, 0.0, 0.0, 0.0, flank=flank))
+        got, *_ = run(
+            dsp,
+            kernel,
+            View(s, 0.0, 0.0, 1.0, rays, FIRST / 1e6, STEP / 1e6, MOUNT / 1e3, LANE, s, 0.0, 0.0, 0.0, flank=flank),
+        )
         return got[1], got[4]
 
     at_front, beside = shift(20.0, 0.0)
@@ -212,7 +261,10 @@ def test_a_free_lane_is_driven_as_without_avoidance(dsp: Dsp, kernel: str) -> No
     assert came.trace == alone.trace and came.arrived
 
 
-@pytest.mark.parametrize(("kernel", "load"), [("avoidance_potential", 0.0), ("avoidance_vfh", 0.0), ("avoidance_vfh", 30e3), ("avoidance_dwa", 0.0)])
+@pytest.mark.parametrize(
+    ("kernel", "load"),
+    [("avoidance_potential", 0.0), ("avoidance_vfh", 0.0), ("avoidance_vfh", 30e3), ("avoidance_dwa", 0.0)],
+)
 def test_a_person_beside_the_middle_of_the_lane_is_passed(dsp: Dsp, kernel: str, load: float) -> None:
     for side in (0.9, -0.9) if kernel == "avoidance_potential" else (-0.9,):
         came = drive(dsp, kernel, LANE, Scene([Disc(50.0, side, 0.3)]), load=load)

@@ -15,7 +15,8 @@ REFRESH, POINT_TICKS, SERVO_TICKS = 8000, 64, 16  # a servo at 500 Hz halves the
 
 
 class Crane:
-    """Host rules, sensors and latches, reduced to one DSP that is never late. Channels are the order of encoders and drives on the bus."""
+    """Host rules, sensors and latches, reduced to one DSP that is never late. Channels are the order of encoders and
+    drives on the bus."""
 
     kernels = ("trajectory_crane", "inverse_crane", "torque", "pid")
     channels = (0, 1, 2, 3, 4)
@@ -71,7 +72,9 @@ class Crane:
             dsp.device("ENCODER", c & 0xFFFFFF, offset=j)
         if self.tick % 80 == 0:
             lsb = math.radians(10) / 2048
-            self.sway = [math.floor((self.state.q[4 + i] + self.noise.gauss(0, math.radians(0.02))) / lsb) for i in range(2)]
+            self.sway = [
+                math.floor((self.state.q[4 + i] + self.noise.gauss(0, math.radians(0.02))) / lsb) for i in range(2)
+            ]
         for i in range(2):
             dsp.device("SWAY_ALPHA", self.sway[i], offset=i)
         dsp.run(self.kernels[2], tick=self.tick)

@@ -1,7 +1,7 @@
 """Trajectory, inverse kinematics and torque compensation of the crane against the double-precision reference.
 
-Bounds. A stored word is cut to 24 bits: 2^-19 m on positions below 32 m, 2^-23 relative on the rest. Each test says what
-multiplies that.
+Bounds. A stored word is cut to 24 bits: 2^-19 m on positions below 32 m, 2^-23 relative on the rest. Each test says
+what multiplies that.
 """
 
 from __future__ import annotations
@@ -23,7 +23,9 @@ def single(x: float) -> float:
 
 def pose(r: random.Random) -> list[float]:
     angle, radius = r.uniform(0.2, 1.9), r.uniform(12, 28)
-    return [single(v) for v in (radius * math.cos(angle), radius * math.sin(angle), r.uniform(5, 15), r.uniform(-0.5, 0.5))]
+    return [
+        single(v) for v in (radius * math.cos(angle), radius * math.sin(angle), r.uniform(5, 15), r.uniform(-0.5, 0.5))
+    ]
 
 
 @pytest.fixture
@@ -41,9 +43,9 @@ def put_route(dsp: Dsp, leg: int, vias: list[list[float]]) -> None:
 
 def assert_point(dsp: Dsp, k: int, want: ref.Point) -> None:
     got = dsp.floats("CR_POINT", 14, offset=(k & 1) * 16)
-    # Durations T_i are rounded to 2^-24 and start times are sums of up to 8 of them: t is off by <= 100 s * 2^-23 = 1.2e-5 s,
-    # times the next derivative (2.5 m/s, 1 m/s2, 1 m/s3, 5 m/s4); partial sums are cut at 2^-19 m three times over, and
-    # l / g <= 4 s2 carries the second derivative's error into x and y.
+    # Durations T_i are rounded to 2^-24 and start times are sums of up to 8 of them: t is off by <= 100 s * 2^-23 =
+    # 1.2e-5 s, times the next derivative (2.5 m/s, 1 m/s2, 1 m/s3, 5 m/s4); partial sums are cut at 2^-19 m three times
+    # over, and l / g <= 4 s2 carries the second derivative's error into x and y.
     for j in range(4):
         assert got[j] == pytest.approx(want.pose[j], abs=5e-5), ("pose", j, k)
         assert got[4 + j] == pytest.approx(want.velocity[j], abs=6e-5), ("velocity", j, k)
@@ -79,10 +81,13 @@ def test_trajectory_follows_the_route_of_a_leg(dsp: Dsp, seed: int) -> None:
 
 @pytest.mark.parametrize("turn", [-2.5, -0.4, 0.0, 0.4, 2.5])
 def test_a_leg_keeps_slewing_and_rotator_within_their_speeds(dsp: Dsp, turn: float) -> None:
-    """A quarter of a circle through points at 19 m and beyond, while the box turns: the rotator turns with it and against the slewing."""
+    """A quarter of a circle through points at 19 m and beyond, while the box turns: the rotator turns with it and
+    against the slewing."""
     period = single(0.1)
     dsp.put("CR_POINT_PERIOD", period)
-    chain = [[single(v) for v in (25 * math.cos(a), 25 * math.sin(a), 10.0, turn * (a - 0.3))] for a in (0.3, 0.7, 1.1, 1.5)]
+    chain = [
+        [single(v) for v in (25 * math.cos(a), 25 * math.sin(a), 10.0, turn * (a - 0.3))] for a in (0.3, 0.7, 1.1, 1.5)
+    ]
     dsp.put("CR_HOME", *chain[0])
     dsp.put("CR_LEG", 1)
     put_route(dsp, 1, chain[1:])
@@ -135,7 +140,12 @@ def test_an_alignment_starts_where_the_leg_before_ended_and_aims_at_the_agv(dsp:
     dsp.device("AGV_X", 22013, offset=unit)
     dsp.device("AGV_Y", 7988, offset=unit)
     dsp.device("AGV_HEADING", 3141593 - 20000, offset=unit)  # facing -x: the box fits either way round
-    end = [22.013, 7.988, 1.6 + 2.591 + 1.5, (3141593 - 20000) * 1e-6 - math.pi * round((3.121593 - target[3]) / math.pi)]
+    end = [
+        22.013,
+        7.988,
+        1.6 + 2.591 + 1.5,
+        (3141593 - 20000) * 1e-6 - math.pi * round((3.121593 - target[3]) / math.pi),
+    ]
     leg = ref.Leg(target, [end])
     for n in (0, 1, 500, 1000, leg.points(period) - 1):
         _result, _, _ = dsp.run("trajectory_crane", k + 1 + n)
@@ -186,8 +196,8 @@ def test_inverse_kinematics_in_closed_form(dsp: Dsp) -> None:
         assert (result, notify) == ((k + 1) & 0xFFFF | (UNREACHABLE if want.unreachable else 0), 0)
         assert dsp.word("CR_PRODUCED") == k + 1
         got = dsp.floats("CR_RING", 15, offset=(k & 3) * 16)
-        # q: rounded to 24 bits (2^-19 m of l, 2^-23 rad) plus 1e-8 of the arc tangents. Rates and accelerations: cut at 2^-23
-        # relative to their own terms, the largest of which stay below 4.
+        # q: rounded to 24 bits (2^-19 m of l, 2^-23 rad) plus 1e-8 of the arc tangents. Rates and accelerations: cut at
+        # 2^-23 relative to their own terms, the largest of which stay below 4.
         assert got[:5] == pytest.approx(want.q, abs=2.1e-6)
         assert got[1:3] == pytest.approx(want.q[1:3], abs=1.5e-7)
         assert got[5:10] == pytest.approx(want.qd, abs=5e-7)
@@ -260,9 +270,9 @@ def test_torque_compensation_is_the_inverse_dynamics_of_the_set_point(dsp: Dsp, 
             qdd[3] += delta * s2 / seconds**2
         assert dsp.run("torque", tick=tick)[:2] == (payload << 8, 0)  # kg on the rope; no wind
         got, want = dsp.floats("CR_FEED_FORWARD", 5), ref.torque(q, qd, qdd, payload)
-        # The set-point's words are cut at 2^-23; the terms of each joint add up to less than its u_max, so each 24-bit word
-        # or constant contributes 2^-24 u_max; some ten of them. tanh turns 2^-23 of a speed near 0 into 2^-23 F_c. Near the
-        # knee of the friction curve the slope 1 / v_0 acts on speeds cut at 2^-23 of their own: nothing more.
+        # The set-point's words are cut at 2^-23; the terms of each joint add up to less than its u_max, so each 24-bit
+        # word or constant contributes 2^-24 u_max; some ten of them. tanh turns 2^-23 of a speed near 0 into 2^-23 F_c.
+        # Near the knee of the friction curve the slope 1 / v_0 acts on speeds cut at 2^-23 of their own: nothing more.
         for j in range(5):
             assert got[j] == pytest.approx(want[j], abs=ref.U_MAX[j] * 12 * 2**-23), (j, n)
 

@@ -1,4 +1,5 @@
-"""The error block: it decides by the table of docs/controller.md, and keeps a log: in order, the oldest overwritten, no entry twice when it is run again."""
+"""The error block: it decides by the table of docs/controller.md, and keeps a log: in order, the oldest overwritten, no
+entry twice when it is run again."""
 
 import itertools
 import re
@@ -36,7 +37,11 @@ def test_it_decides_as_the_page_says() -> None:
         for facts in itertools.chain.from_iterable(itertools.combinations(SITUATIONS, n) for n in range(4)):
             for hoist in (False, True):
                 true = set(facts) | ({"the hoist"} if hoist else set())
-                want = next(response for o, needs, forbids, response in rows if o == origin and needs <= true and not forbids & true)
+                want = next(
+                    response
+                    for o, needs, forbids, response in rows
+                    if o == origin and needs <= true and not forbids & true
+                )
                 argument = number | (HOIST if hoist else 0x20) | sum(SITUATIONS[f] for f in facts)
                 result, notify, _ = dsp.run("error", argument=argument, tick=1)
                 assert (result >> 16, notify) == (RESPONSES[want], 0), (origin, facts, hoist)
@@ -61,4 +66,9 @@ def test_the_log_keeps_the_last_sixteen() -> None:
         assert dsp.chip.peek(log) == n + 1
     for n in range(5, 21):
         tick, what, area, generation = errors[n]
-        assert tuple(dsp.chip.read(log + s["ER_LOG"] + 4 * (n % 16), 4)) == (tick, what | RESPONSES["stop"] << 28, area, generation)
+        assert tuple(dsp.chip.read(log + s["ER_LOG"] + 4 * (n % 16), 4)) == (
+            tick,
+            what | RESPONSES["stop"] << 28,
+            area,
+            generation,
+        )

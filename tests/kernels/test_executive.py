@@ -1,4 +1,5 @@
-"""The executive from `_start` on: it claims in the order of the list, runs the kernel of the kind, writes FFh last, and idles by its policy.
+"""The executive from `_start` on: it claims in the order of the list, runs the kernel of the kind, writes FFh last, and
+idles by its policy.
 
 The shared memory is RAM, so a semaphore's word is written by hand: 0 free (as after a release), 1 taken.
 """
@@ -45,7 +46,15 @@ class Board(Dsp):
     def block(self, index: int, kind: int, j: int, link: int = 0) -> int:
         s = self.symbols
         at = s["BLOCK_POOL"] + index * s["BLOCK_WORDS"]
-        words = {"TB_T": 9, "TB_FLAG": 0, "TB_J": j, "TB_LINK": link, "TB_KIND": kind, "TB_AREA": s["CR_BASE"], "TB_GENERATION": 4}
+        words = {
+            "TB_T": 9,
+            "TB_FLAG": 0,
+            "TB_J": j,
+            "TB_LINK": link,
+            "TB_KIND": kind,
+            "TB_AREA": s["CR_BASE"],
+            "TB_GENERATION": 4,
+        }
         for name in ("TB_OWNER", "TB_RESULT", "TB_NOTIFY"):
             words[name] = 0x5A5A
         for name, value in words.items():
@@ -69,7 +78,13 @@ def test_blocks_are_claimed_in_list_order_until_one_is_not_to_be_run() -> None:
     b.set_shared(s["LIST_WORK_POINTER"], first)
     b.run_cycles(20_000)
     assert b.chip.idle
-    assert [b.field(first, n) for n in ("TB_FLAG", "TB_T", "TB_OWNER", "TB_RESULT", "TB_NOTIFY")] == [0xFF, 0, 4, 0x20001, 0]  # one error so far, of no origin: hold
+    assert [b.field(first, n) for n in ("TB_FLAG", "TB_T", "TB_OWNER", "TB_RESULT", "TB_NOTIFY")] == [
+        0xFF,
+        0,
+        4,
+        0x20001,
+        0,
+    ]  # one error so far, of no origin: hold
     assert [b.field(second, n) for n in ("TB_FLAG", "TB_RESULT")] == [0xFF, 0xFFFFFFFF]
     assert [b.field(third, n) for n in ("TB_FLAG", "TB_T", "TB_OWNER")] == [0, 9, 0x5A5A]  # J = 0: left alone
     assert b.field(first, "TB_GENERATION") == 4
@@ -205,7 +220,9 @@ WAITING, TAKEN, DONE = 0, 0xF, 0xFF
         ([(OTHER if n % 3 else OWN, WAITING) for n in range(64)], 0, list(range(0, 64, 3)), 1),
     ],
 )
-def test_a_dsp_passes_what_is_anothers_or_taken_and_takes_what_is_left(blocks: list[tuple[int, int]], not_due: int, runs: list[int], pointer: int | None) -> None:
+def test_a_dsp_passes_what_is_anothers_or_taken_and_takes_what_is_left(
+    blocks: list[tuple[int, int]], not_due: int, runs: list[int], pointer: int | None
+) -> None:
     b = OwnBoard(blocks, not_due)
     assert b.run_to_sleep() == runs
     assert b.pointer() == pointer

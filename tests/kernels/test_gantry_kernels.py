@@ -1,6 +1,8 @@
-"""The programs of a ship-to-shore gantry: against the plant's own equations (which MuJoCo checks, tests/plant/test_gantry.py) and closed forms.
+"""The programs of a ship-to-shore gantry: against the plant's own equations (which MuJoCo checks,
+tests/plant/test_gantry.py) and closed forms.
 
-What a gantry shares with the slewing crane is tested with that crane. Tests here cover what differs, and that the image has the plant's constants.
+What a gantry shares with the slewing crane is tested with that crane. Tests here cover what differs, and that the image
+has the plant's constants.
 """
 
 from __future__ import annotations
@@ -103,7 +105,8 @@ def test_no_axis_passes_its_limit() -> None:
 
 
 def test_a_block_that_is_run_again_or_was_cut_short_leaves_the_same_words(dsp: Dsp) -> None:
-    """A DSP may fail after the first pass of a leg's first point. The next DSP finds a leg that is too fast, and corrects it."""
+    """A DSP may fail after the first pass of a leg's first point. The next DSP finds a leg that is too fast, and
+    corrects it."""
     home, vias = [0.0, -8.0, 14.0, 0.0], [[3.0, 0.0, 16.0, 0.0], [9.0, 10.0, 9.0, 0.0]]
     dsp.put("CR_HOME", *home)
     dsp.put("CR_LEG", 1)
@@ -113,7 +116,9 @@ def test_a_block_that_is_run_again_or_was_cut_short_leaves_the_same_words(dsp: D
         for word in range(48):
             dsp.put("CR_TRAJECTORY", 0, offset=word)
         dsp.run(cut, 0)
-        assert [dsp.run("trajectory_gantry", k)[:2] + (dsp.floats("CR_POINT", 14, offset=(k & 1) * 16),) for k in (0, 700)] == want
+        assert [
+            dsp.run("trajectory_gantry", k)[:2] + (dsp.floats("CR_POINT", 14, offset=(k & 1) * 16),) for k in (0, 700)
+        ] == want
 
 
 def test_the_shaper_takes_the_ropes_length_and_the_travels_time(dsp: Dsp) -> None:
@@ -160,17 +165,26 @@ def test_joints_are_the_plants_and_the_load_hangs_at_the_reference_sway(dsp: Dsp
         alpha, beta, by_trolley, by_travel = dsp.floats("CR_SWAY", 4, offset=(k & 3) * 4)
         hanging = list(q)
         hanging[4], hanging[5] = alpha, beta
-        behind = np.subtract(MODEL.tip(q), MODEL.payload_position(hanging))[:2] / q[3]  # the rope pulls where the load accelerates
-        assert behind == pytest.approx(np.array(p.payload) / ref.GRAVITY, abs=4e-5)  # sin against its argument: 0.04^3 / 3
+        behind = (
+            np.subtract(MODEL.tip(q), MODEL.payload_position(hanging))[:2] / q[3]
+        )  # the rope pulls where the load accelerates
+        assert behind == pytest.approx(
+            np.array(p.payload) / ref.GRAVITY, abs=4e-5
+        )  # sin against its argument: 0.04^3 / 3
         # A metre towards the side to which positive angles hang moves the joints by the factors.
         for angle, joint, factor in ((4, 2, by_trolley), (5, 0, by_travel)):
             swung, shifted = list(q), list(q)
             swung[angle] += 1e-6
             shifted[joint] += factor * 1e-6 * q[3]
-            assert np.subtract(MODEL.payload_position(swung), MODEL.payload_position(shifted)) == pytest.approx([0, 0, 0], abs=1e-10)
+            assert np.subtract(MODEL.payload_position(swung), MODEL.payload_position(shifted)) == pytest.approx(
+                [0, 0, 0], abs=1e-10
+            )
 
 
-@pytest.mark.parametrize(("at", "joint", "limit"), [((0, 40, 10), 2, 38.5), ((0, -34, 10), 2, -33.0), ((-201, 0, 10), 1, -200.0), ((0, 0, 32), 3, 3.0)])
+@pytest.mark.parametrize(
+    ("at", "joint", "limit"),
+    [((0, 40, 10), 2, 38.5), ((0, -34, 10), 2, -33.0), ((-201, 0, 10), 1, -200.0), ((0, 0, 32), 3, 3.0)],
+)
 def test_out_of_reach_is_clamped_and_said(dsp: Dsp, at: tuple[float, float, float], joint: int, limit: float) -> None:
     put_point(dsp, 0, ref.Point([float(v) for v in at] + [0.0], [0.0] * 4, [0.0] * 4, [0.0] * 2))
     assert dsp.run("inverse_gantry", 0)[0] == 1 | UNREACHABLE
@@ -204,7 +218,11 @@ def test_torques_are_the_plants_inverse_dynamics(dsp: Dsp, kernel: str, build: s
         place = [q[1], HALF, q[2], q[3], 0.0, 0.0, q[4]]
         rate, second = ([v[1], 0.0, v[2], v[3], 0.0, 0.0, v[4]] for v in (qd, qdd))
         inertia = P.spreader_inertia + ref.I_PER_KG * (load - P.spreader_mass)
-        force = np.asarray(MODEL.mass_matrix(place, load, inertia)) @ second + MODEL.bias(place, rate, load, inertia) + MODEL.gravity(place, load)
+        force = (
+            np.asarray(MODEL.mass_matrix(place, load, inertia)) @ second
+            + MODEL.bias(place, rate, load, inertia)
+            + MODEL.gravity(place, load)
+        )
         assert got[0] == 0.0
         for channel, (k, d) in enumerate(zip((0, 2, 3, 6), DRIVES, strict=True), start=1):
             rated, top = d.gear * d.rated_torque, d.rated_speed / d.gear
@@ -269,7 +287,9 @@ def test_the_drives_wait_for_the_hoists_feed_forward(gains: None, kernel: str) -
     servo.dsp.put("CR_FEED_FORWARD", *feed)
     servo.run()
     assert servo.dsp.device_word("DRIVE_ENABLE") == 0x1F and servo.dsp.word("CR_PID_STAGE") == 2
-    assert servo.codes() == pytest.approx([0] + [round(f * 2047 / u) for f, u in zip(feed[1:], U_MAX[1:], strict=True)], abs=2)
+    assert servo.codes() == pytest.approx(
+        [0] + [round(f * 2047 / u) for f, u in zip(feed[1:], U_MAX[1:], strict=True)], abs=2
+    )
     again = servo.tick
     servo.run()
     assert servo.dsp.word("CR_ENCODER_LAST", offset=-5) == again  # the word before it: the last tick
@@ -292,7 +312,10 @@ def test_one_tick_is_the_reference_with_a_gantrys_drives(gains: None) -> None:
         dsp.put("CR_CONSUMED", 8)
         phase = r.randrange(0, 8)
         dsp.put("CR_SEGMENT_START", servo.tick - 8 * phase)
-        state = ref.PidState(*([0.0, *(single(r.uniform(-s, s)) for _ in range(4))] for s in (50.0, 50.0, 0.01)), *([single(r.uniform(-s, s)) for _ in range(2)] for s in (0.2, 0.01, 0.3, 0.3)))
+        state = ref.PidState(
+            *([0.0, *(single(r.uniform(-s, s)) for _ in range(4))] for s in (50.0, 50.0, 0.01)),
+            *([single(r.uniform(-s, s)) for _ in range(2)] for s in (0.2, 0.01, 0.3, 0.3)),
+        )
         loops = ((24, state.integral), (29, state.derivative), (34, state.error))
         for offset, values in (*loops, (5, state.beside), (13, state.sway), (45, state.speed), (47, state.wind)):
             dsp.put("CR_CONSUMED", *values, offset=offset)
@@ -314,7 +337,9 @@ def test_one_tick_is_the_reference_with_a_gantrys_drives(gains: None) -> None:
         servo.run()
         for j in range(5):
             e = 4 * 2**-20  # as in test_pid: four halves of the last place of a length
-            assert servo.codes()[j] == pytest.approx(want[j] * ref.CODE[j], abs=1 + k_p[j] * (1 + ref.N_D) * e * ref.CODE[j]), (seed, j)
+            assert servo.codes()[j] == pytest.approx(
+                want[j] * ref.CODE[j], abs=1 + k_p[j] * (1 + ref.N_D) * e * ref.CODE[j]
+            ), (seed, j)
 
 
 # ---- in closed loop around the plant's gantry

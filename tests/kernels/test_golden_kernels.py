@@ -88,7 +88,13 @@ def ship() -> Dsp:
     """One row of the bay with two containers."""
     dsp = crane()
     s = dsp.symbols
-    for name, value in (("SCAN_ROWS", 1), ("SCAN_Y", 24_000), ("SCAN_X0", -25_600), ("SCAN_DX", 400), ("SCAN_DECK", 3_909)):
+    for name, value in (
+        ("SCAN_ROWS", 1),
+        ("SCAN_Y", 24_000),
+        ("SCAN_X0", -25_600),
+        ("SCAN_DX", 400),
+        ("SCAN_DECK", 3_909),
+    ):
         dsp.device(s[name], value)
     for i in range(128):
         x = -25.6 + 0.4 * i
@@ -101,7 +107,13 @@ def agv() -> Dsp:
     """In the loading spot, before its way to the warehouse and home."""
     dsp = Dsp()
     dsp.agv(0)
-    for name, value in (("AG_UNIT", UNIT), ("AG_STEP_TIME", 0.02), ("AG_PERIOD_US", 20_000), ("AG_POINT_TICKS", 160), ("AG_LEG", 1)):
+    for name, value in (
+        ("AG_UNIT", UNIT),
+        ("AG_STEP_TIME", 0.02),
+        ("AG_PERIOD_US", 20_000),
+        ("AG_POINT_TICKS", 160),
+        ("AG_LEG", 1),
+    ):
         dsp.put(name, value)
     for leg, segments in enumerate((*loop(), loop()[1]), start=1):
         dsp.put("AG_SEGMENT_COUNT", len(segments), leg)
@@ -109,7 +121,13 @@ def agv() -> Dsp:
             words = (segment.x, segment.y, segment.heading, segment.length, segment.curvature, segment.speed)
             for j, value in enumerate(words):
                 dsp.put("AG_SEGMENT", float(value), (leg - 1) * 64 + 8 * i + j)
-    for name, value in (("AGV_X", 22_010), ("AGV_Y", 7_995), ("AGV_HEADING", 900), ("AGV_SPEED", 0), ("AGV_STATUS", 0x30)):
+    for name, value in (
+        ("AGV_X", 22_010),
+        ("AGV_Y", 7_995),
+        ("AGV_HEADING", 900),
+        ("AGV_SPEED", 0),
+        ("AGV_STATUS", 0x30),
+    ):
         dsp.device(UNIT + dsp.symbols[name], value)
     return dsp
 
@@ -169,5 +187,7 @@ def kernel_trace(kernel: str, prepare: Callable[[], Dsp], argument: int, tick: i
 
 @pytest.mark.golden
 @pytest.mark.parametrize(("kernel", "prepare", "argument", "tick"), CASES)
-def test_kernel(golden: Callable[[str, str], None], kernel: str, prepare: Callable[[], Dsp], argument: int, tick: int) -> None:
+def test_kernel(
+    golden: Callable[[str, str], None], kernel: str, prepare: Callable[[], Dsp], argument: int, tick: int
+) -> None:
     golden(f"kernel-{kernel}.trace", kernel_trace(kernel, prepare, argument, tick))

@@ -36,8 +36,9 @@ def at_the_end(areas: str) -> str:
 
 
 def before(word: str) -> Callable[[str], str]:
-    """A word before this one of the crane's, which moves up with all that come later. What kernels copy up to the new word would show: a pointer then stands
-    on it. Words that they copy beginning behind it, as PID the joint points of CR_RING, do not."""
+    """A word before this one of the crane's, which moves up with all that come later. What kernels copy up to the new
+    word would show: a pointer then stands on it. Words that they copy beginning behind it, as PID the joint points of
+    CR_RING, do not."""
 
     def added(areas: str) -> str:
         found = re.search(rf"^{word}\s+\.set 0?([0-9A-F]+)h", areas, re.MULTILINE)

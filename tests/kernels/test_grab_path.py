@@ -54,7 +54,10 @@ def deepest(box: Box, hang: float, chain: list[np.ndarray]) -> float:
     for p, q in pairwise(chain):
         for t in STATIONS:
             x, y, z, _ = p + t * (q - p)
-            worst = max(worst, min(x + 6.096 - box[0], box[1] - x + 6.096, y + 1.219 - box[2], box[3] - y + 1.219, box[5] - z + hang))
+            worst = max(
+                worst,
+                min(x + 6.096 - box[0], box[1] - x + 6.096, y + 1.219 - box[2], box[3] - y + 1.219, box[5] - z + hang),
+            )
     return worst
 
 
@@ -73,10 +76,21 @@ def test_default_dock(dsp: Dsp) -> None:
 def random_scene(rng: random.Random) -> tuple[list[Box], Box, Pose, int]:
     boxes = [HOUSE]
     for _ in range(rng.randint(0, 4)):
-        x, y, w, b, h = rng.uniform(-15, 25), rng.uniform(10, 26), rng.uniform(0.5, 4), rng.uniform(0.5, 4), rng.uniform(3, 16)
+        x, y, w, b, h = (
+            rng.uniform(-15, 25),
+            rng.uniform(10, 26),
+            rng.uniform(0.5, 4),
+            rng.uniform(0.5, 4),
+            rng.uniform(3, 16),
+        )
         boxes.append((x - w, x + w, y - b, y + b, 0.0, h))
     top = rng.uniform(6.5, 12)
-    target = (rng.uniform(-13, 13), rng.choice([24.0, 26.6]), top - rng.choice([0.0, HEIGHT]), rng.choice([0.0, 0.0, 0.1, -0.1]))
+    target = (
+        rng.uniform(-13, 13),
+        rng.choice([24.0, 26.6]),
+        top - rng.choice([0.0, HEIGHT]),
+        rng.choice([0.0, 0.0, 0.1, -0.1]),
+    )
     boxes = [tuple(map(single, box)) for box in boxes]  # type: ignore[misc]
     bay = (*map(single, BAY[:5]), single(top))
     return boxes, bay, tuple(map(single, target)), rng.choice([0, 7, 8])  # type: ignore[return-value]
@@ -95,7 +109,9 @@ def test_routes_agree_with_the_reference(dsp: Dsp) -> None:
         grown = [grow(b, target[3], 0.0) for b in (*boxes, bay)]
         first = plan(grown, at, above, False, 0.0)
         loaded = [grow(b, SPOT[2], HEIGHT) for b in (*boxes, bay)]
-        second = plan(loaded, above, (*SPOT[:2], DECK + HEIGHT + CLEARANCE, SPOT[2]), True, max(0.0, loaded[-1][4] - above[2]))
+        second = plan(
+            loaded, above, (*SPOT[:2], DECK + HEIGHT + CLEARANCE, SPOT[2]), True, max(0.0, loaded[-1][4] - above[2])
+        )
         assert result == len(first) + len(second)
         for number, want in ((1, first), (2, second)):
             got = np.array(route(dsp, number))
@@ -114,7 +130,8 @@ def test_routes_agree_with_the_reference(dsp: Dsp) -> None:
 @pytest.mark.parametrize("x", [-2.0, 4.0, 10.0])
 @pytest.mark.parametrize("height", [6.0, 12.0, 20.0])
 def test_the_hanging_load_clears_a_stack_in_the_way(dsp: Dsp, x: float, height: float) -> None:
-    """One stack between the bay and the spot, on the straight way: neither spreader nor container gets into it, and the detour is sane."""
+    """One stack between the bay and the spot, on the straight way: neither spreader nor container gets into it, and the
+    detour is sane."""
     stack: Box = (x, x + 2.4, 14.0, 16.4, 0.0, height)
     target: Pose = (0.0, 24.0, 9.092, 0.0)
     prepare(dsp, [HOUSE, stack], BAY, target)

@@ -9,7 +9,8 @@ from test_golden_kernels import agv, agv_facing_a_person, ship
 from test_grab_path import prepare, random_scene
 
 MOST = 18_750
-"""Cycles, 0.75 ms at C40-50: what measures.md 4 allows between two beats. The windows are free here; the waits of the bus come on top."""
+"""Cycles, 0.75 ms at C40-50: what measures.md 4 allows between two beats. The windows are free here; the waits of the
+bus come on top."""
 
 CALL = 4
 """Cycles of a CALL (c40-isa.md)."""

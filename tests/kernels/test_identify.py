@@ -10,13 +10,15 @@ from reference_agv import BOX_LENGTH, BOX_WIDTH, identify
 
 HEIGHT, DECK = 2.591, 3.909
 X0, DX = -25.6, 0.4
-# Four heights floored to 8 mm make an edge's place uncertain by 8 mm / H of a cell each, half of it for the middle of two edges; H is a tier or more.
+# Four heights floored to 8 mm make an edge's place uncertain by 8 mm / H of a cell each, half of it for the middle of
+# two edges; H is a tier or more.
 EDGES = 4 * 0.008 / HEIGHT * DX / 2 + 1e-4
 Stack = tuple[float, int]  # x of the middle; number of containers in the stack
 
 
 class Bay(Dsp):
-    """A DSP before a scanner with several rows: selecting a row is a device write, so the run stops there and the row is put in place."""
+    """A DSP before a scanner with several rows: selecting a row is a device write, so the run stops there and the row
+    is put in place."""
 
     def look(self, rows: list[tuple[float, list[Stack]]]) -> tuple[int, int, int]:
         s = self.symbols
@@ -104,7 +106,10 @@ def test_agrees_with_the_reference_and_with_the_truth(bay: Bay) -> None:
         errors.append(min(abs(x - got[0]) for _, x in tops))
         box = bay.floats("CR_BAY", 6)
         spans = [(x - BOX_LENGTH / 2, x + BOX_LENGTH / 2) for _, s in rows for x, _ in s]
-        assert box[0] <= min(a for a, _ in spans) <= box[0] + 2 * DX and box[1] - 2 * DX <= max(b for _, b in spans) <= box[1]
+        assert (
+            box[0] <= min(a for a, _ in spans) <= box[0] + 2 * DX
+            and box[1] - 2 * DX <= max(b for _, b in spans) <= box[1]
+        )
         assert box[2] == pytest.approx(rows[0][0] - BOX_WIDTH / 2, abs=1e-4)
         assert box[3] == pytest.approx(rows[-1][0] + BOX_WIDTH / 2, abs=1e-4)
         assert box[5] == pytest.approx(got[2], abs=0.01)

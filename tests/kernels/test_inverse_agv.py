@@ -25,7 +25,9 @@ def dsp() -> Dsp:
 
 
 def measure(dsp: Dsp, x: int, y: int, heading: int, speed: int, status: int) -> None:
-    for name, value in zip(("AGV_X", "AGV_Y", "AGV_HEADING", "AGV_SPEED", "AGV_STATUS"), (x, y, heading, speed, status)):
+    for name, value in zip(
+        ("AGV_X", "AGV_Y", "AGV_HEADING", "AGV_SPEED", "AGV_STATUS"), (x, y, heading, speed, status)
+    ):
         dsp.device(UNIT + dsp.symbols[name], value)
 
 
@@ -43,7 +45,15 @@ def test_set_points_agree_with_the_reference(dsp: Dsp) -> None:
         dsp.put("AG_PRODUCED", k)
         heading = rng.uniform(-math.pi, math.pi)
         at_end = rng.random() < 0.2
-        words = [rng.uniform(-60, 60), rng.uniform(-60, 60), heading, 0.0, rng.uniform(0, 6), rng.uniform(0.1, 80), rng.uniform(-0.1, 0.1)]
+        words = [
+            rng.uniform(-60, 60),
+            rng.uniform(-60, 60),
+            heading,
+            0.0,
+            rng.uniform(0, 6),
+            rng.uniform(0.1, 80),
+            rng.uniform(-0.1, 0.1),
+        ]
         if at_end:
             words[4] = words[5] = 0.0
         elif rng.random() < 0.1:
@@ -95,7 +105,14 @@ def test_the_loop_is_driven_to_within_centimetres(dsp: Dsp, load: float, period_
     while not (done and not vehicle.queue and vehicle.standing):
         if len(vehicle.queue) < 2 and not done:
             status = len(vehicle.queue) | 0x10 * vehicle.standing | 0x20 * vehicle.loaded
-            measure(dsp, *(math.floor(v) for v in (vehicle.x * 1e3, vehicle.y * 1e3, wrap(vehicle.heading) * 1e6, vehicle.v * 1e3)), status)
+            measure(
+                dsp,
+                *(
+                    math.floor(v)
+                    for v in (vehicle.x * 1e3, vehicle.y * 1e3, wrap(vehicle.heading) * 1e6, vehicle.v * 1e3)
+                ),
+                status,
+            )
             done = bool(dsp.run("trajectory_agv", k)[0])
             dsp.run("inverse_agv", k)
             point = dsp.floats("AG_POINT", 3, (k & 1) * 8)

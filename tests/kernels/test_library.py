@@ -21,7 +21,14 @@ def dsp() -> Dsp:
 
 def magnitudes(seed: int, count: int = 150) -> list[float]:
     r = random.Random(seed)
-    return [single(r.uniform(1, 2) * 2.0 ** r.randint(-40, 40)) for _ in range(count)] + [1.0, 2.0, 0.5, 4.0, 3.0, 1 - 2**-24]
+    return [single(r.uniform(1, 2) * 2.0 ** r.randint(-40, 40)) for _ in range(count)] + [
+        1.0,
+        2.0,
+        0.5,
+        4.0,
+        3.0,
+        1 - 2**-24,
+    ]
 
 
 def test_reciprocal_is_good_to_29_bits(dsp: Dsp) -> None:
@@ -52,7 +59,9 @@ def test_sine_and_cosine(dsp: Dsp) -> None:
 def test_arc_tangent_in_every_octant(dsp: Dsp) -> None:
     r = random.Random(4)
     pairs = [(r.uniform(-50, 50), r.uniform(-50, 50)) for _ in range(300)]
-    pairs += [(y * a, x * b) for y in (1, -1) for x in (1, -1) for a, b in ((1, 1), (1, 1e-4), (1e-4, 1), (0.41421356, 1))]
+    pairs += [
+        (y * a, x * b) for y in (1, -1) for x in (1, -1) for a, b in ((1, 1), (1, 1e-4), (1e-4, 1), (0.41421356, 1))
+    ]
     pairs += [(0.0, 3.0), (3.0, 0.0), (-3.0, 0.0), (0.0, -3.0), (0.0, 0.0)]
     for y, x in pairs:
         y, x = single(y), single(x)

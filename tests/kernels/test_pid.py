@@ -93,14 +93,19 @@ def test_one_tick_is_the_reference(seeds: range = range(12)) -> None:
         a = [single(x + r.uniform(-0.01, 0.01)) for x in POSE]
         b = [single(x + r.uniform(-0.001, 0.001)) for x in a]
         ad, bd = ([single(r.uniform(-0.05, 0.05)) for _ in range(5)] for _ in range(2))
-        sway_a, sway_b = ([*(single(r.uniform(-0.02, 0.02)) for _ in range(2)), single(-0.04), single(0.05)] for _ in range(2))
+        sway_a, sway_b = (
+            [*(single(r.uniform(-0.02, 0.02)) for _ in range(2)), single(-0.04), single(0.05)] for _ in range(2)
+        )
         servo.put_point(6, a, ad, sway_a)
         servo.put_point(7, b, bd, sway_b)
         dsp.put("CR_CONSUMED", 8)
         phase = r.randrange(0, 8)
         dsp.put("CR_SEGMENT_START", servo.tick - 8 * phase)
         state = ref.PidState(
-            *([single(r.uniform(-s, s)) for _ in range(n)] for s, n in ((50.0, 5), (50.0, 5), (0.01, 5), (0.2, 2), (0.01, 2), (0.3, 2), (0.3, 2)))
+            *(
+                [single(r.uniform(-s, s)) for _ in range(n)]
+                for s, n in ((50.0, 5), (50.0, 5), (0.01, 5), (0.2, 2), (0.01, 2), (0.3, 2), (0.3, 2))
+            )
         )
         if seed % 4 == 1:  # no wind is known while the path moves
             state.wind, state.speed = [single(0.03 * w) for w in state.wind], [single(0.1 * v) for v in state.speed]
@@ -130,7 +135,9 @@ def test_one_tick_is_the_reference(seeds: range = range(12)) -> None:
         if stands and seed % 8 == 7:
             dsp.put("CR_LOAD", 0.75 * ref.M_SPREADER)
         measured = [m / c for m, c in zip(moved, ref.COUNTS, strict=True)]
-        shift = ref.sway_update(state, [c * math.radians(10) / 2048 for c in codes], sway[:2], H, measured[3], stands=stands, moves=True)
+        shift = ref.sway_update(
+            state, [c * math.radians(10) / 2048 for c in codes], sway[:2], H, measured[3], stands=stands, moves=True
+        )
         # The load keeps its height and its direction while luff and slew move.
         reference[3] += ref.JIB * math.cos(measured[2]) * sway[2] * shift[0]
         reference[2] += sway[2] * shift[0]
@@ -140,16 +147,18 @@ def test_one_tick_is_the_reference(seeds: range = range(12)) -> None:
         want = ref.pid(state, reference, measured, feed, H, k_p)
 
         servo.run()
-        # The set-point is rounded to single twice, the measurement once, the unit of a count to 2^-25: four halves of the last
-        # place of l (2^-20 m) or of an angle below 1 (2^-25). K (1 + N) multiplies that, in codes of u_max / 2047; one code for
-        # the rounding to codes.
+        # The set-point is rounded to single twice, the measurement once, the unit of a count to 2^-25: four halves of
+        # the last place of l (2^-20 m) or of an angle below 1 (2^-25). K (1 + N) multiplies that, in codes of u_max /
+        # 2047; one code for the rounding to codes.
         for j in range(5):
             e = 4 * (2**-20 if j == 3 else 2**-25)
             codes_of_error = k_p[j] * (1 + ref.N_D) * e * ref.CODE[j]
             assert servo.codes()[j] == pytest.approx(want[j] * ref.CODE[j], abs=1 + codes_of_error), (seed, j)
             assert dsp.floats("CR_CONSUMED", 5, offset=34)[j] == pytest.approx(state.error[j], abs=e)
             k_i = k_p[j] * (1 + H / ref.T_I[j] + H / ref.T_T[j] * (1 + ref.N_D))
-            assert dsp.floats("CR_CONSUMED", 5, offset=24)[j] == pytest.approx(state.integral[j], abs=1e-5 + k_i * e, rel=1e-6)
+            assert dsp.floats("CR_CONSUMED", 5, offset=24)[j] == pytest.approx(
+                state.integral[j], abs=1e-5 + k_i * e, rel=1e-6
+            )
         assert dsp.floats("CR_CONSUMED", 2, offset=5) == pytest.approx(state.beside, abs=1e-7)
         assert dsp.floats("CR_CONSUMED", 2, offset=45) == pytest.approx(state.speed, abs=1e-7)
         assert dsp.floats("CR_CONSUMED", 2, offset=47) == pytest.approx(state.wind, abs=1e-7)
@@ -237,7 +246,9 @@ def test_a_leg_that_is_over_rests_however_fast_its_last_segment_was() -> None:
     for k, rate in enumerate(([0.0] * 5, speed, [0.0] * 5)):
         servo.put_point(k, POSE, rate, [0.0] * 4)
     begin = servo.tick
-    while servo.tick < begin + 3 * POINT_TICKS:  # three points are consumed, the last at once; two segments later it is over
+    while (
+        servo.tick < begin + 3 * POINT_TICKS
+    ):  # three points are consumed, the last at once; two segments later it is over
         assert not servo.run() & SETTLED
     settled = next(n for n in range(4000) if servo.run() & SETTLED)
     assert settled * H == pytest.approx(ref.SETTLE_TIME, abs=0.01)
@@ -260,7 +271,8 @@ def test_it_says_whether_the_load_is_over_its_place_and_displaced_by_wind() -> N
 
 
 def test_a_steady_wind_is_observed_and_the_suspension_goes_upwind() -> None:
-    """A pendulum of its own, pushed by a constant wind, hangs from where PID shifts the suspension: it comes back to its place."""
+    """A pendulum of its own, pushed by a constant wind, hangs from where PID shifts the suspension: it comes back to
+    its place."""
     servo = Servo(POSE)
     servo.start()
     length, wind, y, v, step = POSE[3], 0.2, 0.0, 0.0, 10 * H  # ten times fewer ticks, and the test as much shorter

@@ -1,4 +1,5 @@
-"""PID as plant-and-bus.md 2.1 prints it (kernels.pid = "measurement_derivative"): derivative on the measurement, first-order hold between points."""
+"""PID as plant-and-bus.md 2.1 prints it (kernels.pid = "measurement_derivative"): derivative on the measurement,
+first-order hold between points."""
 
 from __future__ import annotations
 
@@ -57,11 +58,14 @@ def test_ticks_are_the_printed_law() -> None:
                 v = integral[j] + derivative[j] + feed[j]
                 last[j] = e
                 u = min(max(v, -ref.U_MAX[j]), ref.U_MAX[j])
-                integral[j] += k_p[j] * H / ref.T_I[j] * e + H / ref.T_T[j] * (u - v)  # back calculation: what saturates is taken off
+                integral[j] += k_p[j] * H / ref.T_I[j] * e + H / ref.T_T[j] * (
+                    u - v
+                )  # back calculation: what saturates is taken off
                 want.append(u)
             servo.run()
             for j in range(5):
-                # As in test_pid: the measurement's and the set-point's roundings through K (1 + N), once per tick gone, and one code.
+                # As in test_pid: the measurement's and the set-point's roundings through K (1 + N), once per tick gone,
+                # and one code.
                 place = 4 * (2**-20 if j == 3 else 2**-25)
                 bound = 1 + (1 + tick) * k_p[j] * (1 + ref.N_D) * place * ref.CODE[j]
                 assert servo.codes()[j] == pytest.approx(want[j] * ref.CODE[j], abs=bound), (seed, tick, j)
@@ -69,7 +73,8 @@ def test_ticks_are_the_printed_law() -> None:
 
 
 def test_a_step_of_the_set_point_does_not_kick() -> None:
-    """The derivative sees the measurement only: a step of the set-point adds K times the step, where the error's derivative would add K N more."""
+    """The derivative sees the measurement only: a step of the set-point adds K times the step, where the error's
+    derivative would add K N more."""
     kicks = []
     for kind in (Printed, Servo):
         servo = kind(POSE)

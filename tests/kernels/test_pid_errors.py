@@ -1,4 +1,5 @@
-"""Errors that PID finds, joints that it ignores, the path's clock shared with torque compensation (docs/controller.md)."""
+"""Errors that PID finds, joints that it ignores, the path's clock shared with torque compensation
+(docs/controller.md)."""
 
 from __future__ import annotations
 
@@ -245,4 +246,6 @@ def test_torque_compensation_knows_the_path_clock() -> None:
     for j in range(5):
         along = speed[j] + acceleration[j] * theta
         assert got_qd[j] == pytest.approx(along * rate, rel=1e-4)
-        assert got_qdd[j] == pytest.approx(acceleration[j] * rate**2 - along * 1.0, rel=1e-3)  # the rate falls by 1 per second
+        assert got_qdd[j] == pytest.approx(
+            acceleration[j] * rate**2 - along * 1.0, rel=1e-3
+        )  # the rate falls by 1 per second

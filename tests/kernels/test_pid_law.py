@@ -1,4 +1,5 @@
-"""The parameters of PID's law: read by generation and kept on chip, scheduled by luff angle and load, changed without a bump."""
+"""The parameters of PID's law: read by generation and kept on chip, scheduled by luff angle and load, changed without a
+bump."""
 
 from __future__ import annotations
 
@@ -14,7 +15,8 @@ FILTER, SHARE, SHARE_BEFORE = 5, 9, 10
 
 
 def resting(load: float = MASS, pose: list[float] = POSE) -> Servo:
-    """On, at the pose, with a feed-forward of 100 N m on each joint; what the start has left of derivative and error is gone."""
+    """On, at the pose, with a feed-forward of 100 N m on each joint; what the start has left of derivative and error is
+    gone."""
     servo = Servo(pose)
     servo.dsp.put("CR_LOAD", load)
     servo.start()
@@ -68,7 +70,8 @@ def test_parameters_are_kept_on_chip_until_their_generation_changes() -> None:
 
 
 def test_a_change_moves_no_drive() -> None:
-    """The gains change by a factor of four, the feed-forward to a quarter. With a constant error, the torque continues without a jump."""
+    """The gains change by a factor of four, the feed-forward to a quarter. With a constant error, the torque continues
+    without a jump."""
     servo = resting()
     servo.encoders([c - 2 for c in servo.total])
     for _ in range(300):  # the derivative has died away, the integral goes on
@@ -97,7 +100,8 @@ def test_a_change_moves_no_drive() -> None:
 
 
 def test_another_dsp_takes_the_change_over_without_a_bump() -> None:
-    """The tick after a change runs on a chip that has never read the block: the state says which generation it was computed with."""
+    """The tick after a change runs on a chip that has never read the block: the state says which generation it was
+    computed with."""
     servo = resting()
     for _ in range(5):
         servo.run()

@@ -1,4 +1,5 @@
-"""The kernels know the plant as it is: each parameter of crane and drives a tenth larger, against the plant's own equations (which MuJoCo and Pinocchio check)."""
+"""The kernels know the plant as it is: each parameter of crane and drives a tenth larger, against the plant's own
+equations (which MuJoCo and Pinocchio check)."""
 
 from __future__ import annotations
 
@@ -16,12 +17,14 @@ from test_torque_builds import BOUND, CLOSED_FORM, NEWTON_EULER
 
 cmrc, plant = _core.cmrc, _core.plant
 KEYS = {key["name"]: key for key in cmrc.config_keys()}
-# No kernel computes with these: what the plant does by itself, what is checked before the run, the drives' own protection.
+# No kernel computes with these: what the plant does by itself, what is checked before the run, the drives' own
+# protection.
 NOT_THEIRS = {
     "rated_load_kg", "sway_damping", "portal_along_m", "portal_landside_m", "portal_waterside_m", "portal_leg_m", "portal_height_m",
     "torque_lag_s", "stribeck", "stribeck_speed", "brake", "overspeed", "overspeed_time_s", "saturation_time_s", "saturation_swings", "thermal_time_s", "thermal_trip",
 }  # fmt: skip
-# End stops that inverse kinematics does not go by: those of the rope on the slewing crane, of travel, slewing and rotator.
+# End stops that inverse kinematics does not go by: those of the rope on the slewing crane, of travel, slewing and
+# rotator.
 FREE = {"slewing.travel", "slewing.slew", "slewing.hoist", "slewing.rotate", "gantry.rotate"}
 
 
@@ -31,11 +34,14 @@ def parameters(machine: str) -> list[str]:
 
 @functools.cache
 def changed(name: str) -> float:
-    """A tenth more, or a tenth less where more makes a crane that is refused: too heavy a spreader, a gear too slow for the trajectory."""
+    """A tenth more, or a tenth less where more makes a crane that is refused: too heavy a spreader, a gear too slow for
+    the trajectory."""
     default, machine = KEYS[name]["default"], name.split(".")[0]
     for value in (default * 1.1, default * 0.9) if default else (1.0,):
         try:
-            cmrc.dock_of(cmrc.config(settings={"dock.crane": machine if machine == "gantry" else "slewing", name: value}))
+            cmrc.dock_of(
+                cmrc.config(settings={"dock.crane": machine if machine == "gantry" else "slewing", name: value})
+            )
         except cmrc.ConfigError:
             continue
         return float(value)
@@ -51,7 +57,10 @@ def constants(**settings: Any) -> list[int]:
     dsp = Dsp(**settings)
     s = dsp.symbols
     tables = s["gantry_masses"]
-    return [*dsp.chip.read(s["constants"], s["constants_end"] - s["constants"]), *dsp.chip.read(tables, s["gantry_travel"] - tables)]
+    return [
+        *dsp.chip.read(s["constants"], s["constants_end"] - s["constants"]),
+        *dsp.chip.read(tables, s["gantry_travel"] - tables),
+    ]
 
 
 @pytest.mark.parametrize("machine", ["slewing", "gantry"])
@@ -64,17 +73,36 @@ def test_each_parameter_that_a_kernel_needs_changes_its_constants_and_no_other_d
 
 
 def test_what_every_plant_has_alike_is_put_there_too() -> None:
-    """By hand: gravity, half of the scanner's 8 mm, 12 bits of sway over 10 degrees, 100 Hz of it at 8 kHz, 2 % of a rated speed of 10000."""
+    """By hand: gravity, half of the scanner's 8 mm, 12 bits of sway over 10 degrees, 100 Hz of it at 8 kHz, 2 % of a
+    rated speed of 10000."""
     dsp = Dsp()
     lift = dsp.symbols["LIFT"]
-    for name, value in (("K_GRAVITY", 9.81), ("K_ONE_OVER_G", 1 / 9.81), ("K_ID_QUANTUM", 0.004), ("K_PD_SWAY_UNIT", math.radians(10) / 2048)):
+    for name, value in (
+        ("K_GRAVITY", 9.81),
+        ("K_ONE_OVER_G", 1 / 9.81),
+        ("K_ID_QUANTUM", 0.004),
+        ("K_PD_SWAY_UNIT", math.radians(10) / 2048),
+    ):
         assert dsp.chip.peek(dsp.symbols[name] + lift) == to_ti(value), name
     for name, word in (("K_PD_SAMPLE", 80), ("K_PD_TURNS", 200)):
         assert dsp.chip.peek(dsp.symbols[name] + lift) == word, name
 
 
 def vehicles() -> list[str]:
-    return [f"agv.{name}" for name in ("mass_kg", "length_m", "width_m", "front_axle_m", "rear_axle_m", "cornering_n_rad", "steer_limit_deg", "acceleration_m_s2", "braking_m_s2")]
+    return [
+        f"agv.{name}"
+        for name in (
+            "mass_kg",
+            "length_m",
+            "width_m",
+            "front_axle_m",
+            "rear_axle_m",
+            "cornering_n_rad",
+            "steer_limit_deg",
+            "acceleration_m_s2",
+            "braking_m_s2",
+        )
+    ]
 
 
 def test_so_do_the_vehicles() -> None:
@@ -82,11 +110,17 @@ def test_so_do_the_vehicles() -> None:
     assert all(constants(**{name.replace(".", "__"): changed(name)}) != usual for name in vehicles())
 
 
-def wanted(model: Any, p: Any, joints: tuple[int, ...], load: float, q: list[float], qd: list[float], qdd: list[float]) -> list[float]:
+def wanted(
+    model: Any, p: Any, joints: tuple[int, ...], load: float, q: list[float], qd: list[float], qdd: list[float]
+) -> list[float]:
     """Motor torques of the rigid crane by the plant's matrices; coordinates s, psi, phi, l, alpha, beta, kappa."""
     inertia = p.spreader_inertia + (12.192**2 + 2.438**2) / 12 * max(0.0, load - p.spreader_mass)
     full = [[*v[:4], 0.0, 0.0, v[4]] for v in (q, qd, qdd)]
-    force = np.asarray(model.mass_matrix(full[0], load, inertia)) @ full[2] + model.bias(full[0], full[1], load, inertia) + model.gravity(full[0], load)
+    force = (
+        np.asarray(model.mass_matrix(full[0], load, inertia)) @ full[2]
+        + model.bias(full[0], full[1], load, inertia)
+        + model.gravity(full[0], load)
+    )
     torques = []
     for j in joints:
         d, v, k = p.drives[j], qd[j], (0, 1, 2, 3, 6)[j]
@@ -109,17 +143,33 @@ def test_torque_compensation_is_the_plants_inverse_dynamics_whatever_its_paramet
         p = cmrc.dock_of(cmrc.config(settings=settings)).crane
         model = plant.Crane(p)
         dsp = Dsp(**{key.replace(".", "__"): value for key, value in settings.items()})
-        for word, value in (("CR_POINT_TICKS", 64), ("CR_SERVO_TICKS", 8), ("CR_PID_STAGE", 2), ("CR_CONSUMED", 2), ("CR_SEGMENT_START", 0)):
+        for word, value in (
+            ("CR_POINT_TICKS", 64),
+            ("CR_SERVO_TICKS", 8),
+            ("CR_PID_STAGE", 2),
+            ("CR_CONSUMED", 2),
+            ("CR_SEGMENT_START", 0),
+        ):
             dsp.put(word, value)
         dsp.put("CR_SERVO_PERIOD", 0.001)
         for _ in range(2):
             load = round(r.uniform(10e3, 50e3))
             if gantry:
-                q = [single(r.uniform(-20, 20)), math.pi / 2, *(single(r.uniform(a, b)) for a, b in ((-30, 38), (4, 48), (-3, 3)))]
-                qd, qdd = ([single(r.uniform(-v, v)) if v else 0.0 for v in span] for span in ((0.7, 0.0, 2.3, 1.0, 0.1), (0.1, 0.0, 0.5, 0.3, 0.03)))
+                q = [
+                    single(r.uniform(-20, 20)),
+                    math.pi / 2,
+                    *(single(r.uniform(a, b)) for a, b in ((-30, 38), (4, 48), (-3, 3))),
+                ]
+                qd, qdd = (
+                    [single(r.uniform(-v, v)) if v else 0.0 for v in span]
+                    for span in ((0.7, 0.0, 2.3, 1.0, 0.1), (0.1, 0.0, 0.5, 0.3, 0.03))
+                )
             else:
                 q = [single(r.uniform(a, b)) for a, b in ((-40, 40), (-3, 3), (0.4, 1.35), (5, 43), (-3, 3))]
-                qd, qdd = ([single(r.uniform(-v, v)) for v in span] for span in ((0.5, 0.12, 0.05, 1.0, 0.1), (0.1, 0.02, 0.01, 0.3, 0.03)))
+                qd, qdd = (
+                    [single(r.uniform(-v, v)) for v in span]
+                    for span in ((0.5, 0.12, 0.05, 1.0, 0.1), (0.1, 0.02, 0.01, 0.3, 0.03))
+                )
             row = [[0.0, v[0], *v[2:]] if gantry else v for v in (q, qd, qdd)]
             for slot in (0, 1):
                 put_ring(dsp, slot, *row)
@@ -132,7 +182,10 @@ def test_torque_compensation_is_the_plants_inverse_dynamics_whatever_its_paramet
     image_of.cache_clear()
 
 
-@pytest.mark.parametrize("name", ["slewing.a0_m", "slewing.jib_m", "slewing.pivot_height_m", "slewing.luff.lower_deg", "slewing.luff.upper_deg"])
+@pytest.mark.parametrize(
+    "name",
+    ["slewing.a0_m", "slewing.jib_m", "slewing.pivot_height_m", "slewing.luff.lower_deg", "slewing.luff.upper_deg"],
+)
 def test_inverse_kinematics_puts_the_load_where_it_should_be(name: str) -> None:
     r = random.Random(12)
     p = cmrc.dock_of(cmrc.config(settings={name: changed(name)})).crane

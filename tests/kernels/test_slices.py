@@ -1,5 +1,5 @@
-"""Long tasks in several blocks: block by block on chips that know nothing of each other, and each block run twice, they leave the words that
-the whole task leaves."""
+"""Long tasks in several blocks: block by block on chips that know nothing of each other, and each block run twice, they
+leave the words that the whole task leaves."""
 
 from collections.abc import Callable
 
@@ -20,7 +20,9 @@ def shared(dsp: Dsp) -> list[int]:
     return list(dsp.chip.read(WINDOW_A, SHARED))
 
 
-def in_slices(kernel: str, prepare: Callable[[], Dsp], cycles: int, argument: int = 0) -> tuple[int, int, list[int], list[int]]:
+def in_slices(
+    kernel: str, prepare: Callable[[], Dsp], cycles: int, argument: int = 0
+) -> tuple[int, int, list[int], list[int]]:
     """TB_RESULT, TB_NOTIFY, shared memory at the end, and the cycles of each block."""
     memory: list[int] | None = None
     taken: list[int] = []
@@ -41,7 +43,12 @@ def in_slices(kernel: str, prepare: Callable[[], Dsp], cycles: int, argument: in
     raise AssertionError("it never ends")
 
 
-PREPARE: dict[str, Callable[[], Dsp]] = {"avoidance": agv, "avoidance_dwa": agv_facing_a_person, "identify": three_rows, "grab_path": crane}
+PREPARE: dict[str, Callable[[], Dsp]] = {
+    "avoidance": agv,
+    "avoidance_dwa": agv_facing_a_person,
+    "identify": three_rows,
+    "grab_path": crane,
+}
 
 
 def first_block(kernel: str) -> None:
@@ -61,7 +68,9 @@ def first_block(kernel: str) -> None:
     ("identify", three_rows, 1_000_000, 1, 110_000),
     ("grab_path", crane, 1, 2, 1_500),
 ])  # fmt: skip
-def test_blocks_leave_what_the_whole_task_leaves(kernel: str, prepare: Callable[[], Dsp], cycles: int, blocks: int, longest: int) -> None:
+def test_blocks_leave_what_the_whole_task_leaves(
+    kernel: str, prepare: Callable[[], Dsp], cycles: int, blocks: int, longest: int
+) -> None:
     whole = prepare()
     result, notify, _ = whole.run(kernel)
     s = whole.symbols
@@ -70,7 +79,8 @@ def test_blocks_leave_what_the_whole_task_leaves(kernel: str, prepare: Callable[
     got_result, got_notify, memory, taken = in_slices(kernel, prepare, cycles)
     assert (got_result, got_notify) == (result, notify)
     assert {offset: memory[offset] for offset in expected if offset != whole.symbols["SLICE_CYCLES"]} == {
-        offset: word for offset, word in expected.items() if offset != whole.symbols["SLICE_CYCLES"]}
+        offset: word for offset, word in expected.items() if offset != whole.symbols["SLICE_CYCLES"]
+    }
     assert len(taken) == blocks and max(taken) < longest
 
 

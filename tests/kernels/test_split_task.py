@@ -138,10 +138,14 @@ def test_the_example(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize("way", ["", "_link"])
 @pytest.mark.parametrize("at_us", [60, 130, 200, 270, 340])
 def test_the_first_never_waits_for_ever(folder: Path, at_us: int, way: str) -> None:
-    """The partner's DSP dies at several instants of its half: the first DSP waits for the configured time, then does the whole
-    task."""
+    """The partner's DSP dies at several instants of its half: the first DSP waits for the configured time, then does
+    the whole task."""
     split: Any = example()
-    run = split.simulation(folder, split.LINKED, 0.2, **split.LINK) if way else split.simulation(folder, split.HALVES, 0.2)
+    run = (
+        split.simulation(folder, split.LINKED, 0.2, **split.LINK)
+        if way
+        else split.simulation(folder, split.HALVES, 0.2)
+    )
     run.at(0.1 + at_us * 1e-6, "fail", dsp=1)
     report = run.run().report
     first = report["tasks"][f"user.first{way}"]

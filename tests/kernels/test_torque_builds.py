@@ -12,9 +12,9 @@ import reference as ref
 from harness import Dsp, from_ti, to_ti
 
 CLOSED_FORM, NEWTON_EULER = "torque", "torque_newton_euler"
-# In units of 2^-23 u_max. Closed form: some ten 24-bit words or constants enter each sum, whose terms stay below u_max. Newton-Euler: beside
-# those twelve, a force passes through at most six links and is stored four times in each (acceleration, force, turned force, moment), rounded to
-# 2^-24 of a term that stays below 2 u_max: 24 more.
+# In units of 2^-23 u_max. Closed form: some ten 24-bit words or constants enter each sum, whose terms stay below u_max.
+# Newton-Euler: beside those twelve, a force passes through at most six links and is stored four times in each
+# (acceleration, force, turned force, moment), rounded to 2^-24 of a term that stays below 2 u_max: 24 more.
 BOUND = {CLOSED_FORM: 12, NEWTON_EULER: 36}
 # plant-and-bus.md 2.2; a build may cost from half to twice that
 ESTIMATE = {CLOSED_FORM: 700, NEWTON_EULER: 2300}
@@ -44,7 +44,8 @@ def mass_matrix(q: np.ndarray, payload: float) -> np.ndarray:
             columns.append(place(step).imag / 1e-30)
         jacobian = np.array(columns).T
         m += mass * jacobian.T @ jacobian
-    # What turns: the platform and the slender jib about the vertical, the jib about its own middle, the load about the vertical.
+    # What turns: the platform and the slender jib about the vertical, the jib about its own middle, the load about the
+    # vertical.
     m[1, 1] += ref.J_SLEW + ref.I_JIB * math.cos(q[2]) ** 2
     m[2, 2] += ref.I_JIB
     yaw = ref.I_SPREADER + ref.I_PER_KG * (payload - ref.M_SPREADER)
@@ -56,7 +57,11 @@ def lagrange(q: np.ndarray, qd: np.ndarray, qdd: np.ndarray, payload: float) -> 
     """d/dt dT/dqd - dT/dq + dV/dq with dM/dq by central differences (1e-9 relative)."""
     h = 1e-4
     slopes = np.array([(mass_matrix(q + d, payload) - mass_matrix(q - d, payload)) / (2 * h) for d in np.eye(5) * h])
-    force = mass_matrix(q, payload) @ qdd + np.einsum("k,kij,j->i", qd, slopes, qd) - np.einsum("i,kij,j->k", qd, slopes, qd) / 2
+    force = (
+        mass_matrix(q, payload) @ qdd
+        + np.einsum("k,kij,j->i", qd, slopes, qd)
+        - np.einsum("i,kij,j->k", qd, slopes, qd) / 2
+    )
     for mass, place in masses(payload)[1:]:
         for j in range(5):
             step = q.astype(complex)

@@ -1,4 +1,5 @@
-"""Sub-process 1 of an AGV on an emulated DSP: against the double-precision reference, and against what a drive along a lane must obey."""
+"""Sub-process 1 of an AGV on an emulated DSP: against the double-precision reference, and against what a drive along a
+lane must obey."""
 
 import math
 import random
@@ -10,7 +11,15 @@ from reference_agv import ACCELERATE, BRAKE, Segment, Trajectory, wrap
 
 DT = 0.02
 # docs/kernels_job.md: singles of inputs and outputs at 128 m, 40-bit state
-BOUNDS = {"x": 2e-5, "y": 2e-5, "heading": 2e-6, "curvature": 1e-8, "speed": 1e-5, "left": 2e-5, "curvature_ahead": 2e-6}
+BOUNDS = {
+    "x": 2e-5,
+    "y": 2e-5,
+    "heading": 2e-6,
+    "curvature": 1e-8,
+    "speed": 1e-5,
+    "left": 2e-5,
+    "curvature_ahead": 2e-6,
+}
 UNIT = 0x400
 
 
@@ -84,7 +93,11 @@ def test_speed_obeys_limits_brake_and_drive(dsp: Dsp) -> None:
             before = speed
         assert before < 0.06  # it crept to the last millimetre
         fastest = max(s.speed for s in segments)
-        assert total / fastest / DT <= len(points) <= (sum(s.length / s.speed for s in segments) + 2 * len(segments) * fastest / BRAKE) / DT
+        assert (
+            total / fastest / DT
+            <= len(points)
+            <= (sum(s.length / s.speed for s in segments) + 2 * len(segments) * fastest / BRAKE) / DT
+        )
 
 
 def test_pose_is_the_integral_of_heading_along_the_way(dsp: Dsp) -> None:
@@ -99,7 +112,12 @@ def test_pose_is_the_integral_of_heading_along_the_way(dsp: Dsp) -> None:
             index = next((i for i, b in enumerate(bounds) if s < b - 1e-12), len(segments) - 1)
             step = min(0.01, target - s, bounds[index] - s if bounds[index] - s > 1e-12 else 0.01)
             middle = heading + segments[index].curvature * step / 2
-            x, y, heading, s = x + step * math.cos(middle), y + step * math.sin(middle), heading + segments[index].curvature * step, s + step
+            x, y, heading, s = (
+                x + step * math.cos(middle),
+                y + step * math.sin(middle),
+                heading + segments[index].curvature * step,
+                s + step,
+            )
         assert math.hypot(point[0] - x, point[1] - y) < 1e-4
         assert abs(wrap(point[2] - heading)) < 1e-5
 
@@ -115,7 +133,9 @@ def test_leg_ends_when_the_vehicle_stands_at_its_end(dsp: Dsp) -> None:
     assert dsp.run("trajectory_agv", last + 1)[:2] == more  # there, but rolling
     stand_at(dsp, 1.2, 3.008)  # what lies across does not matter
     assert dsp.run("trajectory_agv", last + 2)[:2] == (s["RESULT_END_OF_LEG"], s["MUST_INVERSE"])
-    assert dsp.floats("AG_POINT", 7, ((last + 2) & 1) * 8) == pytest.approx([1.0, 3.0, math.pi / 2, 0.0, 0.0, 0.0, 0.0], abs=1e-6)
+    assert dsp.floats("AG_POINT", 7, ((last + 2) & 1) * 8) == pytest.approx(
+        [1.0, 3.0, math.pi / 2, 0.0, 0.0, 0.0, 0.0], abs=1e-6
+    )
 
 
 def test_leg_ends_after_five_seconds_wherever_the_vehicle_stands(dsp: Dsp) -> None:

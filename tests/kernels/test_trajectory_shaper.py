@@ -1,4 +1,5 @@
-"""The crane's trajectory as quintics through an input shaper: against its reference, and beside the default build in closed loop."""
+"""The crane's trajectory as quintics through an input shaper: against its reference, and beside the default build in
+closed loop."""
 
 from __future__ import annotations
 
@@ -47,7 +48,10 @@ class ShapedLeg:
     def over(self, t: float) -> float:
         """The largest joint speed over its limit, by differences of the inverse kinematics."""
         h = 1e-4
-        a, b = ([math.atan2(p[1], p[0]), math.acos((math.hypot(p[0], p[1]) - ref.A0) / ref.JIB), rope(p)] for p in (self.path(t - h, 0), self.path(t + h, 0)))
+        a, b = (
+            [math.atan2(p[1], p[0]), math.acos((math.hypot(p[0], p[1]) - ref.A0) / ref.JIB), rope(p)]
+            for p in (self.path(t - h, 0), self.path(t + h, 0))
+        )
         return max(abs(y - x) / (2 * h) / v for x, y, v in zip(a, b, SPEEDS, strict=True))
 
     def shaped(self, t: float, order: int) -> list[float]:
@@ -73,8 +77,8 @@ def test_the_shaped_path_is_followed(seed: int) -> None:
         assert cycles < (20_000 if k == 0 else 4_000)  # the look-ahead is at the beginning
         got = dsp.floats("CR_POINT", 14, offset=(k & 1) * 16)
         t = (k + 1) * period
-        # Durations are rounded to 2^-24 and stretched by a difference of 1e-8: t is off by 1.2e-5 s, times 2.5 m/s, 1 m/s2, 1 m/s3; sums are cut at
-        # 2^-20 m at most 27 times (3 shifted paths of up to 9 terms).
+        # Durations are rounded to 2^-24 and stretched by a difference of 1e-8: t is off by 1.2e-5 s, times 2.5 m/s, 1
+        # m/s2, 1 m/s3; sums are cut at 2^-20 m at most 27 times (3 shifted paths of up to 9 terms).
         assert got[:4] == pytest.approx(leg.shaped(t, 0), abs=6e-5)
         assert got[4:8] == pytest.approx(leg.shaped(t, 1), abs=6e-5)
         assert got[8:12] == pytest.approx(leg.shaped(t, 2), abs=1.2e-4)
@@ -93,7 +97,8 @@ class ShapedCrane(Crane):
 
 
 def travel(kernel: str) -> tuple[float, float, float]:
-    """Seconds to PID_SETTLED, and the residual sway over one swing after the leg's last point: amplitude in m at the load; largest sway underway, rad."""
+    """Seconds to PID_SETTLED, and the residual sway over one swing after the leg's last point: amplitude in m at the
+    load; largest sway underway, rad."""
     crane = ShapedCrane([14.0, 15.0, 12.0, 0.0], 40e3, kernel)
     crane.go([[10.0, 19.0, 10.5, 0.1]])
     underway = 0.0
@@ -113,6 +118,7 @@ def travel(kernel: str) -> tuple[float, float, float]:
 
 def test_the_default_build_is_the_better_one() -> None:
     blend, shaper = travel("trajectory_crane"), travel("trajectory_crane_shaper")
-    # m of residual swing. Where PID's observer took for wind what a leg's reference leaves out of the sway, it was twice that.
+    # m of residual swing. Where PID's observer took for wind what a leg's reference leaves out of the sway, it was
+    # twice that.
     assert blend[1] < 0.02 and shaper[1] < 0.2
     assert blend[0] < shaper[0] and blend[1] < shaper[1]

@@ -1,7 +1,9 @@
 """AGVs among obstacles that stand and move: which of their collisions could have been prevented (dock_traffic.py).
 
-    PYTHONPATH=build/python python tests/kernels/traffic_campaign.py --seeds 0:20 --agvs 8            # kernels on one emulated DSP, the AGVs going round
-    PYTHONPATH=build/python python tests/kernels/traffic_campaign.py --seeds 0:5 --agvs 8 --emulator --seconds 170  # the whole emulator: crane, host, buses, DSPs; AGVs set off as they are loaded, and the traffic with them
+PYTHONPATH=build/python python tests/kernels/traffic_campaign.py --seeds 0:20 --agvs 8            # kernels on one
+emulated DSP, the AGVs going round PYTHONPATH=build/python python tests/kernels/traffic_campaign.py --seeds 0:5 --agvs 8
+--emulator --seconds 170  # the whole emulator: crane, host, buses, DSPs; AGVs set off as they are loaded, and the
+traffic with them
 """
 
 from __future__ import annotations
@@ -43,25 +45,35 @@ def judge(collisions: list[tuple[float, int, int]], courses: list[Course], mover
     return Outcome(collisions, preventable(first, courses, movers), driven)
 
 
-def by_kernels(method: str, seed: int, agvs: int, seconds: float, moving: bool = True, field: bool = False, rate: float = 0.0) -> Outcome:
+def by_kernels(
+    method: str, seed: int, agvs: int, seconds: float, moving: bool = True, field: bool = False, rate: float = 0.0
+) -> Outcome:
     config = _core.plant.default_dock(agvs)
     config.layout.movers = random_movers(seed, agvs, moving)
     config.agv.protective_field, config.sensors.range_rate, config.signal_decimation = field, rate, 160
     fleet = Fleet(config, KERNELS.get(method))
     fleet.run(seconds)
     time = np.array([s.time * 1e-12 for s in fleet.dock.signals])
-    courses = [Course(time, np.array([(a.x, a.y, a.heading, a.speed) for a in rows])) for rows in fleet.dock.agv_signals]
-    return judge([(e.time * 1e-12, e.index, int(e.values[1])) for e in fleet.collisions()], courses, config.layout.movers)
+    courses = [
+        Course(time, np.array([(a.x, a.y, a.heading, a.speed) for a in rows])) for rows in fleet.dock.agv_signals
+    ]
+    return judge(
+        [(e.time * 1e-12, e.index, int(e.values[1])) for e in fleet.collisions()], courses, config.layout.movers
+    )
 
 
 def layout(movers: list[Any]) -> str:
     return "".join(
-        f"[[movers]]\nradius_m = {m.radius!r}\nheight_m = {m.height!r}\npath = {[[w.time, w.x, w.y] for w in m.path]}\n" for m in movers
+        f"[[movers]]\nradius_m = {m.radius!r}\nheight_m = {m.height!r}\npath = {[[w.time, w.x, w.y] for w in m.path]}\n"
+        for m in movers
     )
 
 
 def by_emulator(method: str, seed: int, agvs: int, seconds: float, field: bool = False) -> Outcome:
-    movers = [Mover(m.radius, m.height, [Waypoint(w.time + LOADED, w.x, w.y) for w in m.path]) for m in random_movers(seed, agvs)]
+    movers = [
+        Mover(m.radius, m.height, [Waypoint(w.time + LOADED, w.x, w.y) for w in m.path])
+        for m in random_movers(seed, agvs)
+    ]
     with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
         file.write(layout(movers))
         file.flush()
@@ -75,7 +87,11 @@ def by_emulator(method: str, seed: int, agvs: int, seconds: float, field: bool =
         x, y, heading = (np.array(signals[f"agv{i}_{name}"]) for name in ("x_m", "y_m", "heading_rad"))
         speed = np.cos(heading) * np.gradient(x, time) + np.sin(heading) * np.gradient(y, time)
         courses.append(Course(time, np.stack([x, y, heading, speed], axis=1)))
-    collisions = [(time, index, int(second)) for time, kind, index, _, second in simulation._core.dock_events() if kind == "collision"]
+    collisions = [
+        (time, index, int(second))
+        for time, kind, index, _, second in simulation._core.dock_events()
+        if kind == "collision"
+    ]
     return judge(collisions, courses, movers)
 
 
@@ -94,10 +110,17 @@ def main() -> None:
     for method in o.methods.split(","):
         total = [0, 0, 0.0]
         for seed in range(first, last):
-            out = by_emulator(method, seed, o.agvs, o.seconds, o.field) if o.emulator else by_kernels(method, seed, o.agvs, o.seconds, not o.static, o.field, o.rate)
+            out = (
+                by_emulator(method, seed, o.agvs, o.seconds, o.field)
+                if o.emulator
+                else by_kernels(method, seed, o.agvs, o.seconds, not o.static, o.field, o.rate)
+            )
             total = [total[0] + len(out.collisions), total[1] + len(out.preventable), total[2] + out.driven_m]
             shown = "; ".join(f"{t:.2f} s AGV {i}" + (f" and {j}" if j >= 0 else "") for t, i, j in out.preventable)
-            print(f"{method} seed {seed}: {out.driven_m:.0f} m driven, {len(out.collisions)} collisions, {len(out.preventable)} preventable {shown}", flush=True)
+            print(
+                f"{method} seed {seed}: {out.driven_m:.0f} m driven, {len(out.collisions)} collisions, {len(out.preventable)} preventable {shown}",
+                flush=True,
+            )
         print(f"{method}: {total[2]:.0f} m driven, {total[0]} collisions, of these preventable {total[1]}", flush=True)
 
 

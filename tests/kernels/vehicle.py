@@ -1,4 +1,5 @@
-"""A container AGV to drive against: the single-track model and the drive unit of plant-and-bus.md 1.5, by Euler steps of 1 ms.
+"""A container AGV to drive against: the single-track model and the drive unit of plant-and-bus.md 1.5, by Euler steps
+of 1 ms.
 
 Coarser than the plant and written apart from it; the kernels' closed loop must hold with either.
 """

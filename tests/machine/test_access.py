@@ -53,7 +53,8 @@ def test_rising_writes_combine_into_bursts() -> None:
 
 
 def test_falling_writes_fill_the_fifo_and_the_chip_stalls() -> None:
-    """Each is a transaction of 5 clocks, 150 ns; the chip makes one in 120 ns at most: 40 of them cannot all wait in 8 words."""
+    """Each is a transaction of 5 clocks, 150 ns; the chip makes one in 120 ns at most: 40 of them cannot all wait in 8
+    words."""
     m = run("        ldi     40, r0\n" + "".join(f"        sti     r0, *+ar0({40 - i})\n" for i in range(40)))
     assert [m.peek(40 - i) for i in range(40)] == [40] * 40
     assert len(transactions(m, 0)) == 40
@@ -84,7 +85,8 @@ def test_the_line_serves_the_reads_that_follow_and_goes_with_a_write() -> None:
 
 
 def test_the_cost_of_one_read_by_hand() -> None:
-    """A semaphore: 2 clocks in, grant elsewhere 2, address 1, devsel 2, W_i 3, data, 2 clocks back, on clocks of 30 ns; the chip counts 40 ns."""
+    """A semaphore: 2 clocks in, grant elsewhere 2, address 1, devsel 2, W_i 3, data, 2 clocks back, on clocks of 30 ns;
+    the chip counts 40 ns."""
     m = run("        ldi     *ar1, r0\n")
     (event,) = [v for _, what, v in m.events if what == "transaction"]
     requested, framed, ended = event[6:9]
@@ -92,7 +94,8 @@ def test_the_cost_of_one_read_by_hand() -> None:
     assert ended - framed == 1 + 2 + 3
     causes = m.causes(0)
     waited = causes["bus_arbitration"] + causes["bus_transfer"]
-    # from the access to 2 clocks after the data: 2 + 2 + 6 + 2 clocks = 360 ns, and up to a clock and a cycle of alignment
+    # from the access to 2 clocks after the data: 2 + 2 + 6 + 2 clocks = 360 ns, and up to a clock and a cycle of
+    # alignment
     assert 360 <= waited * 40 < 360 + 30 + 40
     assert causes["bus_arbitration"] == 2 * 30 // 40
 

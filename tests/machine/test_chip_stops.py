@@ -1,5 +1,6 @@
-"""What every reason for which a chip stops means to every front end. Rows come from the C++ enum: a new reason fails here until it has its row, and in C++ does
-not compile until it has a name and a meaning (emulator/machine/chip_stop.hpp)."""
+"""What every reason for which a chip stops means to every front end. Rows come from the C++ enum: a new reason fails
+here until it has its row, and in C++ does not compile until it has a name and a meaning
+(emulator/machine/chip_stop.hpp)."""
 
 import json
 import subprocess
@@ -20,16 +21,37 @@ READ_PORT = "        ldi     *+ar2(1), r0\n"
 RESERVED = "        .word   0FFFFFFFFh\n"
 SWI = "        ldi     7, r1\n        swi\n        ldi     9, r1\n"
 
-# reason: its meaning; the program; exec, network and Python's Processor: (reason or status, exit status); what becomes of the dock's DSP.
-# None: that front end cannot come to it, or does not show it.
+# reason: its meaning; the program; exec, network and Python's Processor: (reason or status, exit status); what becomes
+# of the dock's DSP. None: that front end cannot come to it, or does not show it.
 TABLE: dict[str, tuple[str, str, tuple[str, int] | None, tuple[str, int] | None, str | None, str | None]] = {
     "limit": ("limit", LOOP, ("limit", 1), ("running", 1), "limit", "runs"),
-    "external_access": ("window_access", READ_WINDOW, ("external_access", 1), ("external_access", 1), "external_access", "ends"),
+    "external_access": (
+        "window_access",
+        READ_WINDOW,
+        ("external_access", 1),
+        ("external_access", 1),
+        "external_access",
+        "ends",
+    ),
     "breakpoint": ("breakpoint", "", ("halt", 0), ("halt", 0), None, "ends"),
     "fault": ("fault", RESERVED, ("fault", 1), ("fault", 1), "fault", "faults"),
-    "port_access": ("port_access", READ_PORT, None, ("waiting", 1), None, None),  # of a linked port; the dock's are tested with its boot
+    "port_access": (
+        "port_access",
+        READ_PORT,
+        None,
+        ("waiting", 1),
+        None,
+        None,
+    ),  # of a linked port; the dock's are tested with its boot
     "port_wait": ("port_wait", READ_PORT, ("port_wait", 1), ("waiting", 1), "port_wait", "faults"),
-    "horizon": ("asks_anew", "", None, None, None, None),  # seen by who drives linked chips; who is driven never ends by it
+    "horizon": (
+        "asks_anew",
+        "",
+        None,
+        None,
+        None,
+        None,
+    ),  # seen by who drives linked chips; who is driven never ends by it
     "software_interrupt": ("fault", SWI, ("fault", 1), ("fault", 1), "software_interrupt", "faults"),
 }
 HEAD = """
@@ -95,7 +117,8 @@ def test_processor(program: Callable[[str], Path], reason: str) -> None:
 
 @pytest.mark.parametrize("reason", TABLE)
 def test_dock(reason: str) -> None:
-    """A DSP of the dock, which goes on in an endless loop or stands still in a fault. Window A answers there; port 0 has nothing attached."""
+    """A DSP of the dock, which goes on in an endless loop or stands still in a fault. Window A answers there; port 0
+    has nothing attached."""
     _, body, *_, expected = TABLE[reason]
     if expected is None:
         pytest.skip("its driver's own, or tested with the boot over links")

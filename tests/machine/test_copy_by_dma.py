@@ -1,4 +1,5 @@
-"""A kernel's parameters from shared memory into on-chip RAM, by the processor and by the DMA: why the kernels copy themselves."""
+"""A kernel's parameters from shared memory into on-chip RAM, by the processor and by the DMA: why the kernels copy
+themselves."""
 
 import pytest
 from cmrc_test import machine
@@ -59,5 +60,6 @@ def cycles(copy: str, words: int) -> int:
 
 @pytest.mark.parametrize("words", [16, 48, 128, 256])
 def test_the_dma_moves_the_same_words_and_is_not_faster(words: int) -> None:
-    """Both read lines of 8 words through the bridge, which is what takes the time; the DMA has five registers to be written and its end to be seen."""
+    """Both read lines of 8 words through the bridge, which is what takes the time; the DMA has five registers to be
+    written and its end to be seen."""
     assert cycles(BY_PROCESSOR, words) < cycles(BY_DMA, words)

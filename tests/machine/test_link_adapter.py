@@ -23,10 +23,15 @@ again:  addi    1, r1
 """)
 
 
-def feed(stream: list[int], slot: int, start: int, every: int, at_once: int = 8) -> list[tuple[int, int, list[int], int]]:
+def feed(
+    stream: list[int], slot: int, start: int, every: int, at_once: int = 8
+) -> list[tuple[int, int, list[int], int]]:
     """Steps of the host: it clears the request, sends words at intervals, and 20 us later reads the answer."""
     steps = [(start - US, REQUEST, [1 << slot], 0)]
-    steps += [(start + i // at_once * every, DATA + SLOT * slot, stream[i : i + at_once], 0) for i in range(0, len(stream), at_once)]
+    steps += [
+        (start + i // at_once * every, DATA + SLOT * slot, stream[i : i + at_once], 0)
+        for i in range(0, len(stream), at_once)
+    ]
     return [*steps, (steps[-1][0] + 20 * US, DATA + SLOT * slot, [], 1)]
 
 
@@ -41,7 +46,9 @@ def stream_of(slot: int = 0, dsps: int = 1) -> list[int]:
 
 def test_a_dsp_takes_its_program_from_the_host_and_answers() -> None:
     stream = stream_of()
-    m = machine.Machine(PROGRAM, booting(), host=[(11 * US, REQUEST, [], 1), *feed(stream, 0, 15 * US, 8 * US)], record=True)
+    m = machine.Machine(
+        PROGRAM, booting(), host=[(11 * US, REQUEST, [], 1), *feed(stream, 0, 15 * US, 8 * US)], record=True
+    )
     m.run_until(12 * US)
     assert m.reads == [(11 * US, m.reads[0][1], [1])]  # reset takes 10 us: slot 0 asks
     assert not m.booted(0)
@@ -90,8 +97,11 @@ def test_a_wire_that_breaks_loses_at_most_the_word_on_it(moment: int) -> None:
     m.run_until(500 * US)
     lost = [(time, v) for time, what, v in m.events if what == "link_lost"]
     assert len(lost) == m.statistics(0).words_lost <= 1
-    assert all(time == 40 * US + moment * 1000 and v[:2] == [0, 1] and v[2] in stream and 0 <= v[3] < 4 for time, v in lost)
-    # In the cut nothing crosses; after it the rest does, and the loader, one word short, misreads its stream unless none was lost.
+    assert all(
+        time == 40 * US + moment * 1000 and v[:2] == [0, 1] and v[2] in stream and 0 <= v[3] < 4 for time, v in lost
+    )
+    # In the cut nothing crosses; after it the rest does, and the loader, one word short, misreads its stream unless
+    # none was lost.
     assert before < len(stream) and m.statistics(0).words_to_dsp + len(lost) == len(stream)
     assert m.booted(0) == (not lost) and m.audit() == []
 
@@ -134,7 +144,9 @@ def test_words_of_an_older_stream_do_not_reach_a_dsp_that_was_reset() -> None:
     stream = stream_of()
     setup = booting()
     setup.script(20 * US, machine.Action.reset, 0)
-    m = machine.Machine(PROGRAM, setup, host=[*feed(stream, 0, 15 * US, 3 * US)[:-1], *feed(stream, 0, 90 * US, 8 * US)], record=True)
+    m = machine.Machine(
+        PROGRAM, setup, host=[*feed(stream, 0, 15 * US, 3 * US)[:-1], *feed(stream, 0, 90 * US, 8 * US)], record=True
+    )
     m.run_until(500 * US)
     assert m.booted(0) and m.statistics(0).boots == 1 and not m.faults and m.audit() == []
 

@@ -19,7 +19,10 @@ BY_ANYBODY = {
     | {SYMBOLS["DOORBELL_IDLE"], SYMBOLS["FENCE_MASK"]},
     WRITE: {SYMBOLS["SEMAPHORE"] + n for n in range(COUNT)} | {SYMBOLS["DOORBELL_IDLE"], SYMBOLS["DOORBELL_BUSY"]},
 }
-BY_HOST = {READ: BY_ANYBODY[READ], WRITE: BY_ANYBODY[WRITE] | {SYMBOLS[name] for name in ("DOORBELL_RING", "FENCE_MASK", "RESET_DSP")}}
+BY_HOST = {
+    READ: BY_ANYBODY[READ],
+    WRITE: BY_ANYBODY[WRITE] | {SYMBOLS[name] for name in ("DOORBELL_RING", "FENCE_MASK", "RESET_DSP")},
+}
 PLACES = sorted(
     {SYMBOLS[name] + n for name in ("SEMAPHORE", "SEMAPHORE_OWNER", "SEMAPHORE_HELD") for n in (0, 1, COUNT - 1, COUNT)}
     | {SYMBOLS[name] + n for name in ("DOORBELL_RING", "DOORBELL_IDLE", "DOORBELL_BUSY", "FENCE_MASK", "RESET_DSP") for n in (-1, 0, 1)}
@@ -44,7 +47,10 @@ def results(made: machine.Machine) -> list[tuple[int, bool, int]]:
 def test_each_offset_answers_a_dsp_as_task_block_inc_says(way: str) -> None:
     for place in PLACES:
         access = "ldi *ar1, r1" if way == READ else "sti r1, *ar1"
-        made = run(f"        ldhi {place >> 16}, r0\n        or {place & 0xFFFF}, r0\n        or 0, r0\n        ldhi 0C000h, ar1\n        addi r0, ar1\n        {access}\n", dsps=1)
+        made = run(
+            f"        ldhi {place >> 16}, r0\n        or {place & 0xFFFF}, r0\n        or 0, r0\n        ldhi 0C000h, ar1\n        addi r0, ar1\n        {access}\n",
+            dsps=1,
+        )
         if place in BY_ANYBODY[way]:
             assert results(made) == [(place, way == WRITE, DONE)] and not made.faults, hex(place)
         else:  # a write is refused before it is posted
@@ -88,8 +94,13 @@ other:  rpts    99
 
 
 def test_numbers_of_slots_that_are_not_there_do_nothing() -> None:
-    ring, reset, idle, busy = (SYMBOLS[name] for name in ("DOORBELL_RING", "RESET_DSP", "DOORBELL_IDLE", "DOORBELL_BUSY"))
-    steps = [(n * 2 * US, register, [number], 0) for n, (register, number) in enumerate((r, k) for r in (ring, reset) for k in (2, 31, 32, 0xFFFFFFFF))]
+    ring, reset, idle, busy = (
+        SYMBOLS[name] for name in ("DOORBELL_RING", "RESET_DSP", "DOORBELL_IDLE", "DOORBELL_BUSY")
+    )
+    steps = [
+        (n * 2 * US, register, [number], 0)
+        for n, (register, number) in enumerate((r, k) for r in (ring, reset) for k in (2, 31, 32, 0xFFFFFFFF))
+    ]
     steps += [(20 * US, idle, [32], 0), (22 * US, busy, [0xFFFFFFFF], 0), (24 * US, idle, [], 1)]
     quiet, plain = run(host=tuple(steps)), run()
     assert answers(quiet) == [0]
@@ -122,12 +133,26 @@ def test_what_a_dsp_that_is_fenced_off_writes_to_a_register_is_dropped_and_its_s
     assert made.chip_word(0, ON_CHIP) == 1
 
 
-@pytest.mark.parametrize(("line", "message"), [("SEMAPHORE_COUNT     .set 65", "SEMAPHORE_COUNT is at most 64"), ("RESET_DSP           .set 11000h", "offsets 10000h to 10FFFh")])
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("SEMAPHORE_COUNT     .set 65", "SEMAPHORE_COUNT is at most 64"),
+        ("RESET_DSP           .set 11000h", "offsets 10000h to 10FFFh"),
+    ],
+)
 def test_a_program_whose_registers_cannot_be_is_refused(tmp_path: Path, line: str, message: str) -> None:
     name = line.split()[0]
-    text = [line if old.startswith(name + " ") else old for old in (INCLUDE / "task_block.inc").read_text().splitlines()]
+    text = [
+        line if old.startswith(name + " ") else old for old in (INCLUDE / "task_block.inc").read_text().splitlines()
+    ]
     for file in INCLUDE.glob("*.inc"):
         (tmp_path / file.name).write_text("\n".join(text) + "\n" if file.name == "task_block.inc" else file.read_text())
-    image = toolchain.assemble(HEAD + TAIL, "test.asm", include_dirs=[tmp_path], sections={".text": 0x300000, ".parameters": 0x30F000}, entry="_start")
+    image = toolchain.assemble(
+        HEAD + TAIL,
+        "test.asm",
+        include_dirs=[tmp_path],
+        sections={".text": 0x300000, ".parameters": 0x30F000},
+        entry="_start",
+    )
     with pytest.raises(ValueError, match=message):
         machine.Machine(image, config(dsps=1))

@@ -1,4 +1,5 @@
-"""Several DSPs at once: mutual exclusion, doorbells, fences, boards that come and go, and the same run in every order."""
+"""Several DSPs at once: mutual exclusion, doorbells, fences, boards that come and go, and the same run in every
+order."""
 
 import random
 from itertools import pairwise
@@ -182,9 +183,18 @@ def test_the_host_resets_a_dsp_that_stands_still_and_none_that_is_broken() -> No
         sums_hold(m, 2)
 
 
-@pytest.mark.parametrize(("repeat", "body"), [("rpts 60000", "addi 1, r5"), ("ldi 10000, rc", "rptb last\nlast:   addi 1, r5"), ("br d", "d:  b d"), ("bd e", "nop\n nop\n nop\ne: bd e\n nop\n nop\n nop")])
+@pytest.mark.parametrize(
+    ("repeat", "body"),
+    [
+        ("rpts 60000", "addi 1, r5"),
+        ("ldi 10000, rc", "rptb last\nlast:   addi 1, r5"),
+        ("br d", "d:  b d"),
+        ("bd e", "nop\n nop\n nop\ne: bd e\n nop\n nop\n nop"),
+    ],
+)
 def test_a_program_hangs_wherever_it_is(repeat: str, body: str) -> None:
-    # In the repeat of one instruction, of a block, at a branch, in its delay slots: the DSP executes, and only a reset ends that.
+    # In the repeat of one instruction, of a block, at a branch, in its delay slots: the DSP executes, and only a reset
+    # ends that.
     for moment in range(0, 400, 37):
         setup = config(dsps=1)
         setup.script(100 * US + moment * 1000, machine.Action.hang, 0)

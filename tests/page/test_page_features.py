@@ -69,7 +69,9 @@ def test_the_ghost_and_the_load_stand_where_the_recording_has_them(tab: Tab, run
     signals = run[1].signals
     tab.page.evaluate("page.state.seek(0.35)")
     shoot(tab, "now")
-    load, ghost = tab.page.evaluate("[page.dock.crane.load.position, page.dock.ghost.position].map(p => [p.x, p.y, p.z])")
+    load, ghost = tab.page.evaluate(
+        "[page.dock.crane.load.position, page.dock.ghost.position].map(p => [p.x, p.y, p.z])"
+    )
     row = int(np.searchsorted(signals["time_s"], 0.35 - 1e-9))
     for i, axis in enumerate("xyz"):
         assert load[i] == pytest.approx(signals[f"payload_{axis}_m"][row], abs=1e-3)
@@ -155,7 +157,15 @@ def test_load_error_and_sway_are_told_at_the_pointer(tab: Tab, run: tuple[Path, 
 def test_the_legend_names_what_is_drawn_and_every_key(tab: Tab) -> None:
     tab.page.keyboard.press("?")
     told = tab.page.locator("#help").inner_text()
-    for name in ("PID", "obstacle avoidance", "dead: failed", "asleep", "bus A", "a deadline that was met", "play, stop"):
+    for name in (
+        "PID",
+        "obstacle avoidance",
+        "dead: failed",
+        "asleep",
+        "bus A",
+        "a deadline that was met",
+        "play, stop",
+    ):
         assert name in told, name
     swatches = tab.page.locator("#help .legend canvas").count()
     assert swatches == tab.page.locator("#help .legend span").count() > 15
@@ -224,7 +234,9 @@ def test_a_name_without_end_from_right_to_left_leaves_the_page_whole(browser: An
 def test_who_wants_little_motion_sees_steps(browser: Any, run: tuple[Path, Recording]) -> None:
     with opened(browser, run[0], reduced_motion="reduce") as tab:
         tab.page.evaluate("page.state.setSpeed(0.1); page.state.play(true)")
-        places = tab.page.evaluate("[0.2, 0.2, 0.2, 0.2, 0.2].map(s => { page.state.advance(s); return page.state.now; })")
+        places = tab.page.evaluate(
+            "[0.2, 0.2, 0.2, 0.2, 0.2].map(s => { page.state.advance(s); return page.state.now; })"
+        )
         tab.page.evaluate("page.state.play(false)")
         assert len(set(places)) < 5  # it does not glide
         assert places[-1] > 0
@@ -248,7 +260,9 @@ def test_the_picture_becomes_coarser_where_frames_are_slow(tab: Tab) -> None:
 def test_webgl_that_is_taken_away_comes_back(browser: Any, run: tuple[Path, Recording]) -> None:
     with opened(browser, run[0]) as tab:
         shoot(tab, "before")
-        tab.page.evaluate("window.lost = page.dock.renderer.getContext().getExtension('WEBGL_lose_context'); lost.loseContext()")
+        tab.page.evaluate(
+            "window.lost = page.dock.renderer.getContext().getExtension('WEBGL_lose_context'); lost.loseContext()"
+        )
         tab.wait_until("!document.getElementById('wait').hidden")
         tab.page.mouse.click(*tab.lane("DSP 0", 0.2))
         assert tab.state("now") == pytest.approx(0.2, abs=0.002)
@@ -284,7 +298,9 @@ def test_colours_of_the_lanes_can_be_told_apart(tab: Tab, theme: str, blind: str
     if tab.page.evaluate("document.documentElement.dataset.theme") != theme:
         tab.page.keyboard.press("d")
     colours = tab.page.evaluate("page.theme.groups")
-    tab.page.evaluate("page.dress && document.documentElement.dataset.theme !== 'light' && document.getElementById('theme').click()")
+    tab.page.evaluate(
+        "page.dress && document.documentElement.dataset.theme !== 'light' && document.getElementById('theme').click()"
+    )
     seen = lab(colours, None if blind is None else BLIND[blind])
     apart = np.sqrt(((seen[:, None, :] - seen[None, :, :]) ** 2).sum(axis=2))
     pairs = {(i, k): apart[i, k] for i in range(len(colours)) for k in range(i)}

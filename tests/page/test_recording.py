@@ -1,4 +1,5 @@
-"""The recording of a run in its page: it agrees with report and signals, and the run is the same with and without it."""
+"""The recording of a run in its page: it agrees with report and signals, and the run is the same with and without
+it."""
 
 import base64
 import hashlib

@@ -21,7 +21,8 @@ def processor(text: str) -> Any:
 
 
 class Network:
-    """Chips and links in the order of time: link events before accesses, accesses at one instant in the order of `order`."""
+    """Chips and links in the order of time: link events before accesses, accesses at one instant in the order of
+    `order`."""
 
     def __init__(self, chips: list[Any], hertz: list[int] | None = None, order: list[int] | None = None) -> None:
         self.chips = chips
@@ -119,4 +120,8 @@ class Network:
             mine, theirs, counters = self.chips[n].port(number), self.chips[m].port(other), link.counters(side)
             assert mine["written"] == mine["sent"] + len(mine["output"]) + mine["discarded_output"]
             assert mine["sent"] == counters["sent"] == counters["arrived"] + counters["under_way"] + counters["lost"]
-            assert theirs["received"] == counters["arrived"] == theirs["read"] + len(theirs["input"]) + theirs["discarded_input"]
+            assert (
+                theirs["received"]
+                == counters["arrived"]
+                == theirs["read"] + len(theirs["input"]) + theirs["discarded_input"]
+            )

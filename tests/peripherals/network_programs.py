@@ -27,7 +27,12 @@ def sender(port: int, count: int, first: int = 1) -> str:
 
 def receiver(port: int, count: int) -> str:
     """Blocking reads, to 2FF800h on."""
-    return base(port) + "        ldhi 2fh,ar1\n        or 0f800h,ar1\n" + "        ldi *+ar0(1),r0\n        sti r0,*ar1++\n" * count + STOP
+    return (
+        base(port)
+        + "        ldhi 2fh,ar1\n        or 0f800h,ar1\n"
+        + "        ldi *+ar0(1),r0\n        sti r0,*ar1++\n" * count
+        + STOP
+    )
 
 
 RELAY = """
@@ -44,7 +49,9 @@ def state(network: Network) -> tuple[Any, ...]:
     """Everything that can be read of a network, except the order in which its chips were advanced."""
     registers = [{name: chip.registers[name] for name in c40.REGISTERS} for chip in network.chips]
     ports = [chip.port(n) for chip in network.chips for n in range(6)]
-    chips = [(chip.status, chip.message, chip.pc, chip.cycles, chip.instructions, chip.causes) for chip in network.chips]
+    chips = [
+        (chip.status, chip.message, chip.pc, chip.cycles, chip.instructions, chip.causes) for chip in network.chips
+    ]
     return network.now_ps, registers, ports, chips, network.links, network.events
 
 
@@ -54,7 +61,10 @@ def balanced(network: Network) -> bool:
         for (chip, port), (other, other_port), traffic in ((link.a, link.b, link.forth), (link.b, link.a, link.back)):
             mine, theirs = network.chips[chip].port(port), network.chips[other].port(other_port)
             there = theirs["read"] + len(theirs["input"]) + theirs["discarded_input"]
-            if mine["written"] != len(mine["output"]) + mine["discarded_output"] + traffic.under_way + traffic.lost + there:
+            if (
+                mine["written"]
+                != len(mine["output"]) + mine["discarded_output"] + traffic.under_way + traffic.lost + there
+            ):
                 return False
     return True
 
@@ -63,7 +73,8 @@ WORDS = list(range(1000, 1060))
 
 
 def stream_by_dma(sender_core: Any, receiver_core: Any) -> None:
-    """60 words from 2FF800h of one chip through channel 0 and port 0 to 2FF800h of the other, through port 3 and channel 3."""
+    """60 words from 2FF800h of one chip through channel 0 and port 0 to 2FF800h of the other, through port 3 and
+    channel 3."""
     for n, word in enumerate(WORDS):
         sender_core.poke(DATA + n, word)
     run, stop_at_end = 3 << 22, 1 << 2
@@ -106,12 +117,23 @@ take:   ldi *+ar2(1),r11
 
 
 def mixed_network(seed: int) -> Network:
-    """A sender with gaps, a chip that is interrupted while it computes, one that idles until interrupted and passes words on, and a reader."""
+    """A sender with gaps, a chip that is interrupted while it computes, one that idles until interrupted and passes
+    words on, and a reader."""
     rng = random.Random(5)
-    gaps = "".join("        sti r0,*+ar0(2)\n        addi 1,r0\n" + "        nop\n" * rng.randrange(30) for _ in range(30))
-    first = base(0) + base(1, "ar1") + "        ldi 1,r0\n" + gaps.replace("addi 1,r0", "addi 1,r0\n        sti r0,*+ar1(2)") + STOP
+    gaps = "".join(
+        "        sti r0,*+ar0(2)\n        addi 1,r0\n" + "        nop\n" * rng.randrange(30) for _ in range(30)
+    )
+    first = (
+        base(0)
+        + base(1, "ar1")
+        + "        ldi 1,r0\n"
+        + gaps.replace("addi 1,r0", "addi 1,r0\n        sti r0,*+ar1(2)")
+        + STOP
+    )
     busy = interrupt_program(3, "spin:   addi 1,r9\n        mpyi r9,r9\n        bu spin\n")
-    idle = interrupt_program(4, base(0, "ar4") + "wait:   idle\n        ldi *-ar5(1),r7\n        sti r7,*+ar4(2)\n        bu wait\n")
+    idle = interrupt_program(
+        4, base(0, "ar4") + "wait:   idle\n        ldi *-ar5(1),r7\n        sti r7,*+ar4(2)\n        bu wait\n"
+    )
     last = base(3) + "loop:   ldi *+ar0(1),r0\n        addi r0,r9\n        bu loop\n"
     return Network(
         [program(first), program(busy), program(idle), program(last)],

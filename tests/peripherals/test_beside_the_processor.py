@@ -1,7 +1,8 @@
-"""DMA and timers beside a processor that runs, sleeps or waits: programs that were counted by hand from c40-hardware.md 3, 4 and 7.
+"""DMA and timers beside a processor that runs, sleeps or waits: programs that were counted by hand from c40-hardware.md
+3, 4 and 7.
 
-The programs stand in data/faults; their right outcomes were reckoned, not taken from a run. Each is run whole, cut at random cycles, step by step, with
-the self-checks and as a member of a network: the outcome is the same.
+The programs stand in data/faults; their right outcomes were reckoned, not taken from a run. Each is run whole, cut at
+random cycles, step by step, with the self-checks and as a member of a network: the outcome is the same.
 """
 
 from __future__ import annotations
@@ -24,7 +25,9 @@ TIMING = str(FAULTS / "timing-board.toml")
 PERIOD_PS = 50_000
 
 
-def loaded(name: str, board: str = "default", checks: bool = False, text: str | None = None, at: int | None = None) -> tuple[Any, Any]:
+def loaded(
+    name: str, board: str = "default", checks: bool = False, text: str | None = None, at: int | None = None
+) -> tuple[Any, Any]:
     sections = {} if at is None else {".text": at}
     image = toolchain.assemble(text if text is not None else (FAULTS / name).read_text(), name, sections=sections)
     chip = c40.Processor(board, checks)
@@ -82,7 +85,11 @@ def test_a_timer_wakes_a_processor_that_sleeps_beside_a_dma_block(way: str) -> N
 
 
 def test_the_same_in_a_network_and_from_the_package() -> None:
-    network = Network([cmrc.c40.assemble_file(FAULTS / name) for name in ("idle_dma2.asm", "nop.asm")], links=["0.3:1.0"], record_peripherals=True)
+    network = Network(
+        [cmrc.c40.assemble_file(FAULTS / name) for name in ("idle_dma2.asm", "nop.asm")],
+        links=["0.3:1.0"],
+        record_peripherals=True,
+    )
     network.run(until_us=200)
     assert [e.cycle for e in network.peripheral_events if e.kind == "interrupt"] == list(range(228, 1629, 200))
     assert network.chips[0].status == "halt" and 1640 < network.chips[0].cycles < 1655
@@ -91,12 +98,20 @@ def test_the_same_in_a_network_and_from_the_package() -> None:
     assert alone.registers["R10"] & 0xFFFFFFFF == 8
 
 
-@pytest.mark.parametrize(("first", "second", "link", "end"), [("tsync_idle.asm", "nop.asm", "0.0:1.3", 4050), ("tsync_port.asm", "snd6000.asm", "0.3:1.0", 4030)])
-def test_a_timer_drives_the_dma_of_a_processor_that_sleeps_or_waits(first: str, second: str, link: str, end: int) -> None:
-    """20 words, one per 200 cycles: the last is written some 4000 cycles after the start, while the processor sleeps or waits for a FIFO."""
+@pytest.mark.parametrize(
+    ("first", "second", "link", "end"),
+    [("tsync_idle.asm", "nop.asm", "0.0:1.3", 4050), ("tsync_port.asm", "snd6000.asm", "0.3:1.0", 4030)],
+)
+def test_a_timer_drives_the_dma_of_a_processor_that_sleeps_or_waits(
+    first: str, second: str, link: str, end: int
+) -> None:
+    """20 words, one per 200 cycles: the last is written some 4000 cycles after the start, while the processor sleeps or
+    waits for a FIFO."""
     found = []
     for slice_us in (1000, 37, 1):
-        network = Network([cmrc.c40.assemble_file(FAULTS / name) for name in (first, second)], links=[link], record_peripherals=True)
+        network = Network(
+            [cmrc.c40.assemble_file(FAULTS / name) for name in (first, second)], links=[link], record_peripherals=True
+        )
         for n in itertools.count(1):
             if network.run(until_us=n * slice_us).reason != "limit" or n * slice_us >= 600:
                 break
@@ -131,7 +146,9 @@ def test_no_timer_event_is_missing_from_the_list(way: str) -> None:
 
 
 @pytest.mark.parametrize("way", ALONE)
-@pytest.mark.parametrize(("name", "stalls"), [("fetch_dma_first.asm", 40), ("fetch_rotating.asm", 40), ("fetch_cpu_first.asm", 0)])
+@pytest.mark.parametrize(
+    ("name", "stalls"), [("fetch_dma_first.asm", 40), ("fetch_rotating.asm", 40), ("fetch_cpu_first.asm", 0)]
+)
 def test_a_dma_word_costs_a_fetch_one_slot_or_none(way: str, name: str, stalls: int) -> None:
     chip, _ = run_alone(way, name, 700, TIMING)
     assert (chip.causes["dma_conflict"], chip.causes["memory_conflict"]) == (stalls, 0)
@@ -146,7 +163,10 @@ def test_a_dma_word_costs_a_fetch_one_slot_or_none(way: str, name: str, stalls: 
 @pytest.mark.parametrize("way", ALONE)
 def test_a_read_of_a_timer_does_not_depend_on_an_unrelated_stall(way: str) -> None:
     values = [run_alone(way, name, 60)[0] for name in ("clampA.asm", "clampB.asm")]
-    assert [low(chip, "R1") for chip in values] == [2, 2]  # the counter ticks every second cycle, and E is four cycles after the start
+    assert [low(chip, "R1") for chip in values] == [
+        2,
+        2,
+    ]  # the counter ticks every second cycle, and E is four cycles after the start
 
 
 @pytest.mark.parametrize("way", ["whole", "cut", "stepped", "exact"])
@@ -187,11 +207,18 @@ DELAYED = ["bd", "beqd", "bned", "beqaf", "beqat", "bneat", "bneaf"]
 @pytest.mark.parametrize("distance", range(5))
 @pytest.mark.parametrize("branch", [*DELAYED, "b", "beq", "bne", "call", "callne", "retsne", "idle", "trapne", "rpts"])
 def test_what_may_stand_how_near_to_the_end(branch: str, distance: int, passes: int) -> None:
-    """Taken or not, annulled or not, in the first pass or the last: a delayed branch from RE - 3 on, other program control at RE."""
-    operand = {"rpts": " 2", "retsne": "", "idle": "", "trapne": " 5", "call": " out", "callne": " out"}.get(branch, " out")
+    """Taken or not, annulled or not, in the first pass or the last: a delayed branch from RE - 3 on, other program
+    control at RE."""
+    operand = {"rpts": " 2", "retsne": "", "idle": "", "trapne": " 5", "call": " out", "callne": " out"}.get(
+        branch, " out"
+    )
     body = [f"        {branch}{operand}" if n == distance else "        addi 1,r2" for n in range(distance, -1, -1)]
     body[-1] = "last:" + body[-1]
-    text = f"        .text\n        ldi {passes},rc\n        ldi 1,r0\n        rptb last\n" + "\n".join(body) + "\nout:    nop\n        nop\ndone:   bu done\n"
+    text = (
+        f"        .text\n        ldi {passes},rc\n        ldi 1,r0\n        rptb last\n"
+        + "\n".join(body)
+        + "\nout:    nop\n        nop\ndone:   bu done\n"
+    )
     illegal = distance == 0 or (branch in DELAYED and distance <= 3)
     outcomes = []
     for way in ("whole", "stepped", "exact", "checked"):
@@ -205,10 +232,19 @@ def test_what_may_stand_how_near_to_the_end(branch: str, distance: int, passes: 
                     break
         else:
             stop = chip.run(60)
-        outcomes.append((stop["reason"], stop.get("kind"), stop.get("message") if stop["reason"] == "fault" else None, chip.pc if illegal else None))
+        outcomes.append(
+            (
+                stop["reason"],
+                stop.get("kind"),
+                stop.get("message") if stop["reason"] == "fault" else None,
+                chip.pc if illegal else None,
+            )
+        )
         if illegal:
             assert (stop["reason"], stop["kind"]) == ("fault", "illegal_sequence")
-            assert chip.pc == image.symbols["last"] - distance and chip.get("RC") == passes and chip.get("SP") == 0x2FFB00
+            assert (
+                chip.pc == image.symbols["last"] - distance and chip.get("RC") == passes and chip.get("SP") == 0x2FFB00
+            )
     assert all(outcome == outcomes[0] for outcome in outcomes)
 
 
@@ -216,7 +252,9 @@ def test_what_may_stand_how_near_to_the_end(branch: str, distance: int, passes: 
 
 
 def exec_json(emulator: Path, *arguments: str) -> tuple[int, dict[str, Any]]:
-    result = subprocess.run([emulator, "exec", *arguments, "--json"], capture_output=True, text=True, check=False, timeout=60, cwd=FAULTS)
+    result = subprocess.run(
+        [emulator, "exec", *arguments, "--json"], capture_output=True, text=True, check=False, timeout=60, cwd=FAULTS
+    )
     return result.returncode, json.loads(result.stdout)
 
 
@@ -235,7 +273,9 @@ def test_two_chips_that_write_before_they_read_are_a_deadlock(emulator: Path) ->
 def test_idle2_that_nothing_can_wake_ends_as_idle_does(emulator: Path, tmp_path: Path) -> None:
     stops = []
     for instruction in ("idle", "idle2"):
-        (tmp_path / f"{instruction}.asm").write_text(f"        .text\nstart:  ldi 1,r0\n        {instruction}\n        bu start\n")
+        (tmp_path / f"{instruction}.asm").write_text(
+            f"        .text\nstart:  ldi 1,r0\n        {instruction}\n        bu start\n"
+        )
         status, report = exec_json(emulator, str(tmp_path / f"{instruction}.asm"), "--max-cycles", "5000")
         network = Network([cmrc.c40.assemble_file(tmp_path / f"{instruction}.asm")] * 2, links=["0.0:1.3"])
         stops.append((status, report["stop"], network.run(until_us=1000), [chip.status for chip in network.chips]))
@@ -267,11 +307,16 @@ def test_a_block_that_ends_in_the_cycle_of_an_access_to_a_port_ends_before_it(wa
 
 @pytest.mark.parametrize("way", ["whole", "stepped"])
 @pytest.mark.parametrize(
-    ("nops", "wait", "later"), [(0, 2, 2), (0, 3, 1), (0, 4, 0), (1, 1, 2), (1, 2, 1), (1, 3, 0), (2, 1, 1), (2, 2, 0), (2, 3, 0)]
+    ("nops", "wait", "later"),
+    [(0, 2, 2), (0, 3, 1), (0, 4, 0), (1, 1, 2), (1, 2, 1), (1, 3, 0), (2, 1, 1), (2, 2, 0), (2, 3, 0)],
 )
-def test_after_a_read_of_a_window_a_load_waits_for_the_dmas_write_on_its_bus(nops: int, wait: int, later: int, way: str) -> None:
-    """The store that starts the DMA executes in cycle 4. The DMA reads on the chip in cycle 5, and writes to the local bus, with one wait state, in cycles 6 to
-    8. The load from the local bus behind a read of a window that takes `wait` cycles more would begin in cycle 5 + nops + wait: not before cycle 9 beside the DMA."""
+def test_after_a_read_of_a_window_a_load_waits_for_the_dmas_write_on_its_bus(
+    nops: int, wait: int, later: int, way: str
+) -> None:
+    """The store that starts the DMA executes in cycle 4. The DMA reads on the chip in cycle 5, and writes to the local
+    bus, with one wait state, in cycles 6 to
+    8. The load from the local bus behind a read of a window that takes `wait` cycles more would begin in cycle 5 + nops
+       + wait: not before cycle 9 beside the DMA."""
     between = "        nop\n" * nops
     text = f"""        .text
 start:  ldhi 10h,ar0
@@ -291,7 +336,9 @@ done:   b done
             chip.poke(0x1000A0 + register, value)
         chip.set("R1", 3 << 22 | 1 << 2 | 1 << 18 if started else 0)
         done = image.symbols["done"]
-        while (stop := chip.run(100, done) if way == "whole" else chip.step())["reason"] == "external_access" or chip.pc != done:
+        while (stop := chip.run(100, done) if way == "whole" else chip.step())[
+            "reason"
+        ] == "external_access" or chip.pc != done:
             if stop["reason"] == "external_access":
                 chip.complete_read(5, 0, wait)
         cycles[started] = chip.cycle

@@ -1,4 +1,5 @@
-"""The boot loader of the ROM: the streams of c40-hardware.md 9, from every port, from memory of every width, over a link."""
+"""The boot loader of the ROM: the streams of c40-hardware.md 9, from every port, from memory of every width, over a
+link."""
 
 from __future__ import annotations
 
@@ -111,14 +112,18 @@ def test_without_a_boot_rom_the_reset_vector_is_missing() -> None:
     with pytest.raises(ValueError, match="the pins choose no memory at 12345678h"):
         c40.Processor.bootable(memory=0x12345678)
     with pytest.raises(ValueError, match="the boot ROM is there"):
-        c40.boot_stream(toolchain.assemble("        .text\nentry:  nop\n", "low.asm", sections={".text": 0x100}, entry="entry"))
+        c40.boot_stream(
+            toolchain.assemble("        .text\nentry:  nop\n", "low.asm", sections={".text": 0x100}, entry="entry")
+        )
 
 
 def test_a_chip_boots_its_neighbour() -> None:
     stream = c40.boot_stream(image())
     sender = processor(
         "        ldhi 10h,ar0\n        or 40h,ar0\n        ldhi 30h,ar1\n        ldi COUNT,rc\n        rptb last\n"
-        "        ldi *ar1++,r0\nlast:   sti r0,*+ar0(2)\n        ldi *+ar0(1),r6\nend:    bu end\n".replace("COUNT", str(len(stream) - 1))
+        "        ldi *ar1++,r0\nlast:   sti r0,*+ar0(2)\n        ldi *+ar0(1),r6\nend:    bu end\n".replace(
+            "COUNT", str(len(stream) - 1)
+        )
     )
     sender.load_words(0x300000, stream)
     booted = c40.Processor.bootable()
@@ -144,19 +149,23 @@ def test_general_purpose_output_on_an_iiof_pin() -> None:
 
 def test_the_command_boots_a_program(emulator: Path, tmp_path: Path) -> None:
     source = tmp_path / "program.asm"
-    source.write_text(PROGRAM.replace("        .text\n", '        .text\n        .global entry\n'))
+    source.write_text(PROGRAM.replace("        .text\n", "        .text\n        .global entry\n"))
     for how in ("4", "0x80000000"):
         run = subprocess.run([emulator, "exec", source, "--boot", how, "--until", "end", "--peripherals", "--events", tmp_path / "events"],
                              capture_output=True, text=True, check=False)  # fmt: skip
         assert run.returncode == 0, run.stdout + run.stderr
         assert "00001234" in run.stdout and "reached" in run.stdout
     assert (tmp_path / "events").read_text() == ""
-    bad = subprocess.run([emulator, "exec", source, "--boot", "0x12340000"], capture_output=True, text=True, check=False)
+    bad = subprocess.run(
+        [emulator, "exec", source, "--boot", "0x12340000"], capture_output=True, text=True, check=False
+    )
     assert bad.returncode == 2 and "00300000h" in bad.stderr
 
 
 def test_events_of_ports_timers_and_dma() -> None:
-    chip = processor("        ldhi 10h,ar0\n        or 40h,ar0\n        ldi 9,r0\n        sti r0,*+ar0(2)\n        ldi *+ar0(1),r1\nend:    bu end\n")
+    chip = processor(
+        "        ldhi 10h,ar0\n        or 40h,ar0\n        ldi 9,r0\n        sti r0,*+ar0(2)\n        ldi *+ar0(1),r1\nend:    bu end\n"
+    )
     chip.record_events()
     chip.deliver(0, 77)
     chip.poke(0x100028, 10)
@@ -191,10 +200,19 @@ bus = "global"
 """
 
 
-def run_on(emulator: Path, tmp_path: Path, board: str, *arguments: str, program: str = "plain.asm") -> subprocess.CompletedProcess[str]:
+def run_on(
+    emulator: Path, tmp_path: Path, board: str, *arguments: str, program: str = "plain.asm"
+) -> subprocess.CompletedProcess[str]:
     (tmp_path / "b.toml").write_text(board)
     (tmp_path / "plain.asm").write_text(PROGRAM)
-    return subprocess.run([emulator, "exec", program, "--board", "b.toml", *arguments], capture_output=True, text=True, check=False, cwd=tmp_path, timeout=60)
+    return subprocess.run(
+        [emulator, "exec", program, "--board", "b.toml", *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=tmp_path,
+        timeout=60,
+    )
 
 
 def assembled(emulator: Path, tmp_path: Path, text: str, *sections: str) -> str:
@@ -205,13 +223,19 @@ def assembled(emulator: Path, tmp_path: Path, text: str, *sections: str) -> str:
 
 
 @pytest.mark.parametrize(("levels", "address"), [("0111", 0x80000000), ("1101", 0x300000)])
-def test_pins_choose_the_memory_that_the_loader_reads(emulator: Path, tmp_path: Path, levels: str, address: int) -> None:
+def test_pins_choose_the_memory_that_the_loader_reads(
+    emulator: Path, tmp_path: Path, levels: str, address: int
+) -> None:
     program = assembled(emulator, tmp_path, PROGRAM.split("        .data")[0], ".text=0x2FFC00")
-    result = run_on(emulator, tmp_path, BOARD.replace("0111", levels), "--boot", "reset", "--json", "--peripherals", program=program)
+    result = run_on(
+        emulator, tmp_path, BOARD.replace("0111", levels), "--boot", "reset", "--json", "--peripherals", program=program
+    )
     report = json.loads(result.stdout)
     assert result.returncode == 0 and report["stop"]["reason"] == "halt", result.stderr
     assert report["registers"]["R7"] & 0xFFFF == 0x1234
-    assert report["registers"]["AR1"] == address + 5 + 2 + 4  # just past the stream: width, GMICR, LMICR, size, address; two words; 0, IVTP, TVTP, IACK
+    assert (
+        report["registers"]["AR1"] == address + 5 + 2 + 4
+    )  # just past the stream: width, GMICR, LMICR, size, address; two words; 0, IVTP, TVTP, IACK
     assert report["peripherals"]["GMICR"]["value"] == 0x1DEA4000  # the stream's header has the board's
 
 
@@ -260,11 +284,28 @@ def test_pins_of_a_chip_in_a_network(emulator: Path, tmp_path: Path) -> None:
     (tmp_path / "b.toml").write_text(BOARD)
     (tmp_path / "c.toml").write_text(BOARD.replace("0111", "1111"))
     (tmp_path / "p.asm").write_text(PROGRAM)
-    (tmp_path / "n.toml").write_text("".join(f'[[chip]]\nprogram = "p.asm"\nboard = "{b}.toml"\nboot = true\n' for b in "bc") + '[[link]]\nports = "0.0:1.3"\n')
-    result = subprocess.run([emulator, "exec", "--network", "n.toml", "--json"], capture_output=True, text=True, check=False, cwd=tmp_path, timeout=60)
+    (tmp_path / "n.toml").write_text(
+        "".join(f'[[chip]]\nprogram = "p.asm"\nboard = "{b}.toml"\nboot = true\n' for b in "bc")
+        + '[[link]]\nports = "0.0:1.3"\n'
+    )
+    result = subprocess.run(
+        [emulator, "exec", "--network", "n.toml", "--json"],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=tmp_path,
+        timeout=60,
+    )
     report = json.loads(result.stdout)
-    assert [chip["status"] for chip in report["chips"]] == ["halt", "looping"] and report["chips"][0]["registers"]["R7"] & 0xFFFF == 0x1234
+    assert [chip["status"] for chip in report["chips"]] == ["halt", "looping"] and report["chips"][0]["registers"][
+        "R7"
+    ] & 0xFFFF == 0x1234
     assert "polls port 3 from chip 0 port 0;" in report["chips"][1]["message"]
     (tmp_path / "b.toml").write_text(BOARD.replace("0111", "0101"))
-    bad = subprocess.run([emulator, "exec", "--network", "n.toml"], capture_output=True, text=True, check=False, cwd=tmp_path, timeout=60)
-    assert bad.returncode == 2 and "chip 0: board strapped: the boot stream at A0000000h, which the pins choose:" in bad.stderr
+    bad = subprocess.run(
+        [emulator, "exec", "--network", "n.toml"], capture_output=True, text=True, check=False, cwd=tmp_path, timeout=60
+    )
+    assert (
+        bad.returncode == 2
+        and "chip 0: board strapped: the boot stream at A0000000h, which the pins choose:" in bad.stderr
+    )

@@ -1,4 +1,5 @@
-"""Communication ports and links: the counts of c40-hardware.md 2.6, 7.6 (35, 36) and 11.5, by hand; clocks, cuts, resets."""
+"""Communication ports and links: the counts of c40-hardware.md 2.6, 7.6 (35, 36) and 11.5, by hand; clocks, cuts,
+resets."""
 
 from __future__ import annotations
 
@@ -35,7 +36,12 @@ def stores(port: int, count: int) -> str:
 
 def receiver(port: int, count: int) -> str:
     """Reads `count` words with blocking reads, to 2FF800h on."""
-    return base(port) + "        ldhi 2fh,ar1\n        or 0f800h,ar1\n" + "        ldi *+ar0(1),r0\n        sti r0,*ar1++\n" * count + STOP
+    return (
+        base(port)
+        + "        ldhi 2fh,ar1\n        or 0f800h,ar1\n"
+        + "        ldi *+ar0(1),r0\n        sti r0,*ar1++\n" * count
+        + STOP
+    )
 
 
 def test_cpcr_after_reset() -> None:
@@ -115,7 +121,8 @@ def test_sixteen_stores_against_a_peer_that_does_not_read() -> None:
 
 
 def test_one_word_over_an_idle_link() -> None:
-    """The word is readable seven cycles after the store if the sender has the token, thirteen if the receiver has it."""
+    """The word is readable seven cycles after the store if the sender has the token, thirteen if the receiver has
+    it."""
     for port, latency in ((0, 7), (3, 13)):
         network = Network([processor(stores(port, 1)), processor(receiver(3 - port, 1))])
         network.join(0, port, 1, 3 - port)
@@ -160,9 +167,12 @@ def test_both_ways_saturated_is_a_word_per_22_cycles_each_way() -> None:
 
 
 def test_a_request_in_the_last_byte_waits_for_one_word_more() -> None:
-    """The peer's store is seen at t + 1; the first word of the stream is on the link in cycles 1 to 6 after the first store."""
+    """The peer's store is seen at t + 1; the first word of the stream is on the link in cycles 1 to 6 after the first
+    store."""
     for delay, before_token in ((4, 1), (5, 2)):
-        network = Network([processor("        nop\n" * 8 + stores(0, 3)), processor("        nop\n" * (8 + delay) + stores(3, 1))])
+        network = Network(
+            [processor("        nop\n" * 8 + stores(0, 3)), processor("        nop\n" * (8 + delay) + stores(3, 1))]
+        )
         link = network.join(0, 0, 1, 3)
         network.run(200 * PERIOD)
         kinds = [event["kind"] for event in link.events]
@@ -174,7 +184,12 @@ def test_order_of_turns_changes_nothing() -> None:
     for seed in range(6):
         order = list(range(4))
         random.Random(seed).shuffle(order)
-        ring = [processor(base(n % 3, "ar0") + base(3 + n % 3, "ar2") + RELAY.replace("FIRST", "seed" if n == 0 else "loop")) for n in range(4)]
+        ring = [
+            processor(
+                base(n % 3, "ar0") + base(3 + n % 3, "ar2") + RELAY.replace("FIRST", "seed" if n == 0 else "loop")
+            )
+            for n in range(4)
+        ]
         network = Network(ring, hertz=[20_000_000, 25_000_000, 30_000_000, 20_000_000], order=order)
         for n in range(4):
             network.join(n, n % 3, (n + 1) % 4, 3 + (n + 1) % 4 % 3)
@@ -228,7 +243,9 @@ def test_links_that_cannot_be_are_refused() -> None:
 
 
 def test_two_ports_of_one_chip_may_be_linked() -> None:
-    chip = processor(base(0) + base(3, "ar2") + "        ldi 55,r0\n        sti r0,*+ar0(2)\n        ldi *+ar2(1),r1\n" + STOP)
+    chip = processor(
+        base(0) + base(3, "ar2") + "        ldi 55,r0\n        sti r0,*+ar0(2)\n        ldi *+ar2(1),r1\n" + STOP
+    )
     network = Network([chip])
     network.join(0, 0, 0, 3)
     network.run(100 * PERIOD)

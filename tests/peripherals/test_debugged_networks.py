@@ -15,13 +15,20 @@ def of_machine(network: Network) -> dict[str, bytes]:
     return {path: state[offset : offset + size] for path, offset, size in leaves}
 
 
-def add_some_stops(debugger: Debugger, rng: random.Random, symbols: list[str], ignored: tuple[int, ...] = (0, 0, 7)) -> None:
+def add_some_stops(
+    debugger: Debugger, rng: random.Random, symbols: list[str], ignored: tuple[int, ...] = (0, 0, 7)
+) -> None:
     for _ in range(rng.randrange(1, 4)):
         chip = rng.randrange(len(debugger.chips()))
         if rng.random() < 0.5:
             debugger.break_at(rng.choice(symbols), chip=rng.choice([None, 0]), ignore=rng.choice(ignored))
         else:
-            debugger.watch(0x2FF800 + rng.randrange(40), rng.choice([1, 8]), on=rng.choice(["write", "read", "access", "change"]), chip=chip)
+            debugger.watch(
+                0x2FF800 + rng.randrange(40),
+                rng.choice([1, 8]),
+                on=rng.choice(["write", "read", "access", "change"]),
+                chip=chip,
+            )
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -49,7 +56,12 @@ def test_a_network_goes_back_through_the_stops_that_it_came_by(seed: int) -> Non
     rng = random.Random(seed)
     network = random_network(seed, 0)
     debugger = network.debug()
-    add_some_stops(debugger, rng, sorted(name for name in network._core.program(0).symbols if not name.startswith(".")), ignored=(0,))
+    add_some_stops(
+        debugger,
+        rng,
+        sorted(name for name in network._core.program(0).symbols if not name.startswith(".")),
+        ignored=(0,),
+    )
     forth = []
     for _ in range(6):
         stop = debugger.go(60e-6)

@@ -34,14 +34,31 @@ def chip_with(text: str, board: str = "default", at: int = CODE) -> tuple[Any, A
 
 def channel(chip: Any, n: int, control: int, **registers: int) -> None:
     base = 0x1000A0 + 0x10 * n
-    names = {"source": 1, "source_index": 2, "counter": 3, "destination": 4, "destination_index": 5, "link": 6, "auxiliary_counter": 7, "auxiliary_link": 8}
+    names = {
+        "source": 1,
+        "source_index": 2,
+        "counter": 3,
+        "destination": 4,
+        "destination_index": 5,
+        "link": 6,
+        "auxiliary_counter": 7,
+        "auxiliary_link": 8,
+    }
     for name, value in registers.items():
         chip.poke(base + names[name], value & 0xFFFFFFFF)
     chip.poke(base, control)
 
 
-def copy(chip: Any, n: int, source: int, destination: int, count: int, control: int = RUN | STOP_AT_END | TCC, **more: int) -> None:
-    settings = {"source_index": 1, "destination_index": 1, "source": source, "destination": destination, "counter": count} | more
+def copy(
+    chip: Any, n: int, source: int, destination: int, count: int, control: int = RUN | STOP_AT_END | TCC, **more: int
+) -> None:
+    settings = {
+        "source_index": 1,
+        "destination_index": 1,
+        "source": source,
+        "destination": destination,
+        "counter": count,
+    } | more
     channel(chip, n, control, **settings)
 
 
@@ -131,7 +148,15 @@ def test_channels_take_turns_or_go_by_number() -> None:
         chip, _ = idle_chip()
         chip.run(20)
         for n in (2, 4, 0):
-            channel(chip, n, RUN | STOP_AT_END | (fixed << 30 if n == 0 else 0), source=BLOCK0, counter=3, destination=BLOCK1 + 8 * n, destination_index=1)
+            channel(
+                chip,
+                n,
+                RUN | STOP_AT_END | (fixed << 30 if n == 0 else 0),
+                source=BLOCK0,
+                counter=3,
+                destination=BLOCK1 + 8 * n,
+                destination_index=1,
+            )
         order: list[int] = []
         for _ in range(40):
             before = [chip.peripheral(f"DMA{n}.counter") for n in range(6)]
@@ -166,7 +191,8 @@ def test_the_channel_served_last_comes_last_over_gaps_too(channels: tuple[int, .
     ("first", "then"), [(2, [2, 5, 0, 2, 5, 0, 2]), (0, [0, 2, 5, 0, 2, 5, 0]), (5, [5, 0, 2, 5, 0, 2, 5])]
 )
 def test_who_comes_in_behind_the_channel_at_work(first: int, then: list[int]) -> None:
-    """Channel `first` moves its first word when the two others start. The next higher channel follows; after 5 comes 0."""
+    """Channel `first` moves its first word when the two others start. The next higher channel follows; after 5 comes
+    0."""
     chip, _ = idle_chip()
     chip.run(20)
     settings = {"source": BLOCK0, "destination_index": 1}
@@ -239,7 +265,17 @@ def test_split_mode_serves_both_directions() -> None:
     chip.load_words(BLOCK0, list(range(50, 60)))
     split = 1 << 14 | 4 << 15 | 3 << 22 | 3 << 24 | 1 << 2 | 1 << 4 | 1 << 19
     chip.set("IIE", 1 << 25 + 1)
-    channel(chip, 1, split, source=BLOCK0, source_index=1, counter=10, destination=BLOCK1, destination_index=1, auxiliary_counter=5)
+    channel(
+        chip,
+        1,
+        split,
+        source=BLOCK0,
+        source_index=1,
+        counter=10,
+        destination=BLOCK1,
+        destination_index=1,
+        auxiliary_counter=5,
+    )
     got = []
     for i in range(5):
         chip.run(10)
@@ -260,7 +296,17 @@ def test_an_auxiliary_half_works_while_the_primary_one_is_in_reset() -> None:
     chip, _ = idle_chip()
     chip.run(20)
     auxiliary_alone = 1 << 14 | 4 << 15 | 3 << 24 | 1 << 4
-    channel(chip, 1, auxiliary_alone, source=BLOCK0, source_index=1, counter=10, destination=BLOCK1, destination_index=1, auxiliary_counter=2)
+    channel(
+        chip,
+        1,
+        auxiliary_alone,
+        source=BLOCK0,
+        source_index=1,
+        counter=10,
+        destination=BLOCK1,
+        destination_index=1,
+        auxiliary_counter=2,
+    )
     for word in (900, 901):
         chip.run(10)
         chip.deliver(4, word)
@@ -273,7 +319,9 @@ def test_a_full_output_fifo_holds_the_channel_and_lets_others_pass() -> None:
     chip, _ = idle_chip()
     copy(chip, 0, BLOCK0, 0x100042, 20, RUN | STOP_AT_END, destination_index=0)
     chip.run(100)
-    assert len(chip.port(0)["output"]) == 8 and chip.peripheral("DMA0.counter") == 11  # the ninth word is in the channel
+    assert (
+        len(chip.port(0)["output"]) == 8 and chip.peripheral("DMA0.counter") == 11
+    )  # the ninth word is in the channel
     chip.load_words(BLOCK0, [1, 2, 3])
     copy(chip, 5, BLOCK0, BLOCK1, 3)
     chip.run(20)
@@ -359,7 +407,8 @@ READS = "        ldf *ar0,r0\n     || ldf *ar1,r1\n" * 200 + "end:    bu end\n"
 
 
 def test_priority_against_the_processor_at_a_full_block() -> None:
-    """200 pairs of loads use both ports of block 0 in each cycle; the code is elsewhere. The DMA reads 40 words from block 0."""
+    """200 pairs of loads use both ports of block 0 in each cycle; the code is elsewhere. The DMA reads 40 words from
+    block 0."""
     cycles = {}
     for priority in (0, 1, 3):
         chip, image = chip_with(READS, at=0x300000)
@@ -388,7 +437,11 @@ def test_no_conflict_costs_nothing() -> None:
 
 
 def test_dma_into_nothing_is_a_fault_that_names_channel_and_address() -> None:
-    for source, destination, words in ((0x200000, BLOCK0, "read of 00200000h"), (BLOCK0, 0x200100, "write to 00200100h"), (0x100010, BLOCK0, "analysis")):
+    for source, destination, words in (
+        (0x200000, BLOCK0, "read of 00200000h"),
+        (BLOCK0, 0x200100, "write to 00200100h"),
+        (0x100010, BLOCK0, "analysis"),
+    ):
         chip, _ = idle_chip()
         copy(chip, 4, source, destination, 2)
         stop = chip.run(50)
@@ -403,7 +456,12 @@ def test_dma_through_a_window_is_reported_with_its_channel() -> None:
     chip.set("IIE", 1 << 30)
     for i in range(3):
         stop = chip.run(100)
-        assert (stop["reason"], stop["channel"], stop["write"], stop["address"]) == ("external_access", 5, False, 0xC0000000 + i)
+        assert (stop["reason"], stop["channel"], stop["write"], stop["address"]) == (
+            "external_access",
+            5,
+            False,
+            0xC0000000 + i,
+        )
         chip.complete_read(70 + i, arbitration=4, transfer=6)
     chip.run(40)
     assert low(chip, "R2") == 1
@@ -463,12 +521,22 @@ def test_a_program_ends_beside_a_dma_that_is_done_or_armed_unless_it_waits_for_i
 ) -> None:
     """Channel 0 into an output FIFO to which nothing is linked: it holds eight words."""
     registers = {1: BLOCK0, 2: 1, 3: count, 4: 0x100042, 5: 0, 0: RUN | STOP_AT_END | TCC}
-    writes = "".join(f"        ldhi 0{v >> 16:x}h,r0\n        or 0{v & 0xFFFF:x}h,r0\n        sti r0,*+ar0({n})\n" for n, v in registers.items())
+    writes = "".join(
+        f"        ldhi 0{v >> 16:x}h,r0\n        or 0{v & 0xFFFF:x}h,r0\n        sti r0,*+ar0({n})\n"
+        for n, v in registers.items()
+    )
     listens = "        ldhi 200h,iie\n        or 2000h,st\n" if interrupts else ""
-    (tmp_path / "dma.asm").write_text("        .text\nstart:  ldhi 10h,ar0\n        or 0a0h,ar0\n" + writes + listens + ends)
-    result = subprocess.run([emulator, "exec", "dma.asm", "--json"], capture_output=True, text=True, check=False, cwd=tmp_path, timeout=60)
+    (tmp_path / "dma.asm").write_text(
+        "        .text\nstart:  ldhi 10h,ar0\n        or 0a0h,ar0\n" + writes + listens + ends
+    )
+    result = subprocess.run(
+        [emulator, "exec", "dma.asm", "--json"], capture_output=True, text=True, check=False, cwd=tmp_path, timeout=60
+    )
     stop = json.loads(result.stdout)["stop"]
-    assert stop["reason"] == ("dma_wait" if interrupts else "idle" if "idle" in ends else "halt") and result.returncode == interrupts
+    assert (
+        stop["reason"] == ("dma_wait" if interrupts else "idle" if "idle" in ends else "halt")
+        and result.returncode == interrupts
+    )
     armed = "DMA channel 0 waits for room in output FIFO 0 (write to 00100042h)"
     assert (armed in stop["message"]) == (count == 20)
     assert stop["message"].startswith(armed + " forever since cycle ") == interrupts

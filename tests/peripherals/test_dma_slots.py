@@ -1,15 +1,16 @@
 """Processor cycles that a DMA costs, in random mixes of instructions and wait states (c40-hardware.md 3.4, 3.5, 7.4).
 
-One bus slot a word: what the processor loses, and what is charged to the DMA as `dma_conflict`, is never more than the bus cycles of the words that the DMA
-moved, and the turns from write to read that they cause. Bus cycles are counted here from c40-hardware.md 3.5, words from the DMA's counter. Of turns there are two
-kinds: the DMA's read comes straight after a write; and a store that the DMA displaces comes to stand straight before a read of the processor (7.4: one cycle
+One bus slot a word: what the processor loses, and what is charged to the DMA as `dma_conflict`, is never more than the
+bus cycles of the words that the DMA moved, and the turns from write to read that they cause. Bus cycles are counted
+here from c40-hardware.md 3.5, words from the DMA's counter. Of turns there are two kinds: the DMA's read comes straight
+after a write; and a store that the DMA displaces comes to stand straight before a read of the processor (7.4: one cycle
 more), which needs a store to a bus that the DMA uses.
 
-The processor can even gain, for a fetch may be made while a data access is held up: over many mixes it does not. Where the code has a block of RAM for itself,
-no data access keeps a fetch waiting, and it never gains.
+The processor can even gain, for a fetch may be made while a data access is held up: over many mixes it does not. Where
+the code has a block of RAM for itself, no data access keeps a fetch waiting, and it never gains.
 
-Rotating priority lets the DMA begin later than DMA-first does, and so it may meet another access, with less slack: the first test by hand is such a case.
-So it can cost more in single mixes; over many it does not.
+Rotating priority lets the DMA begin later than DMA-first does, and so it may meet another access, with less slack: the
+first test by hand is such a case. So it can cost more in single mixes; over many it does not.
 """
 
 from __future__ import annotations
@@ -56,7 +57,8 @@ class Transfer:
     stores: frozenset[str]  # places to which the processor stores
 
     def bus_cycles(self) -> int:
-        """Of one word, at most: a read that comes straight after a write, of whomever, takes a cycle more; a write on a bus takes two."""
+        """Of one word, at most: a read that comes straight after a write, of whomever, takes a cycle more; a write on a
+        bus takes two."""
         read = 1 + self.waits.get(self.source, 0) + (self.source in self.waits)
         write = (2 if self.destination in self.waits else 1) + self.waits.get(self.destination, 0)
         return read + write
@@ -190,11 +192,13 @@ def by_hand(
 
 
 def test_by_hand_rotating_priority_may_cost_what_dma_first_does_not(tmp_path: Path) -> None:
-    """The load waits two cycles in D for AR0, so that its own fetch, in cycle 1, has slack; those of the NOPs behind it, in 4 and 5, have none.
+    """The load waits two cycles in D for AR0, so that its own fetch, in cycle 1, has slack; those of the NOPs behind
+    it, in 4 and 5, have none.
 
-    The DMA reads from cycle 1 on, every second cycle. DMA first: it wins cycle 1, and the fetch is made in 2; it reads again in 3, when nobody fetches.
-    Rotating: the processor wins cycle 1, the DMA reads in 2. Its next read meets the fetch in 4, which is a first conflict, and goes to the
-    processor; in 5 it is the DMA's turn, and that fetch is made in 6, a cycle late.
+    The DMA reads from cycle 1 on, every second cycle. DMA first: it wins cycle 1, and the fetch is made in 2; it reads
+    again in 3, when nobody fetches. Rotating: the processor wins cycle 1, the DMA reads in 2. Its next read meets the
+    fetch in 4, which is a first conflict, and goes to the processor; in 5 it is the DMA's turn, and that fetch is made
+    in 6, a cycle late.
     """
     body = "        nop\n        nop\n        nop\n        addi 0,ar0\n        ldi *ar0,r1\n"
     cycles = by_hand(body, {"AR0": PLACES["block 0"]}, {"local": 0, "global": 0}, ("local", "block 0", 2), tmp_path)
@@ -203,10 +207,12 @@ def test_by_hand_rotating_priority_may_cost_what_dma_first_does_not(tmp_path: Pa
 
 @pytest.mark.parametrize("place", ["local", "global"])
 def test_by_hand_rotating_priority_takes_every_other_slot_and_dma_first_all(place: str, tmp_path: Path) -> None:
-    """A load in every cycle from the DMA's source, repeated without fetches; the DMA's writes go to a block on the chip.
+    """A load in every cycle from the DMA's source, repeated without fetches; the DMA's writes go to a block on the
+    chip.
 
-    DMA first: its reads, every second cycle, each take a cycle from the loads. Rotating: it loses its first cycle and has the next, so that a word takes it
-    three cycles, and each costs one. Processor first: it has to wait for the loop's end.
+    DMA first: its reads, every second cycle, each take a cycle from the loads. Rotating: it loses its first cycle and
+    has the next, so that a word takes it three cycles, and each costs one. Processor first: it has to wait for the
+    loop's end.
     """
     loads, words = 100, 20
     text = f"        .text\n        rpts {loads - 1}\n        ldi *ar0,r1\n        nop\n        nop\n        nop\n        nop\nend:    bu end\n"
@@ -217,15 +223,19 @@ def test_by_hand_rotating_priority_takes_every_other_slot_and_dma_first_all(plac
     beside = {p: run(text, board, ON_CHIP, pointers, (*dma, p), words) for p in (PROCESSOR_FIRST, ROTATING, DMA_FIRST)}
     assert beside[PROCESSOR_FIRST].cycles == alone.cycles
     assert {beside[p].words for p in (ROTATING, DMA_FIRST)} == {words}
-    # RPTS takes the cycles 0 to 3, and the first load reads in cycle 3 (c40-hardware.md 7.1, 7.2): of the DMA's reads only the first, in cycle 1, meets nobody.
+    # RPTS takes the cycles 0 to 3, and the first load reads in cycle 3 (c40-hardware.md 7.1, 7.2): of the DMA's reads
+    # only the first, in cycle 1, meets nobody.
     for priority in (ROTATING, DMA_FIRST):
         assert beside[priority].stalls == beside[priority].cycles - alone.cycles == words - 1
 
 
 @pytest.mark.parametrize("priority", [ROTATING, DMA_FIRST])
 @pytest.mark.parametrize("waits", [1, 2, 3])
-def test_a_saturated_bus_with_wait_states_carries_one_access_at_a_time(waits: int, priority: int, tmp_path: Path) -> None:
-    """Stores one after the other, and a DMA that writes to the same bus: each takes 2 cycles and the wait states, and none goes beside another.
+def test_a_saturated_bus_with_wait_states_carries_one_access_at_a_time(
+    waits: int, priority: int, tmp_path: Path
+) -> None:
+    """Stores one after the other, and a DMA that writes to the same bus: each takes 2 cycles and the wait states, and
+    none goes beside another.
 
     The last store, and the last word, may be under way when the program ends.
     """

@@ -1,6 +1,8 @@
-"""A DMA that leaves its processor no bus, and one that faults while its processor waits: when a call, and a network, come back.
+"""A DMA that leaves its processor no bus, and one that faults while its processor waits: when a call, and a network,
+come back.
 
-Counts are from c40-hardware.md 3.4 (priority 11 always wins) and 3.5 (cycles of an access; a counter of 0 is 2^32 words).
+Counts are from c40-hardware.md 3.4 (priority 11 always wins) and 3.5 (cycles of an access; a counter of 0 is 2^32
+words).
 """
 
 from __future__ import annotations

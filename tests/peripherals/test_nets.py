@@ -1,5 +1,5 @@
-"""Nets between pins of chips. Expected values are counted by hand from docs/networks.md, Pins: an edge needs no time, a receiver
-samples its pins at the start of each of its cycles, and the sample takes effect one cycle later."""
+"""Nets between pins of chips. Expected values are counted by hand from docs/networks.md, Pins: an edge needs no time, a
+receiver samples its pins at the start of each of its cycles, and the sample takes effect one cycle later."""
 
 from __future__ import annotations
 
@@ -63,7 +63,13 @@ def low(network: Network, chip: int, register: str = "R2") -> int:
     return int(network.chips[chip].registers[register]) & 0xFFFFFFFF
 
 
-def run(programs: list[Any], nets: list[str], until_us: float | None = None, script: Callable[[Network], None] = lambda network: None, **how: Any) -> Network:
+def run(
+    programs: list[Any],
+    nets: list[str],
+    until_us: float | None = None,
+    script: Callable[[Network], None] = lambda network: None,
+    **how: Any,
+) -> Network:
     """The run. It must be the same in every order of turns, and wherever it is cut, also by a snapshot."""
     outcomes = []
     for order in (0, 5, 6):
@@ -76,7 +82,14 @@ def run(programs: list[Any], nets: list[str], until_us: float | None = None, scr
             other.restore(ChipSnapshot.from_bytes(network.snapshot().to_bytes()))
             network = other
         stop = network.run(until_us=until_us) if until_us is not None else network.run()
-        outcomes.append((stop, network.event_trace, network.nets, [(chip.status, chip.message, chip.cycles, chip.registers["R2"]) for chip in network.chips]))
+        outcomes.append(
+            (
+                stop,
+                network.event_trace,
+                network.nets,
+                [(chip.status, chip.message, chip.cycles, chip.registers["R2"]) for chip in network.chips],
+            )
+        )
         assert outcomes[-1] == outcomes[0], order
     return network
 
@@ -89,7 +102,9 @@ def test_an_edge_interrupts_a_sleeping_chip_one_cycle_later() -> None:
     falls = [at for at, kind in edges(network) if kind == "fall"]
     assert all(later - earlier == 400 * CYCLE for earlier, later in pairwise(falls)) and len(falls) == 5
     assert [at for at, kind in edges(network) if kind == "rise"] == [at + 200 * CYCLE for at in falls]
-    assert interrupts(network, 1)[1:] == [at + CYCLE for at in falls[1:]]  # at the first edge the chip does not sleep yet
+    assert interrupts(network, 1)[1:] == [
+        at + CYCLE for at in falls[1:]
+    ]  # at the first edge the chip does not sleep yet
     assert low(network, 1) == 5
 
 
@@ -110,7 +125,9 @@ def test_pulse_mode_gives_pulses_of_one_cycle() -> None:
     network = run([assembled(text + END), listener(4, iiof(1))], ["0.TCLK0>1.IIOF1"], 50)
     rises = [at for at, kind in edges(network) if kind == "rise"]
     falls = [at for at, kind in edges(network) if kind == "fall"]
-    assert len(rises) == 9 and falls[1:] == [at + CYCLE for at in rises]  # the first falling edge is the one at which the timer takes the pin
+    assert len(rises) == 9 and falls[1:] == [
+        at + CYCLE for at in rises
+    ]  # the first falling edge is the one at which the timer takes the pin
     assert interrupts(network, 1)[1:] == [at + CYCLE for at in falls[1:]]
 
 
@@ -118,7 +135,9 @@ def test_a_short_pulse_is_missed_by_a_slow_receiver_and_counted() -> None:
     text = clock(50).replace("3c1h", "2c1h")
     network = run([assembled(text + END), listener(4, iiof(1))], ["0.TCLK0>1.IIOF1"], 50, clocks_mhz=[50, 34.7])
     (net,) = network.nets
-    seen = sum(at > edges(network)[0][0] + CYCLE * 10 for at in interrupts(network, 1))  # none at the edge at which the timer takes the pin
+    seen = sum(
+        at > edges(network)[0][0] + CYCLE * 10 for at in interrupts(network, 1)
+    )  # none at the edge at which the timer takes the pin
     assert net.missed == sum(event.kind == "missed" for event in network.events)
     assert seen > 0 < net.missed and seen + net.missed == sum(kind == "rise" for _, kind in edges(network))
 
@@ -127,7 +146,9 @@ def test_a_short_pulse_is_missed_by_a_slow_receiver_and_counted() -> None:
 
 
 def test_a_level_interrupts_as_long_as_it_lasts() -> None:
-    network = run([listener(4, iiof(1, LEVEL))], ["wire: >0.IIOF1"], 60, lambda network: network.pulse("wire", 20, width_us=5))
+    network = run(
+        [listener(4, iiof(1, LEVEL))], ["wire: >0.IIOF1"], 60, lambda network: network.pulse("wire", 20, width_us=5)
+    )
     fall, rise = edges(network)
     assert (fall, rise) == ((20_000_000, "fall"), (25_000_000, "rise"))
     taken = interrupts(network, 0)
@@ -135,8 +156,16 @@ def test_a_level_interrupts_as_long_as_it_lasts() -> None:
 
 
 def test_nmi_needs_no_enabling() -> None:
-    text = "        ldi 0,r2\n        ldhi hi16(isr),r0\n        or lo16(isr),r0\n        sti r0,*+ar1(1)\nwait:   b wait\n" + COUNT
-    network = run([assembled(text)], ["wire: >0.NMI"], 60, lambda network: network.pulse("wire", 20, width_us=1, period_us=10, count=3))
+    text = (
+        "        ldi 0,r2\n        ldhi hi16(isr),r0\n        or lo16(isr),r0\n        sti r0,*+ar1(1)\nwait:   b wait\n"
+        + COUNT
+    )
+    network = run(
+        [assembled(text)],
+        ["wire: >0.NMI"],
+        60,
+        lambda network: network.pulse("wire", 20, width_us=1, period_us=10, count=3),
+    )
     assert low(network, 0) == 3
     assert [at // 10_000_000 for at in interrupts(network, 0)] == [2, 3, 4]
 
@@ -144,13 +173,20 @@ def test_nmi_needs_no_enabling() -> None:
 def test_a_general_purpose_input_reads_the_level() -> None:
     """FLAG of IIOF2 is bit 10 of IIF."""
     text = "wait:   ldi iif,r1\n        and 400h,r1\n        bnz wait\n        addi 1,r2\nback:   ldi iif,r1\n        and 400h,r1\n        bz back\n        b wait\n"
-    network = run([assembled("        ldi 0,iif\n        ldi 0,r2\n" + text)], ["wire: >0.IIOF2"], 60, lambda network: network.pulse("wire", 20, width_us=5, period_us=10, count=3))
+    network = run(
+        [assembled("        ldi 0,iif\n        ldi 0,r2\n" + text)],
+        ["wire: >0.IIOF2"],
+        60,
+        lambda network: network.pulse("wire", 20, width_us=5, period_us=10, count=3),
+    )
     assert low(network, 0) == 3
 
 
 def test_a_timer_counts_encoder_pulses_and_the_index_pulse_reads_it() -> None:
     """Timer 0 counts rising edges of its pin; the service routine of IIOF1 stores the count."""
-    text = "        ldhi 0ffffh,r0\n        sti r0,*+ar0(28h)\n        ldi 0c1h,r0\n        sti r0,*+ar0(20h)\n" + iiof(1)
+    text = "        ldhi 0ffffh,r0\n        sti r0,*+ar0(28h)\n        ldi 0c1h,r0\n        sti r0,*+ar0(20h)\n" + iiof(
+        1
+    )
     program = listener(4, text, "isr:    addi 1,r2\n        ldi *+ar0(24h),r3\n        reti\n")
 
     def script(network: Network) -> None:
@@ -171,13 +207,22 @@ def test_an_edge_lets_the_dma_move_a_word() -> None:
         "        sti r1,*+ar2(2)\n        ldi 10,r1\n        sti r1,*+ar2(3)\n        addi 64,r0\n        sti r0,*+ar2(4)\n        ldi 1,r1\n        sti r1,*+ar2(5)\n"
         "        ldi 100h,iif\n        ldi 400h,die\n        ldhi 0c0h,r1\n        or 47h,r1\n        sti r1,*ar2\n        ldi 0,r2\n"
     )
-    network = run([assembled(start + "wait:   idle\n        b wait\n")], ["wire: >0.IIOF2"], 200, lambda network: network.pulse("wire", 20, width_us=5, period_us=10, count=4))
+    network = run(
+        [assembled(start + "wait:   idle\n        b wait\n")],
+        ["wire: >0.IIOF2"],
+        200,
+        lambda network: network.pulse("wire", 20, width_us=5, period_us=10, count=4),
+    )
     assert network.chips[0].peripherals["DMA2.counter"] == 10 - 4
 
 
 def test_one_chip_holds_another_in_reset_and_lets_it_start() -> None:
-    """A net that is low at rest: chip 1 is held until chip 0 makes an output of IIOF1 and drives it high (IIF 60h; 20h drives low)."""
-    master = assembled("        ldi 99,rc\n        rpts rc\n        nop\n        ldi 60h,iif\n        ldi 99,rc\n        rpts rc\n        nop\n        ldi 20h,iif\n" + END)
+    """A net that is low at rest: chip 1 is held until chip 0 makes an output of IIOF1 and drives it high (IIF 60h; 20h
+    drives low)."""
+    master = assembled(
+        "        ldi 99,rc\n        rpts rc\n        nop\n        ldi 60h,iif\n        ldi 99,rc\n        rpts rc\n        nop\n        ldi 20h,iif\n"
+        + END
+    )
     slave = assembled("        ldi 7,r2\n" + END)
     network = run([master, slave], ["reset: 0.IIOF1>1.RESET"], 30)
     kinds = [(event.kind, event.place) for event in network.events]
@@ -191,19 +236,32 @@ def test_one_chip_holds_another_in_reset_and_lets_it_start() -> None:
 def puller(delay: int, length: int) -> Any:
     """Drives IIOF1 low for a while: 20h is an output that is low, 60h one that is high."""
     wait = "        rpts {}\n        nop\n"
-    return assembled("        ldi 60h,iif\n" + wait.format(delay) + "        ldi 20h,iif\n" + wait.format(length) + "        ldi 60h,iif\n" + END)
+    return assembled(
+        "        ldi 60h,iif\n"
+        + wait.format(delay)
+        + "        ldi 20h,iif\n"
+        + wait.format(length)
+        + "        ldi 60h,iif\n"
+        + END
+    )
 
 
 def test_an_open_drain_net_is_low_while_one_pulls() -> None:
     alone = [run([puller(*times)], ["0.IIOF1>0.IIOF2"], 60) for times in ((100, 300), (200, 400))]
-    falls, rises = [[[at for at, kind in edges(network) if kind == which] for network in alone] for which in ("fall", "rise")]
+    falls, rises = [
+        [[at for at, kind in edges(network) if kind == which] for network in alone] for which in ("fall", "rise")
+    ]
     both = run([puller(100, 300), puller(200, 400), listener(3, iiof(0))], ["0.IIOF1&1.IIOF1>2.IIOF0"], 60)
     assert edges(both) == [(falls[0][0], "fall"), (rises[1][0], "rise")]
     assert interrupts(both, 2) == [falls[0][0] + CYCLE]
 
 
 def test_an_input_that_is_made_an_output_is_a_fault() -> None:
-    network = run([assembled(clock(100) + END), assembled("        rpts 200\n        nop\n        ldi 20h,iif\n" + END)], ["sync: 0.TCLK0>1.IIOF1"], 100)
+    network = run(
+        [assembled(clock(100) + END), assembled("        rpts 200\n        nop\n        ldi 20h,iif\n" + END)],
+        ["sync: 0.TCLK0>1.IIOF1"],
+        100,
+    )
     assert network.chips[1].status == "fault"
     assert "pin IIOF1 becomes an output, and a net drives it" in network.chips[1].message
 
@@ -212,13 +270,19 @@ def test_an_input_that_is_made_an_output_is_a_fault() -> None:
 
 
 def test_a_word_that_is_asked_for_by_a_pin_interrupts_its_driver_that_runs_on() -> None:
-    """Chip 0 alone is awake. Its timer's edges wake chip 1, which answers each by a word: ICRDY of port 0 (vector Eh) interrupts chip 0."""
+    """Chip 0 alone is awake. Its timer's edges wake chip 1, which answers each by a word: ICRDY of port 0 (vector Eh)
+    interrupts chip 0."""
     vector = "        ldi 0,r2\n        ldhi hi16(isr),r0\n        or lo16(isr),r0\n        sti r0,*+ar1(0eh)\n        ldi 4,iie\n        or 2000h,st\n"
-    first = assembled(vector + clock(1000) + "wait:   addi 1,r4\n        b wait\nisr:    ldi *+ar0(41h),r1\n        addi 1,r2\n        reti\n")
+    first = assembled(
+        vector
+        + clock(1000)
+        + "wait:   addi 1,r4\n        b wait\nisr:    ldi *+ar0(41h),r1\n        addi 1,r2\n        reti\n"
+    )
     second = listener(4, iiof(1), "isr:    addi 1,r2\n        sti r2,*+ar0(72h)\n        reti\n")
     network = run([first, second], ["0.TCLK0>1.IIOF1"], 1100, links=["0.0:1.3"])
     asked = [at for at, kind in edges(network) if kind == "fall"]
-    # The time to take the interrupt, to store the word and to send it. Before the first word, chip 1 also has to get the token.
+    # The time to take the interrupt, to store the word and to send it. Before the first word, chip 1 also has to get
+    # the token.
     after = [answer - edge for answer, edge in zip(interrupts(network, 0), asked, strict=True)]
     assert len(after) == 6 and all(16 * CYCLE < cycles < 28 * CYCLE for cycles in after)
 
@@ -237,7 +301,9 @@ def test_a_sleeper_whose_net_is_still_has_come_to_rest() -> None:
 
 
 def test_pulses_to_come_keep_a_sleeper_waiting() -> None:
-    network = run([listener(4, iiof(1))], ["wire: >0.IIOF1"], None, lambda network: network.pulse("wire", 50_000, width_us=1))
+    network = run(
+        [listener(4, iiof(1))], ["wire: >0.IIOF1"], None, lambda network: network.pulse("wire", 50_000, width_us=1)
+    )
     assert low(network, 0) == 1
 
 
@@ -255,9 +321,28 @@ def random_network(seed: int, turn_order: int) -> Network:
         text += f"        ldhi 8000h,iie\n        ldhi 0,iif\n        or {rng.choice([0x9900, 0xB900, 0x9B00, 0x9960]):#x},iif\n"
         service = rng.choice([COUNT, "isr:    addi 1,r2\n        xor 40h,iif\n        reti\n"])
         relay = f"        ldhi 10h,ar3\n        or 40h,ar3\n        ldi {rng.randrange(2)},r7\n        bz wait\n        sti r7,*+ar3(2)\nwait:   ldi *+ar3(31h),r7\n        addi 1,r7\n        sti r7,*+ar3(2)\n        b wait\n"
-        body = relay if linked and rng.random() < 0.7 else rng.choice(["wait:   idle\n        b wait\n", "wait:   addi 1,r4\n        b wait\n", "wait:   ldi *+ar0(24h),r5\n        addi r5,r6\n        b wait\n"])
+        body = (
+            relay
+            if linked and rng.random() < 0.7
+            else rng.choice(
+                [
+                    "wait:   idle\n        b wait\n",
+                    "wait:   addi 1,r4\n        b wait\n",
+                    "wait:   ldi *+ar0(24h),r5\n        addi r5,r6\n        b wait\n",
+                ]
+            )
+        )
         vectors = "".join(f"        sti r0,*+ar1({vector:x}h)\n" for vector in (1, 2, 3, 4, 5, 6, 0x2B))
-        programs.append(assembled(text + "        ldi 0,r2\n        ldhi hi16(isr),r0\n        or lo16(isr),r0\n" + vectors + "        or 2000h,st\n" + body + service))
+        programs.append(
+            assembled(
+                text
+                + "        ldi 0,r2\n        ldhi hi16(isr),r0\n        or lo16(isr),r0\n"
+                + vectors
+                + "        or 2000h,st\n"
+                + body
+                + service
+            )
+        )
 
     def pin(names: list[str]) -> str:
         free = [f"{chip}.{name}" for chip in range(chips) for name in names if f"{chip}.{name}" not in taken]
@@ -267,10 +352,22 @@ def random_network(seed: int, turn_order: int) -> Network:
 
     for _ in range(rng.randrange(1, 2 * chips)):
         receivers = "+".join(pin(["IIOF2", "IIOF3", "NMI", "TCLK1"]) for _ in range(rng.choice([1, 1, 2])))
-        drivers = "&".join(pin(["TCLK0", "IIOF1"]) for _ in range(rng.choice([1, 1, 2]))) if len(taken) < 3 * chips and rng.random() < 0.8 else ""
+        drivers = (
+            "&".join(pin(["TCLK0", "IIOF1"]) for _ in range(rng.choice([1, 1, 2])))
+            if len(taken) < 3 * chips and rng.random() < 0.8
+            else ""
+        )
         nets.append(f"{drivers}>{receivers}")
     links = [f"{n}.0:{(n + 1) % chips}.3" for n in range(chips)] if linked else []
-    made = Network(programs, links=links, nets=nets, clocks_mhz=[rng.choice([40, 50, 60, 33.333]) for _ in range(chips)], turn_order=turn_order, record_words=True, record_peripherals=True)
+    made = Network(
+        programs,
+        links=links,
+        nets=nets,
+        clocks_mhz=[rng.choice([40, 50, 60, 33.333]) for _ in range(chips)],
+        turn_order=turn_order,
+        record_words=True,
+        record_peripherals=True,
+    )
     for number, net in enumerate(nets):
         if net.startswith(">"):
             made.pulse(number, rng.uniform(1, 20), width_us=rng.uniform(0.01, 1), period_us=rng.uniform(2, 20))
@@ -281,7 +378,10 @@ def random_network(seed: int, turn_order: int) -> Network:
 
 
 def outcome(made: Network) -> tuple[Any, ...]:
-    chips = [(chip.status, chip.message, chip.pc, chip.cycles, chip.instructions, chip.causes, chip.peripherals) for chip in made.chips]
+    chips = [
+        (chip.status, chip.message, chip.pc, chip.cycles, chip.instructions, chip.causes, chip.peripherals)
+        for chip in made.chips
+    ]
     return made.now_ps, made.nets, chips, made.event_trace
 
 
@@ -338,7 +438,10 @@ def test_actions_that_cannot_be() -> None:
         (lambda: network.drive("snyc", True, 1), "there is no net snyc; sync, free is expected"),
         (lambda: network.drive(7, True, 1), "there is no net 7; the network has 2"),
         (lambda: network.pulse("free", 1, width_us=0), "a width of more than 0 us is expected"),
-        (lambda: network.pulse("free", 1, width_us=3, period_us=3, count=2), "a period of more than the width is expected"),
+        (
+            lambda: network.pulse("free", 1, width_us=3, period_us=3, count=2),
+            "a period of more than the width is expected",
+        ),
         (lambda: network.pulse("free", 1, width_us=3, period_us=2), "a period of more than the width is expected"),
     ):
         with pytest.raises(NetworkError) as error:
@@ -382,7 +485,9 @@ def command(emulator: Path, tmp_path: Path) -> Callable[..., subprocess.Complete
 
     def run(*arguments: str, file: str = FILE) -> subprocess.CompletedProcess[str]:
         (tmp_path / "net.toml").write_text(file)
-        return subprocess.run([emulator, "exec", *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
+        return subprocess.run(
+            [emulator, "exec", *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False
+        )
 
     return run
 
@@ -410,7 +515,10 @@ def test_actions_on_the_command_line_that_cannot_be(command: Any, action: str, m
 
 def test_nets_of_a_file(command: Any) -> None:
     found = json.loads(command("--network", "net.toml", "--cycles", "2000", "--json").stdout)
-    assert [(net["name"], net["pins"], net["level"], net["edges"]) for net in found["nets"]] == [("sync", "0.TCLK0>1.IIOF1", 1, 10), ("line", ">1.IIOF2", 0, 6)]
+    assert [(net["name"], net["pins"], net["level"], net["edges"]) for net in found["nets"]] == [
+        ("sync", "0.TCLK0>1.IIOF1", 1, 10),
+        ("line", ">1.IIOF2", 0, 6),
+    ]
 
 
 @pytest.mark.parametrize(("old", "new", "message"), [

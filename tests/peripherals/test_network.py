@@ -1,4 +1,5 @@
-"""Networks compared with the simplest possible driver of chips and links (linked_processors), and with counts by hand."""
+"""Networks compared with the simplest possible driver of chips and links (linked_processors), and with counts by
+hand."""
 
 from __future__ import annotations
 
@@ -60,10 +61,14 @@ def test_a_ring_as_the_plainest_driver_runs_it(clocks: tuple[float, ...]) -> Non
         chip.registers["R0"], chip.registers["R1"], chip.registers["R2"], chip.registers["R3"] = 0x8000000000, 0, 0, 0
     assert network.run(until_us=until / 1e6).reason == "limit"
     words = [[event["time"] for event in link.events if event["kind"] == "word"] for link in plain.links]
-    assert [[event.time_ps for event in network.events if event.kind == "word" and event.place == n] for n in range(4)] == words
+    assert [
+        [event.time_ps for event in network.events if event.kind == "word" and event.place == n] for n in range(4)
+    ] == words
     assert min(len(times) for times in words) > 20
     assert [chip.causes for chip in network.chips] == [chip.causes for chip in plain.chips]
-    assert [chip.port(n) for chip in network.chips for n in range(6)] == [chip.port(n) for chip in plain.chips for n in range(6)]
+    assert [chip.port(n) for chip in network.chips for n in range(6)] == [
+        chip.port(n) for chip in plain.chips for n in range(6)
+    ]
 
 
 @pytest.mark.parametrize("clocks", [(40, 40), (50, 33.333), (33.333, 60)])
@@ -104,7 +109,13 @@ def test_dma_streams_at_the_links_rate_beside_a_processor_that_works(clocks: tup
     works = "        ldhi 2fh,ar4\n        or 0f900h,ar4\nloop:   ldi *ar4,r0\n        addi 1,r0\n        sti r0,*ar4\n        bu loop\n"
     results = []
     for seed in range(3):
-        network = Network([program(works), program("wait:   idle\n        bu wait\n")], links=["0.0:1.3"], clocks_mhz=clocks, turn_order=seed, record_words=True)
+        network = Network(
+            [program(works), program("wait:   idle\n        bu wait\n")],
+            links=["0.0:1.3"],
+            clocks_mhz=clocks,
+            turn_order=seed,
+            record_words=True,
+        )
         stream_by_dma(network.chips[0]._core, network.chips[1]._core)
         network.run(until_us=30)
         assert network.chips[1].memory[DATA : DATA + len(WORDS)] == WORDS and balanced(network)
@@ -140,8 +151,8 @@ def test_how_a_run_is_cut_into_calls_changes_nothing() -> None:
 
 
 def test_sixty_four_chips_in_a_grid() -> None:
-    """Each chip takes a word from the west (0 at the edge) and one from the north, adds one to the greater, and sends it east and south:
-    the number in column x, row y is x + y + 1."""
+    """Each chip takes a word from the west (0 at the edge) and one from the north, adds one to the greater, and sends
+    it east and south: the number in column x, row y is x + y + 1."""
     text = f"""
         ldi r0,r4
         ldi r2,r6
@@ -170,8 +181,12 @@ south:  cmpi 7,r5
 {STOP}"""
     network = Network(program(text), topology="grid:8x8")
     assert network.run().reason == "ended"
-    assert [chip.registers["R8"] & 0xFFFFFFFF for chip in network.chips] == [x + y + 1 for y in range(8) for x in range(8)]
-    assert len(network.links) == 2 * 7 * 8 and all(link.forth.sent == 1 and link.back.sent == 0 for link in network.links)
+    assert [chip.registers["R8"] & 0xFFFFFFFF for chip in network.chips] == [
+        x + y + 1 for y in range(8) for x in range(8)
+    ]
+    assert len(network.links) == 2 * 7 * 8 and all(
+        link.forth.sent == 1 and link.back.sent == 0 for link in network.links
+    )
 
 
 @pytest.mark.parametrize(("topology", "chips", "links", "degree"), [

@@ -76,14 +76,18 @@ def test_a_chip_pulled_out_takes_its_links_with_it() -> None:
 def test_a_chip_pulled_out_stands_from_that_instant_on_and_drives_no_pin() -> None:
     """Both count for ever; chip 0 has IIOF1 as an output that is low. Without a driver the net is high."""
     count = "        ldi 0,r0\nloop:   addi 1,r0\n        b loop\n"
-    network = Network([program("        ldi 20h,iif\n" + count), program(count)], nets=["0.IIOF1>1.IIOF0"], record_words=True)
+    network = Network(
+        [program("        ldi 20h,iif\n" + count), program(count)], nets=["0.IIOF1>1.IIOF0"], record_words=True
+    )
     network.pull_out(0, 2)
     network.run(until_us=4)
     counted, causes = network.chips[0].registers["R0"] & 0xFFFFFFFF, network.chips[0].causes
     assert 0 < counted < 2 * 20
     assert causes["halted"] in range(2 * 20 - 4, 2 * 20 + 1) and sum(causes.values()) == network.chips[0].cycles
     last = [event for event in network.events if event.kind in ("rise", "fall")][-1]
-    assert last.kind == "rise" and 0 <= last.time_ps - 2_000_000 <= 4 * PERIOD_PS  # after the instruction that it was at
+    assert (
+        last.kind == "rise" and 0 <= last.time_ps - 2_000_000 <= 4 * PERIOD_PS
+    )  # after the instruction that it was at
     network.run(until_us=10)
     assert network.chips[0].registers["R0"] & 0xFFFFFFFF == counted
 
@@ -108,7 +112,12 @@ def test_random_cuts_holds_and_resets_lose_no_word_unsaid() -> None:
         assert state(network) == state(other)
         lost = sum(traffic.lost for link in network.links for traffic in (link.forth, link.back))
         assert lost == sum(event.kind == "lost" for event in network.events)
-        discarded = sum(chip.port(n)[f"discarded_{side}"] for chip in network.chips for n in range(6) for side in ("input", "output"))
+        discarded = sum(
+            chip.port(n)[f"discarded_{side}"]
+            for chip in network.chips
+            for n in range(6)
+            for side in ("input", "output")
+        )
         assert discarded == sum(event.kind == "discarded" for event in network.events)
 
 

@@ -60,7 +60,9 @@ def run(emulator: Path, tmp_path: Path) -> Callable[..., subprocess.CompletedPro
     (tmp_path / "take.asm").write_text("        .text\n" + receiver(3, 3))
 
     def command(*arguments: str) -> subprocess.CompletedProcess[str]:
-        return subprocess.run([emulator, "exec", *arguments], capture_output=True, text=True, check=False, cwd=tmp_path, timeout=60)
+        return subprocess.run(
+            [emulator, "exec", *arguments], capture_output=True, text=True, check=False, cwd=tmp_path, timeout=60
+        )
 
     return command
 
@@ -87,7 +89,9 @@ link = "1.3:left.0"
 
 
 def test_two_programs_and_a_link(run: Any) -> None:
-    result = run("send.asm", "take.asm", "--link", "0.0:1.3", "--json", "--dump", f"1:{DATA}:3", "--link-trace", "trace")
+    result = run(
+        "send.asm", "take.asm", "--link", "0.0:1.3", "--json", "--dump", f"1:{DATA}:3", "--link-trace", "trace"
+    )
     report = json.loads(result.stdout)
     assert result.returncode == 0 and report["stop"]["reason"] == "ended"
     assert report["dumps"] == [{"chip": 1, "address": DATA, "words": [1, 2, 3]}]
@@ -100,7 +104,9 @@ def test_a_network_file(run: Any, tmp_path: Path) -> None:
     result = run("--network", "network.toml", "--json", "--dump", f"1:{DATA}:3")
     report = json.loads(result.stdout)
     assert [event.split()[1] for event in report["events"]] == ["cut", "lost", "restored"]
-    assert report["stop"]["reason"] == "deadlock" and result.returncode == 1  # one word is gone, and chip 1 waits for a third
+    assert (
+        report["stop"]["reason"] == "deadlock" and result.returncode == 1
+    )  # one word is gone, and chip 1 waits for a third
     assert report["chips"][1]["waits_for"] == 0 and report["chips"][0]["name"] == "left"
     for old, new, message in [
         ('name = "left"', 'nam = "left"', "network.toml:3: no such key chip.nam; known are"),
@@ -124,9 +130,27 @@ def test_what_is_done_to_a_network_from_the_command_line_as_from_a_file(run: Any
     (tmp_path / "network.toml").write_text(FILE)
     from_file = json.loads(run("--network", "network.toml", "--json").stdout)
     (tmp_path / "network.toml").write_text(FILE[: FILE.index("[[event]]")])
-    asked = json.loads(run("--network", "network.toml", "--json", "--action", "1,cut,left.0:1.3", "--action", "4.0,restore,1.3:0.0").stdout)
+    asked = json.loads(
+        run(
+            "--network", "network.toml", "--json", "--action", "1,cut,left.0:1.3", "--action", "4.0,restore,1.3:0.0"
+        ).stdout
+    )
     assert asked == from_file
-    held = json.loads(run("send.asm", "take.asm", "--link", "0.0:1.3", "--json", "--action", "0.5,hold,1", "--action", "100,release,1", "--action", "200,reset,0").stdout)
+    held = json.loads(
+        run(
+            "send.asm",
+            "take.asm",
+            "--link",
+            "0.0:1.3",
+            "--json",
+            "--action",
+            "0.5,hold,1",
+            "--action",
+            "100,release,1",
+            "--action",
+            "200,reset,0",
+        ).stdout
+    )
     assert [event.split()[1:] for event in held["events"]] == [["hold", "1"], ["release", "1"], ["reset", "0"]]
     assert held["chips"][1]["causes"]["halted"] in range(1980, 2000)
     out = json.loads(run("send.asm", "take.asm", "--link", "0.0:1.3", "--json", "--action", "0.5,pull_out,1").stdout)
@@ -158,18 +182,30 @@ def test_what_one_chip_can_be_asked_a_network_can(run: Any, tmp_path: Path) -> N
         assert {key: chip[key] for key in before} == before
         trace = (tmp_path / f"t.chip{n}").read_text().splitlines()
         assert len(trace) == 1 + chip["instructions"] and all(f"[dsp {n}]" in line for line in trace[1:])
-        assert chip["diagnostics"] == [] and chip["profile"]["causes"] == chip["causes"] and chip["profile"]["instructions"] == chip["instructions"]
+        assert (
+            chip["diagnostics"] == []
+            and chip["profile"]["causes"] == chip["causes"]
+            and chip["profile"]["instructions"] == chip["instructions"]
+        )
         assert "ldhi 10h,ar0" in chip["pipeline"]
-        assert chip["peripherals"]["PORT3.control"]["fields"]["PORT DIR"] == 1 and chip["peripherals"]["DMA5.auxiliary_link"] == {"value": 0}
+        assert chip["peripherals"]["PORT3.control"]["fields"]["PORT DIR"] == 1 and chip["peripherals"][
+            "DMA5.auxiliary_link"
+        ] == {"value": 0}
     events = (tmp_path / "e").read_text().splitlines()
     times = [int(line.split()[0]) for line in events]
     assert times == sorted(times) and len(events) == 9
-    assert [line.split(" ", 1)[1] for line in events if line.endswith("00000002")] == ["chip 0: port_write 0 = 00000002", "word 0.0>1.3 00000002", "chip 1: port_read 3 = 00000002"]
+    assert [line.split(" ", 1)[1] for line in events if line.endswith("00000002")] == [
+        "chip 0: port_write 0 = 00000002",
+        "word 0.0>1.3 00000002",
+        "chip 1: port_read 3 = 00000002",
+    ]
     for seed in "12":
         again = run("send.asm", "take.asm", "--link", "0.0:1.3", "--json", "--turn-order", seed, *options)
         assert again.stdout == result.stdout and (tmp_path / "e").read_text().splitlines() == events
     text = run("send.asm", "take.asm", "--link", "0.0:1.3", *options).stdout
-    assert [text.count(word) for word in ("checks: no rule was broken", "profile: routines", "pipeline, cycles 0 to 20")] == [2, 2, 2]
+    assert [
+        text.count(word) for word in ("checks: no rule was broken", "profile: routines", "pipeline, cycles 0 to 20")
+    ] == [2, 2, 2]
 
 
 def test_a_network_from_a_file_in_python(run: Any, tmp_path: Path) -> None:
@@ -178,11 +214,21 @@ def test_a_network_from_a_file_in_python(run: Any, tmp_path: Path) -> None:
     network = Network.from_file(tmp_path / "network.toml", record_words=True, record_peripherals=True)
     assert network.run().reason == "deadlock"
     assert network.event_trace == (tmp_path / "e").read_text().splitlines()
-    assert [event.kind for event in network.events if event.kind not in ("word", "token")] == ["cut", "lost", "restored"]
-    assert [(event.chip, event.kind, event.number, event.value, event.channel) for event in network.peripheral_events][:2] == [(0, "port_write", 0, 1, None), (0, "port_write", 0, 2, None)]
+    assert [event.kind for event in network.events if event.kind not in ("word", "token")] == [
+        "cut",
+        "lost",
+        "restored",
+    ]
+    assert [(event.chip, event.kind, event.number, event.value, event.channel) for event in network.peripheral_events][
+        :2
+    ] == [(0, "port_write", 0, 1, None), (0, "port_write", 0, 2, None)]
     assert network.chips[0].name == "left" and network.chips[0].pc == network.chips[0].address("end")
     chip = network.chips[1]
-    assert chip.peripherals["PORT3.control"] == 4 and chip.fields("port3.control")["INPUT LEVEL"] == 0 and len(chip.peripherals) == 2 + 6 + 6 + 54
+    assert (
+        chip.peripherals["PORT3.control"] == 4
+        and chip.fields("port3.control")["INPUT LEVEL"] == 0
+        and len(chip.peripherals) == 2 + 6 + 6 + 54
+    )
     with pytest.raises(IndexError, match=r"PORT9\.control.*PORT"):
         chip.fields("PORT9.control")
     (tmp_path / "network.toml").write_text(FILE.replace('"cut"', '"bite"'))
@@ -199,7 +245,9 @@ def test_interrupts_and_dma_are_events() -> None:
     seen = [(event.chip, event.kind, event.number, event.channel) for event in network.peripheral_events]
     assert seen.count((0, "port_write", 0, 0)) == seen.count((1, "port_read", 3, 3)) == len(WORDS)
     assert seen[-1] == (1, "dma_end", 3, None) and seen.count((0, "dma_end", 0, None)) == 1
-    network = Network([program(sender(0, 2)), program(interrupt_program(3, IDLES))], links=["0.0:1.3"], record_peripherals=True)
+    network = Network(
+        [program(sender(0, 2)), program(interrupt_program(3, IDLES))], links=["0.0:1.3"], record_peripherals=True
+    )
     network.run(until_us=40)
     taken = [event for event in network.peripheral_events if event.kind == "interrupt"]
     assert [(event.chip, event.number) for event in taken] == [(1, 0x0D + 4 * 3 + 1)] * 2

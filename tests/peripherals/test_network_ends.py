@@ -41,7 +41,9 @@ def polls(port: int) -> str:
 
 @pytest.mark.parametrize("ends", [IDLES, STOP])
 @pytest.mark.parametrize("interrupts", [True, False])
-def test_a_dma_that_nobody_will_ever_serve_is_a_deadlock_where_a_processor_sleeps_for_it(ends: str, interrupts: bool) -> None:
+def test_a_dma_that_nobody_will_ever_serve_is_a_deadlock_where_a_processor_sleeps_for_it(
+    ends: str, interrupts: bool
+) -> None:
     """Otherwise all processors have ended, and so has the network."""
     network = Network([program(ends)] * 2, links=["0.0:1.3"])
     stream_by_dma(network.chips[0]._core, network.chips[1]._core)
@@ -51,17 +53,26 @@ def test_a_dma_that_nobody_will_ever_serve_is_a_deadlock_where_a_processor_sleep
     core.set("IIE", interrupts << 28)
     stop = network.run()
     assert stop.reason == ("deadlock" if interrupts else "ended") and stop.time_ps < 20_000_000
-    assert network.chips[1].status == ("waiting" if interrupts else "idle" if ends == IDLES else "halt") and network.chips[1].waits_for == 0
+    assert (
+        network.chips[1].status == ("waiting" if interrupts else "idle" if ends == IDLES else "halt")
+        and network.chips[1].waits_for == 0
+    )
     armed = "DMA channel 3 waits for a word in input FIFO 3 (read of 00100071h) from chip 0 port 0 since cycle "
     assert armed in network.chips[1].message and network.chips[1].message.startswith(armed) == interrupts
     assert network.chips[1].memory[DATA : DATA + len(WORDS)] == WORDS and balanced(network)
 
 
 def test_a_processor_that_idles_beside_its_dma_has_ended_in_the_cycle_in_which_both_have() -> None:
-    """This holds however the run is cut, and in every order of turns; also where DMA and processor end in the same cycle."""
+    """This holds however the run is cut, and in every order of turns; also where DMA and processor end in the same
+    cycle."""
     seen: dict[int, set[tuple[int, int]]] = {}
     for nops, order, cut_us in itertools.product(range(20), range(3), [1000.0, 0.05]):
-        network = Network([program(IDLES), program("        nop\n" * nops + IDLES)], links=["0.0:1.3"], turn_order=order, record_peripherals=True)
+        network = Network(
+            [program(IDLES), program("        nop\n" * nops + IDLES)],
+            links=["0.0:1.3"],
+            turn_order=order,
+            record_peripherals=True,
+        )
         stream_by_dma(network.chips[0]._core, network.chips[1]._core)
         for core, counter in (network.chips[0]._core, 0x1000A3), (network.chips[1]._core, 0x1000D3):
             core.poke(counter, 2)
@@ -84,18 +95,28 @@ def test_a_stop_watch_is_nothing_to_wait_for() -> None:
     receiver_chip.memory[0x100020] = 0x2C0
     receiver_chip.registers["IIE"] = 1 << 28
     stop = network.run()
-    assert stop.reason == "deadlock" and stop.time_ps < 20_000_000 and "DMA channel 3 waits for a word" in receiver_chip.message
+    assert (
+        stop.reason == "deadlock"
+        and stop.time_ps < 20_000_000
+        and "DMA channel 3 waits for a word" in receiver_chip.message
+    )
 
 
 def test_the_dma_goes_on_while_its_processor_waits_for_a_port() -> None:
     waits = base(3, "ar2") + "        ldi *+ar2(1),r1\n" + STOP
-    late = base(0, "ar2") + "        ldi 1000,ar3\nl:      db ar3,l\n        ldi 7,r0\n        sti r0,*+ar2(2)\n" + IDLES
+    late = (
+        base(0, "ar2") + "        ldi 1000,ar3\nl:      db ar3,l\n        ldi 7,r0\n        sti r0,*+ar2(2)\n" + IDLES
+    )
     results = []
     for seed in range(3):
-        network = Network([program(waits), program(late)], links=["0.0:1.3", "1.0:0.3"], turn_order=seed, record_words=True)
+        network = Network(
+            [program(waits), program(late)], links=["0.0:1.3", "1.0:0.3"], turn_order=seed, record_words=True
+        )
         stream_by_dma(network.chips[0]._core, network.chips[1]._core)
         assert network.run().reason == "ended"
-        assert network.chips[1].memory[DATA : DATA + len(WORDS)] == WORDS and network.chips[0].registers["R1"] & 0xFF == 7
+        assert (
+            network.chips[1].memory[DATA : DATA + len(WORDS)] == WORDS and network.chips[0].registers["R1"] & 0xFF == 7
+        )
         times = [event.time_ps for event in network.events if event.kind == "word"]
         assert [b - a for a, b in pairwise(times[: len(WORDS)])] == [5 * PERIOD_PS] * (len(WORDS) - 1)
         results.append(state(network))
@@ -118,8 +139,12 @@ def test_loops_that_poll_what_nobody_will_change_are_a_deadlock() -> None:
     network = Network([program(polls(0)), program(polls(3))], links=["0.0:1.3"])
     stop = network.run()
     assert stop.reason == "deadlock" and stop.time_ps < 20_000 * PERIOD_PS
-    assert [chip.status for chip in network.chips] == ["looping"] * 2 and [chip.waits_for for chip in network.chips] == [1, 0]
-    assert network.chips[1].message.startswith("polls port 3 from chip 0 port 0; no change since cycle 0, at PC 002FFC02h (loop, <text>:")
+    assert [chip.status for chip in network.chips] == ["looping"] * 2 and [
+        chip.waits_for for chip in network.chips
+    ] == [1, 0]
+    assert network.chips[1].message.startswith(
+        "polls port 3 from chip 0 port 0; no change since cycle 0, at PC 002FFC02h (loop, <text>:"
+    )
 
 
 def test_chips_that_wait_for_a_boot_stream_that_nobody_sends() -> None:
@@ -127,15 +152,24 @@ def test_chips_that_wait_for_a_boot_stream_that_nobody_sends() -> None:
     for seed in range(3):
         network = Network([program(STOP)] * 3, links=["0.0:1.3", "1.0:2.3"], boots=[1, 2], turn_order=seed)
         assert network.run().reason == "deadlock"
-        assert [chip.status for chip in network.chips] == ["halt", "looping", "looping"] and network.chips[2].waits_for == 1
-        assert "polls port 3 from chip 1 port 0; ports 0, 1, 2, 4, 5, to which nothing is linked; " in network.chips[2].message
+        assert [chip.status for chip in network.chips] == ["halt", "looping", "looping"] and network.chips[
+            2
+        ].waits_for == 1
+        assert (
+            "polls port 3 from chip 1 port 0; ports 0, 1, 2, 4, 5, to which nothing is linked; "
+            in network.chips[2].message
+        )
         assert "(the boot loader)" in network.chips[2].message
         results.append(state(network))
     assert all(result == results[0] for result in results)
 
 
 def test_a_loop_that_polls_is_served_however_late() -> None:
-    late = base(0) + "        ldi 9,r1\nmuch:   ldi 30000,ar3\nl:      db ar3,l\n        subi 1,r1\n        bnz much\n        ldi 7,r0\n        sti r0,*+ar0(2)\n" + STOP
+    late = (
+        base(0)
+        + "        ldi 9,r1\nmuch:   ldi 30000,ar3\nl:      db ar3,l\n        subi 1,r1\n        bnz much\n        ldi 7,r0\n        sti r0,*+ar0(2)\n"
+        + STOP
+    )
     network = Network([program(late), program(polls(3))], links=["0.0:1.3"])
     assert network.run().reason == "ended"
     assert network.chips[1].registers["R1"] & 0xFF == 7 and network.chips[1].cycles > 1_000_000
@@ -147,7 +181,10 @@ def test_a_loop_that_polls_is_served_however_late() -> None:
 
 def test_a_loop_that_polls_a_shared_memory() -> None:
     polls_memory = "        ldhi 0c000h,ar0\nl:      ldi *ar0,r4\n        bz l\n" + STOP
-    writes = "        ldi 30000,ar3\nd:      db ar3,d\n        ldhi 0c000h,ar0\n        ldi 9,r4\n        sti r4,*ar0\n" + STOP
+    writes = (
+        "        ldi 30000,ar3\nd:      db ar3,d\n        ldhi 0c000h,ar0\n        ldi 9,r4\n        sti r4,*ar0\n"
+        + STOP
+    )
     memory = SharedMemory("mailbox", 4, {0: 0xC0000000, 1: 0xC0000000})
     network = Network([program(polls_memory), program(STOP)], memories=[memory])
     assert network.run().reason == "deadlock" and "polls memory mailbox at C0000000h" in network.chips[0].message
@@ -164,19 +201,30 @@ def test_a_loop_that_reads_nothing_of_others_is_an_end() -> None:
 
 
 def test_chips_that_sleep_are_no_deadlock() -> None:
-    network = Network([program(interrupt_program(3, "wait:   idle\n        bu wait\n")), program(STOP)], links=["0.3:1.0"])
+    network = Network(
+        [program(interrupt_program(3, "wait:   idle\n        bu wait\n")), program(STOP)], links=["0.3:1.0"]
+    )
     assert network.run().reason == "ended"
     assert [chip.status for chip in network.chips] == ["sleeping", "halt"]
 
 
 def test_a_fault_ends_a_chip_and_not_the_others() -> None:
-    network = Network([program("        .word 0ffffffffh\n"), program(sender(0, 2)), program(receiver(3, 2))], links=["1.0:2.3"])
+    network = Network(
+        [program("        .word 0ffffffffh\n"), program(sender(0, 2)), program(receiver(3, 2))], links=["1.0:2.3"]
+    )
     assert network.run().reason == "ended"
     assert [chip.status for chip in network.chips] == ["fault", "halt", "halt"]
     assert network.chips[0].message
 
 
 def test_until_is_an_end() -> None:
-    network = Network([program(sender(0, 2).replace("end:    bu", "there:  nop\nend:    bu")), program(receiver(3, 2) + "there:  nop\n")], links=["0.0:1.3"], until="there")
+    network = Network(
+        [
+            program(sender(0, 2).replace("end:    bu", "there:  nop\nend:    bu")),
+            program(receiver(3, 2) + "there:  nop\n"),
+        ],
+        links=["0.0:1.3"],
+        until="there",
+    )
     assert network.run().reason == "ended"
     assert network.chips[0].status == "until" and network.chips[0].pc == network.chips[0].address("there")

@@ -1,4 +1,5 @@
-"""The programs of c40_programs/examples/networks, held against NumPy and counts by hand; their link traces against golden ones."""
+"""The programs of c40_programs/examples/networks, held against NumPy and counts by hand; their link traces against
+golden ones."""
 
 from __future__ import annotations
 
@@ -58,9 +59,14 @@ def test_bandwidth(golden: Callable[[str, str], None]) -> None:
 
 
 def test_bandwidth_dma(golden: Callable[[str, str], None]) -> None:
-    network = Network([EXAMPLES / "bandwidth_dma.asm"] * 2, links=["0.0:1.3"], record_words=True, record_peripherals=True)
+    network = Network(
+        [EXAMPLES / "bandwidth_dma.asm"] * 2, links=["0.0:1.3"], record_words=True, record_peripherals=True
+    )
     assert network.run().reason == "ended"
-    golden("network-bandwidth-dma.trace", "".join(line + "\n" for line in network.event_trace if "port_" not in line and " word " not in line))
+    golden(
+        "network-bandwidth-dma.trace",
+        "".join(line + "\n" for line in network.event_trace if "port_" not in line and " word " not in line),
+    )
     cycles = round_trips(network)
     sizes = [2**n for n in range(9)]
     for (a, n), (b, m) in zip(zip(cycles, sizes, strict=True), zip(cycles[1:], sizes[1:], strict=True), strict=False):
@@ -83,7 +89,10 @@ def thinned(network: Network, every: int) -> str:
         seen[key] = seen.get(key, 0) + 1
         if seen[key] % every == 1:
             lines.append(event.text + "\n")
-    return "".join(lines) + f"# sha256 of all {len(network.events)} lines: {hashlib.sha256(trace(network).encode()).hexdigest()}\n"
+    return (
+        "".join(lines)
+        + f"# sha256 of all {len(network.events)} lines: {hashlib.sha256(trace(network).encode()).hexdigest()}\n"
+    )
 
 
 def test_matrix_ring_golden(golden: Callable[[str, str], None]) -> None:
@@ -115,7 +124,9 @@ def test_matrix_ring() -> None:
             chip.memory.write_floats(chip.address("a_part"), list(a[k * m : (k + 1) * m].ravel()))
             chip.memory.write_floats(chip.address("b_part"), list(b.T[k * m : (k + 1) * m].ravel()))
         assert network.run().reason == "ended"
-        c = np.concatenate([np.reshape(chip.memory.read_floats(chip.address("c_part"), m * 64), (m, 64)) for chip in network.chips])
+        c = np.concatenate(
+            [np.reshape(chip.memory.read_floats(chip.address("c_part"), m * 64), (m, 64)) for chip in network.chips]
+        )
         # Products and sums in extended precision, one rounding to 24 bits at the end.
         assert (np.abs(c - a @ b) <= np.abs(a @ b) * 2.0**-23 + 65 * 2.0**-30 * (np.abs(a) @ np.abs(b))).all()
         took[chips] = max(chip.cycles for chip in network.chips)
@@ -171,7 +182,17 @@ def test_worm(columns: int, rows: int) -> None:
 
 
 def test_worm_from_its_file(emulator: Path, golden: Callable[[str, str], None], tmp_path: Path) -> None:
-    command = [emulator, "exec", "--network", EXAMPLES / "worm.toml", "--json", "--dump", "0:count:1", "--link-trace", tmp_path / "trace"]
+    command = [
+        emulator,
+        "exec",
+        "--network",
+        EXAMPLES / "worm.toml",
+        "--json",
+        "--dump",
+        "0:count:1",
+        "--link-trace",
+        tmp_path / "trace",
+    ]
     report = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
     assert report["stop"]["reason"] == "ended" and report["dumps"][0]["words"] == [16]
     lines = (tmp_path / "trace").read_text().splitlines(keepends=True)
@@ -187,7 +208,9 @@ def test_every_network_example_is_tested_and_listed() -> None:
 @pytest.mark.parametrize("seed", [1, 2])
 def test_turns(seed: int) -> None:
     def run(turn_order: int) -> tuple[str, list[int]]:
-        network = Network(EXAMPLES / "fft_hypercube.asm", topology="hypercube:8", turn_order=turn_order, record_words=True)
+        network = Network(
+            EXAMPLES / "fft_hypercube.asm", topology="hypercube:8", turn_order=turn_order, record_words=True
+        )
         network.run()
         return trace(network), [chip.cycles for chip in network.chips]
 

@@ -50,7 +50,8 @@ def test_a_ring_of_nasty_programs_goes_on_in_another_network(seed, tmp_path):
             reason = stops[0].reason
 
 
-# Each takes a lock in a shared memory several times, and waits for a word that the other writes there; at last the second polls one that nobody writes.
+# Each takes a lock in a shared memory several times, and waits for a word that the other writes there; at last the
+# second polls one that nobody writes.
 LOCKS = """        .text
 start:  ldhi 7000h,ar0
         ldhi 30h,ar1
@@ -81,8 +82,11 @@ end:    b end
 """
 
 
-# 589: timers behind a DMA; 1101: an access that a chip waited for when its DMA failed; 2669: a DMA behind its processor.
-@pytest.mark.parametrize("seed", [589, 1101, 2669, *range(20), *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(20, 3500))])
+# 589: timers behind a DMA; 1101: an access that a chip waited for when its DMA failed; 2669: a DMA behind its
+# processor.
+@pytest.mark.parametrize(
+    "seed", [589, 1101, 2669, *range(20), *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(20, 3500))]
+)
 def test_a_ring_of_nasty_programs_has_one_state_at_an_instant(seed, tmp_path):
     programs, bench = ring(seed), Bench(tmp_path)
     rng = random.Random(seed)
@@ -98,8 +102,20 @@ def test_a_ring_of_nasty_programs_has_one_state_at_an_instant(seed, tmp_path):
         assert whole._core._state_difference(cut._core) is None
 
 
-# A choice between alternatives is no number. Of an access without a waiting chip, and of a hold without a held chip, the state keeps nothing.
-NO_NUMBERS = ("memory.pages.", "undisturbed", "reported_breakpoint", "looks", "waiting_access", "port_slot", ".access.", ".port_access.", "chip.held", "chip.told")
+# A choice between alternatives is no number. Of an access without a waiting chip, and of a hold without a held chip,
+# the state keeps nothing.
+NO_NUMBERS = (
+    "memory.pages.",
+    "undisturbed",
+    "reported_breakpoint",
+    "looks",
+    "waiting_access",
+    "port_slot",
+    ".access.",
+    ".port_access.",
+    "chip.held",
+    "chip.told",
+)
 
 
 def test_every_value_of_a_network_is_loaded_and_named_by_a_comparison(tmp_path):
@@ -141,7 +157,10 @@ def test_locks_polls_and_actions_go_on_in_another_network():
 
 def test_a_network_that_deadlocks_after_a_snapshot_does_so_at_the_same_instant():
     """The search for polling loops is part of the state: its start, and what it has found so far."""
-    program = assemble("        .text\nstart:  ldhi 10h,ar6\npoll:   ldi *+ar6(70h),r0\n        and 1E00h,r0\n        bz poll\nend:    bu end\n", sections={".text": 0x2FF800})
+    program = assemble(
+        "        .text\nstart:  ldhi 10h,ar6\npoll:   ldi *+ar6(70h),r0\n        and 1E00h,r0\n        bz poll\nend:    bu end\n",
+        sections={".text": 0x2FF800},
+    )
     whole = Network([program, program], links=["0.3:1.0"])
     stop = whole.run()
     assert stop.reason == "deadlock"

@@ -47,7 +47,8 @@ def test_35_read_of_an_empty_input_fifo_with_the_word_t_cycles_late(late: int) -
 
 
 def test_36_sixteen_writes_to_one_output_fifo_and_a_seventeenth() -> None:
-    """Writes 1 to 9 at t = 0 to 8, write 10 at t = 11, then one per 5, write 16 at t = 41; 17 waits for the peer to read."""
+    """Writes 1 to 9 at t = 0 to 8, write 10 at t = 11, then one per 5, write 16 at t = 41; 17 waits for the peer to
+    read."""
     writes = port(0, "ar0") + "        ldi 1,r0\n" + "        sti r0,*+ar0(2)\n" * 17 + STOP
     network = Network([program(writes), program(STOP)], links=["0.0:1.3"], record_peripherals=True)
     assert network.run().reason == "deadlock"
@@ -100,8 +101,16 @@ def test_37_interrupt_entry_on_a_stream_of_one_instruction(source: str) -> None:
 def test_the_boot_loader_stores_a_word_in_eight_to_ten_cycles() -> None:
     booted = program("        addi 1,r0\n" * 100 + STOP)
     stream = core.boot_stream(booted)
-    sends = port(0, "ar0") + "        addi 2,ar0\n        ldhi 30h,ar1\n" + "        ldi *ar1++,r0\n        sti r0,*ar0\n" * len(stream) + STOP
-    sender = c40.assemble("        .text\n" + sends + "        .data\n" + "".join(f"        .word 0{word:x}h\n" for word in stream), sections={".text": 0x310000, ".data": 0x300000})
+    sends = (
+        port(0, "ar0")
+        + "        addi 2,ar0\n        ldhi 30h,ar1\n"
+        + "        ldi *ar1++,r0\n        sti r0,*ar0\n" * len(stream)
+        + STOP
+    )
+    sender = c40.assemble(
+        "        .text\n" + sends + "        .data\n" + "".join(f"        .word 0{word:x}h\n" for word in stream),
+        sections={".text": 0x310000, ".data": 0x300000},
+    )
     network = Network([sender, booted], links=["0.0:1.3"], boots=[1], record_peripherals=True)
     assert network.run().reason == "ended"
     assert network.chips[1].memory[CODE : CODE + 101] == list(booted.sections[0].words)

@@ -1,4 +1,5 @@
-"""Random programs and DMA channels on random networks, with cuts, holds and resets: turn order changes nothing; lost words are reported."""
+"""Random programs and DMA channels on random networks, with cuts, holds and resets: turn order changes nothing; lost
+words are reported."""
 
 import random
 from typing import Any
@@ -20,8 +21,16 @@ def fragment(rng: random.Random, n: int) -> str:
             lambda: port + "        ldi *+ar0(1),r1\n" * rng.randrange(1, 6),
             lambda: f"        ldi {rng.randrange(1, 400)},rc\n        rptb x{n}\n        nop\nx{n}:    addi 1,r3\n",
             lambda: port + f"l{n}:    ldi *ar0,r2\n        and 1e00h,r2\n        bz l{n}\n        ldi *+ar0(1),r1\n",
-            lambda: port + "        ldi 8,r0\n        sti r0,*ar0\n" + "        nop\n" * rng.randrange(30) + "        ldi 0,r0\n        sti r0,*ar0\n",
-            lambda: "        ldhi 2fh,ar4\n        or 0f900h,ar4\n" + "        sti r3,*ar4++\n        ldi *ar4,r5\n" * rng.randrange(1, 20),
+            lambda: (
+                port
+                + "        ldi 8,r0\n        sti r0,*ar0\n"
+                + "        nop\n" * rng.randrange(30)
+                + "        ldi 0,r0\n        sti r0,*ar0\n"
+            ),
+            lambda: (
+                "        ldhi 2fh,ar4\n        or 0f900h,ar4\n"
+                + "        sti r3,*ar4++\n        ldi *ar4,r5\n" * rng.randrange(1, 20)
+            ),
         ]
     )()
 
@@ -42,12 +51,17 @@ def start_channel(rng: random.Random, chip: Any, number: int) -> None:
 def network(seed: int, turn_order: int) -> Network:
     rng = random.Random(seed)
     chips = rng.randrange(2, 5)
-    programs = [program("".join(fragment(rng, n) for n in range(rng.randrange(2, 9))) + rng.choice([STOP, IDLES])) for _ in range(chips)]
+    programs = [
+        program("".join(fragment(rng, n) for n in range(rng.randrange(2, 9))) + rng.choice([STOP, IDLES]))
+        for _ in range(chips)
+    ]
     links = []
     for n in range(chips):
         links += [f"{n}.{port}:{(n + 1) % chips}.{port + 3}" for port in (0, 1) if port == 0 or rng.random() < 0.5]
     clocks = [rng.choice([40, 50, 60, 33.333]) for _ in range(chips)]
-    made = Network(programs, links=links, clocks_mhz=clocks, turn_order=turn_order, record_words=True, record_peripherals=True)
+    made = Network(
+        programs, links=links, clocks_mhz=clocks, turn_order=turn_order, record_words=True, record_peripherals=True
+    )
     for chip in made.chips:
         for number in range(6):
             if rng.random() < 0.25:
@@ -83,7 +97,8 @@ def test_the_order_of_turns_changes_nothing_by_the_hundred(seed: int) -> None:
 
 
 def check_state(seed: int) -> None:
-    """At an instant, a network is in one state, however it was brought there; if it has ended before, its time of stopping is one."""
+    """At an instant, a network is in one state, however it was brought there; if it has ended before, its time of
+    stopping is one."""
     rng = random.Random(seed)
     instant = rng.randrange(100_000, 3_000_000)
     whole, cut = network(seed, 0), network(seed, seed + 1)
@@ -97,7 +112,8 @@ def check_state(seed: int) -> None:
         assert whole._core._state_difference(cut._core) is None
 
 
-# 73 and 351: what the DMA knew of the processor's accesses. 58: when a DMA that had ended was last looked at. 320: both at once.
+# 73 and 351: what the DMA knew of the processor's accesses. 58: when a DMA that had ended was last looked at. 320: both
+# at once.
 @pytest.mark.parametrize("seed", [58, 73, 320, 351, *range(16)])
 def test_a_network_has_one_state_at_an_instant(seed: int) -> None:
     check_state(seed)

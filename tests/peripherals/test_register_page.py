@@ -22,11 +22,19 @@ def test_fields_of_a_register_do_not_overlap() -> None:
 
 @pytest.mark.parametrize(
     ("header", "register"),
-    [("dma_registers", "DMA0.control"), ("timer", "TIMER0.control"), ("comm_port", "PORT0.control"), ("memory_interface", "GMICR")],
+    [
+        ("dma_registers", "DMA0.control"),
+        ("timer", "TIMER0.control"),
+        ("comm_port", "PORT0.control"),
+        ("memory_interface", "GMICR"),
+    ],
 )
 def test_every_field_of_a_model_is_in_the_map(header: str, register: str) -> None:
     text = (ROOT / "emulator" / "c40" / "peripherals" / f"{header}.hpp").read_text(encoding="utf-8")
-    declared = {name: (int(low), int(width)) for name, low, width in re.findall(r'constexpr Field \w+\{"([^"]+)", (\d+), (\d+)', text)}
+    declared = {
+        name: (int(low), int(width))
+        for name, low, width in re.findall(r'constexpr Field \w+\{"([^"]+)", (\d+), (\d+)', text)
+    }
     [fields] = [entry["fields"] for entry in c40.peripheral_registers() if entry["name"] == register]
     assert declared and declared == fields
 

@@ -1,4 +1,5 @@
-"""Ports, DMA and interrupts together. Each scenario is counted by hand from c40-hardware.md 2 to 5, and run with several turn orders."""
+"""Ports, DMA and interrupts together. Each scenario is counted by hand from c40-hardware.md 2 to 5, and run with
+several turn orders."""
 
 from __future__ import annotations
 
@@ -16,7 +17,16 @@ from locations import ROOT
 CODE, DATA, VECTORS, STACK = 0x2FFC00, 0x2FF800, 0x2FFA00, 0x2FFB80
 STOP = "end:    bu end\n"
 IDLES = "wait:   idle\n        bu wait\n"
-RUN, AUX_RUN, STOP_AT_END, AUX_STOP, TCC, AUX_TCC, SYNC, SPLIT = 3 << 22, 3 << 24, 1 << 2, 1 << 4, 1 << 18, 1 << 19, 3 << 6, 1 << 14
+RUN, AUX_RUN, STOP_AT_END, AUX_STOP, TCC, AUX_TCC, SYNC, SPLIT = (
+    3 << 22,
+    3 << 24,
+    1 << 2,
+    1 << 4,
+    1 << 18,
+    1 << 19,
+    3 << 6,
+    1 << 14,
+)
 HALTED, AUX_HALTED = 2 << 22, 2 << 24
 ICRDY, OCRDY = 1, 1  # codes of DIE
 SEEDS = (0, 1, 7)
@@ -56,7 +66,16 @@ def die(channel: int, read: int, write: int) -> int:
 
 
 def channel(chip: Any, n: int, control: int, **registers: int) -> None:
-    names = ("source", "source_index", "counter", "destination", "destination_index", "link", "auxiliary_counter", "auxiliary_link")
+    names = (
+        "source",
+        "source_index",
+        "counter",
+        "destination",
+        "destination_index",
+        "link",
+        "auxiliary_counter",
+        "auxiliary_link",
+    )
     for name, value in registers.items():
         chip.memory[0x1000A1 + 0x10 * n + names.index(name)] = value
     chip.memory[0x1000A0 + 0x10 * n] = control
@@ -76,20 +95,27 @@ def same_for_every_turn_order(made: Callable[[int], Network], **run: Any) -> Net
 
 
 def words_of(network: Network, place: int, side: int) -> list[int]:
-    return [event.time_ps for event in network.events if event.kind == "word" and (event.place, event.side) == (place, side)]
+    return [
+        event.time_ps for event in network.events if event.kind == "word" and (event.place, event.side) == (place, side)
+    ]
 
 
 def balanced(network: Network) -> None:
     """Words written = words read + in FIFOs + under way + lost + discarded; each loss and each discard is an event."""
     for link in network.links:
-        for (chip, number), (other, other_number), traffic in ((link.a, link.b, link.forth), (link.b, link.a, link.back)):
+        for (chip, number), (other, other_number), traffic in (
+            (link.a, link.b, link.forth),
+            (link.b, link.a, link.back),
+        ):
             mine, theirs = network.chips[chip].port(number), network.chips[other].port(other_number)
             assert mine["written"] == len(mine["output"]) + mine["discarded_output"] + traffic.sent
             assert traffic.sent == traffic.arrived + traffic.under_way + traffic.lost
             assert traffic.arrived == theirs["read"] + len(theirs["input"]) + theirs["discarded_input"]
     lost = sum(traffic.lost for link in network.links for traffic in (link.forth, link.back))
     assert lost == sum(event.kind == "lost" for event in network.events)
-    discarded = sum(chip.port(n)[f"discarded_{fifo}"] for chip in network.chips for n in range(6) for fifo in ("input", "output"))
+    discarded = sum(
+        chip.port(n)[f"discarded_{fifo}"] for chip in network.chips for n in range(6) for fifo in ("input", "output")
+    )
     assert discarded == sum(event.kind == "discarded" for event in network.events)
 
 
@@ -97,12 +123,24 @@ def test_split_channels_at_both_ends_saturate_a_link_both_ways() -> None:
     """After each word the token changes sides: each direction moves one word per 2 (5 + 6) = 22 cycles (2.6)."""
 
     def made(seed: int) -> Network:
-        network = Network([program(IDLES)] * 2, links=["0.0:1.3"], turn_order=seed, record_words=True, record_peripherals=True)
+        network = Network(
+            [program(IDLES)] * 2, links=["0.0:1.3"], turn_order=seed, record_words=True, record_peripherals=True
+        )
         for chip, number in ((network.chips[0], 0), (network.chips[1], 3)):
             chip.memory[DATA : DATA + 40] = [1000 * number + i for i in range(40)]
             chip.registers["DIE"] = die(number, ICRDY, OCRDY)
             control = RUN | AUX_RUN | STOP_AT_END | AUX_STOP | SYNC | SPLIT | number << 15
-            channel(chip, number, control, source=DATA, source_index=1, counter=40, destination=DATA + 0x100, destination_index=1, auxiliary_counter=40)
+            channel(
+                chip,
+                number,
+                control,
+                source=DATA,
+                source_index=1,
+                counter=40,
+                destination=DATA + 0x100,
+                destination_index=1,
+                auxiliary_counter=40,
+            )
         return network
 
     network = same_for_every_turn_order(made)
@@ -110,18 +148,28 @@ def test_split_channels_at_both_ends_saturate_a_link_both_ways() -> None:
         assert {b - a for a, b in pairwise(words_of(network, 0, side))} == {22 * 50_000}
     assert network.chips[0].memory[DATA + 0x100 : DATA + 0x128] == [3000 + i for i in range(40)]
     assert network.chips[1].memory[DATA + 0x100 : DATA + 0x128] == list(range(40))
-    assert [chip.fields(f"DMA{n}.control")["AUX TCINT FLAG"] for chip, n in zip(network.chips, (0, 3), strict=True)] == [1, 1]
+    assert [
+        chip.fields(f"DMA{n}.control")["AUX TCINT FLAG"] for chip, n in zip(network.chips, (0, 3), strict=True)
+    ] == [1, 1]
     balanced(network)
 
 
 @pytest.mark.parametrize("clocks", [(50, 33.333), (33.333, 60), (40, 50), (60, 30)])
 def test_one_word_between_two_clocks(clocks: tuple[float, float]) -> None:
-    """Written in the sender's cycle w: seen at w + 1, out of the FIFO at w + 6; readable one cycle of the receiver after its next edge."""
+    """Written in the sender's cycle w: seen at w + 1, out of the FIFO at w + 6; readable one cycle of the receiver
+    after its next edge."""
 
     def made(seed: int) -> Network:
         sends = port(0) + "        ldi 5,r0\n        nop\n" + "        sti r0,*+ar0(2)\n" + STOP
         reads = port(3) + "        nop\n        nop\n        ldi *+ar0(1),r1\n" + STOP
-        return Network([program(sends), program(reads)], links=["0.0:1.3"], clocks_mhz=clocks, turn_order=seed, record_words=True, record_peripherals=True)
+        return Network(
+            [program(sends), program(reads)],
+            links=["0.0:1.3"],
+            clocks_mhz=clocks,
+            turn_order=seed,
+            record_words=True,
+            record_peripherals=True,
+        )
 
     network = same_for_every_turn_order(made)
     hertz = [Fraction(round(mhz * 1e6), 2) for mhz in clocks]
@@ -136,12 +184,25 @@ def test_one_word_between_two_clocks(clocks: tuple[float, float]) -> None:
 
 
 def test_icfull_interrupts_when_the_eighth_word_has_come() -> None:
-    """The writes come each cycle, so word n is out 5 n + 1 cycles after the first write and readable one later; the entry takes 8 (5.5)."""
+    """The writes come each cycle, so word n is out 5 n + 1 cycles after the first write and readable one later; the
+    entry takes 8 (5.5)."""
 
     def made(seed: int) -> Network:
         sends = port(0) + "        ldi 1,r0\n        nop\n" + "        sti r0,*+ar0(2)\n" * 8 + STOP
-        takes = port(3) + interrupts(1 << 1 + 4 * 3, 0x0D + 4 * 3) + "        idle\n        nop\n" + STOP + "isr:    ldi *ar0,r1\n        ldi 0,iie\n        reti\n"
-        return Network([program(sends), program(takes)], links=["0.0:1.3"], turn_order=seed, record_words=True, record_peripherals=True)
+        takes = (
+            port(3)
+            + interrupts(1 << 1 + 4 * 3, 0x0D + 4 * 3)
+            + "        idle\n        nop\n"
+            + STOP
+            + "isr:    ldi *ar0,r1\n        ldi 0,iie\n        reti\n"
+        )
+        return Network(
+            [program(sends), program(takes)],
+            links=["0.0:1.3"],
+            turn_order=seed,
+            record_words=True,
+            record_peripherals=True,
+        )
 
     network = same_for_every_turn_order(made)
     first = next(event.cycle for event in network.peripheral_events if event.kind == "port_write")
@@ -156,7 +217,13 @@ def test_ocempty_interrupts_when_the_last_word_has_been_sent_completely() -> Non
     def made(seed: int) -> Network:
         sends = port(0) + interrupts(0, 0x0D + 3) + "        ldi 1,r0\n        nop\n" + "        sti r0,*+ar0(2)\n" * 3
         sends += "        ldi 10h,iie\n        idle\n        nop\n" + STOP + "isr:    ldi 0,iie\n        reti\n"
-        return Network([program(sends), program(STOP)], links=["0.0:1.3"], turn_order=seed, record_words=True, record_peripherals=True)
+        return Network(
+            [program(sends), program(STOP)],
+            links=["0.0:1.3"],
+            turn_order=seed,
+            record_words=True,
+            record_peripherals=True,
+        )
 
     network = same_for_every_turn_order(made)
     first = next(event.cycle for event in network.peripheral_events if event.kind == "port_write")
@@ -172,7 +239,9 @@ def test_both_sides_queue_three_words_and_take_turns() -> None:
         def sends(number: int) -> Any:
             return program(port(number) + "        ldi 1,r0\n        nop\n" + "        sti r0,*+ar0(2)\n" * 3 + STOP)
 
-        return Network([sends(0), sends(3)], links=["0.0:1.3"], turn_order=seed, record_words=True, record_peripherals=True)
+        return Network(
+            [sends(0), sends(3)], links=["0.0:1.3"], turn_order=seed, record_words=True, record_peripherals=True
+        )
 
     network = same_for_every_turn_order(made)
     first = network.peripheral_events[0].cycle
@@ -192,7 +261,15 @@ def test_a_halted_input_channel_stops_the_sender_at_a_words_end() -> None:
 
     def made(seed: int) -> Network:
         sends = port(0) + "        ldi 1,r0\n        nop\n" + "        sti r0,*+ar0(2)\n" * 4 + STOP
-        halts = port(3) + "        ldi 8,r0\n        ldi 0,r1\n" + "        nop\n" * 11 + "        sti r0,*ar0\n" + "        nop\n" * 100 + "        sti r1,*ar0\n" + STOP
+        halts = (
+            port(3)
+            + "        ldi 8,r0\n        ldi 0,r1\n"
+            + "        nop\n" * 11
+            + "        sti r0,*ar0\n"
+            + "        nop\n" * 100
+            + "        sti r1,*ar0\n"
+            + STOP
+        )
         return Network([program(sends), program(halts)], links=["0.0:1.3"], turn_order=seed, record_words=True)
 
     network = same_for_every_turn_order(made)
@@ -205,15 +282,40 @@ def test_a_halted_input_channel_stops_the_sender_at_a_words_end() -> None:
 
 
 def test_a_channel_fed_with_lists_over_a_link_programs_itself() -> None:
-    """The guide's example (3.7) with a chip at the other end: list, data, list, data; the last list stops and interrupts."""
+    """The guide's example (3.7) with a chip at the other end: list, data, list, data; the last list stops and
+    interrupts."""
     goes_on, stops = RUN | 2 << 2 | 1 << 6 | 1 << 8 | 1 << 10, RUN | STOP_AT_END | 1 << 6 | TCC
-    stream = [goes_on, 0x100071, 0, 5, DATA, 1, 0x100071, *range(5), stops, 0x100071, 0, 3, DATA + 0x40, 2, 0x100071, *range(100, 103)]
+    stream = [
+        goes_on,
+        0x100071,
+        0,
+        5,
+        DATA,
+        1,
+        0x100071,
+        *range(5),
+        stops,
+        0x100071,
+        0,
+        3,
+        DATA + 0x40,
+        2,
+        0x100071,
+        *range(100, 103),
+    ]
 
     def made(seed: int) -> Network:
-        sends = port(0) + "        ldhi 30h,ar1\n        addi 2,ar0\n" + "        ldi *ar1++,r0\n        sti r0,*ar0\n" * len(stream) + STOP
+        sends = (
+            port(0)
+            + "        ldhi 30h,ar1\n        addi 2,ar0\n"
+            + "        ldi *ar1++,r0\n        sti r0,*ar0\n" * len(stream)
+            + STOP
+        )
         sender = c40.assemble("        .text\n" + sends, sections={".text": 0x310000})
         takes = interrupts(1 << 28, 0x28) + "        idle\n        nop\n" + STOP + "isr:    addi 1,r7\n        reti\n"
-        network = Network([sender, program(takes)], links=["0.0:1.3"], turn_order=seed, record_words=True, record_peripherals=True)
+        network = Network(
+            [sender, program(takes)], links=["0.0:1.3"], turn_order=seed, record_words=True, record_peripherals=True
+        )
         network.chips[0].memory[0x300000 : 0x300000 + len(stream)] = stream
         network.chips[1].registers["DIE"] = die(3, ICRDY, 0)
         channel(network.chips[1], 3, goes_on, counter=0, link=0x100071)
@@ -221,7 +323,11 @@ def test_a_channel_fed_with_lists_over_a_link_programs_itself() -> None:
 
     network = same_for_every_turn_order(made)
     taker = network.chips[1]
-    assert taker.memory[DATA : DATA + 5] == [0, 1, 2, 3, 4] and taker.memory[DATA + 0x40 : DATA + 0x46 : 2] == [100, 101, 102]
+    assert taker.memory[DATA : DATA + 5] == [0, 1, 2, 3, 4] and taker.memory[DATA + 0x40 : DATA + 0x46 : 2] == [
+        100,
+        101,
+        102,
+    ]
     assert taker.registers["R7"] & 0xFF == 1 and taker.fields("DMA3.control")["START"] == 2
     reads = [event for event in network.peripheral_events if event.kind == "port_read"]
     assert len(reads) == len(stream) and {event.channel for event in reads} == {3}
@@ -234,14 +340,29 @@ def test_a_channel_fed_with_lists_over_a_link_programs_itself() -> None:
 
 
 def test_a_timer_lets_a_channel_send_a_word_each_period() -> None:
-    """TIM0 releases one read of channel 2 each 120 cycles; its write to the port is not synchronised: a word on the link each 120 cycles."""
+    """TIM0 releases one read of channel 2 each 120 cycles; its write to the port is not synchronised: a word on the
+    link each 120 cycles."""
 
     def made(seed: int) -> Network:
-        network = Network([program(IDLES), program(port(4) + "loop:   ldi *+ar0(1),r0\n        bu loop\n")], links=["0.1:1.4"], turn_order=seed, record_words=True)
+        network = Network(
+            [program(IDLES), program(port(4) + "loop:   ldi *+ar0(1),r0\n        bu loop\n")],
+            links=["0.1:1.4"],
+            turn_order=seed,
+            record_words=True,
+        )
         chip = network.chips[0]
         chip.memory[DATA : DATA + 9] = list(range(9))
         chip.registers["DIE"] = die(2, 6, 0)
-        channel(chip, 2, RUN | STOP_AT_END | 1 << 6, source=DATA, source_index=1, counter=9, destination=0x100052, destination_index=0)
+        channel(
+            chip,
+            2,
+            RUN | STOP_AT_END | 1 << 6,
+            source=DATA,
+            source_index=1,
+            counter=9,
+            destination=0x100052,
+            destination_index=0,
+        )
         chip.memory[0x100028] = 60
         chip.memory[0x100020] = 0x2C0
         return network
@@ -257,7 +378,14 @@ def test_sixty_four_chips_at_their_own_clocks_boot_one_another() -> None:
     source = c40.assemble_file(ROOT / "c40_programs" / "examples" / "networks" / "worm.asm", entry="start")
 
     def made(seed: int) -> Network:
-        return Network(source, topology="grid:8x8", boots=range(1, 64), clocks_mhz=[(40, 50, 60, 33.333)[(7 * n) % 4] for n in range(64)], turn_order=seed, record_words=True)
+        return Network(
+            source,
+            topology="grid:8x8",
+            boots=range(1, 64),
+            clocks_mhz=[(40, 50, 60, 33.333)[(7 * n) % 4] for n in range(64)],
+            turn_order=seed,
+            record_words=True,
+        )
 
     network = same_for_every_turn_order(made, max_cycles=1_000_000)
     assert all(chip.status == "halt" for chip in network.chips)
@@ -266,8 +394,13 @@ def test_sixty_four_chips_at_their_own_clocks_boot_one_another() -> None:
 
 
 def test_sixty_four_chips_and_cuts_at_any_instant() -> None:
-    """A relay round a torus of 4 x 4 x 4 by blocking reads and writes, links cut in mid-word and restored, chips reset and pulled out."""
-    relay = port(0) + port(3, "ar3") + "        ldi 3,rc\n        ldi r0,r4\n        rptb more\n        nop\nmore:   sti r4,*+ar0(2)\nloop:   ldi *+ar3(1),r5\n        sti r5,*+ar0(2)\n        bu loop\n"
+    """A relay round a torus of 4 x 4 x 4 by blocking reads and writes, links cut in mid-word and restored, chips reset
+    and pulled out."""
+    relay = (
+        port(0)
+        + port(3, "ar3")
+        + "        ldi 3,rc\n        ldi r0,r4\n        rptb more\n        nop\nmore:   sti r4,*+ar0(2)\nloop:   ldi *+ar3(1),r5\n        sti r5,*+ar0(2)\n        bu loop\n"
+    )
 
     def made(seed: int) -> Network:
         network = Network(program(relay), topology="torus:4x4x4", turn_order=seed, record_words=True)
@@ -293,8 +426,18 @@ def test_boot_streams_that_are_cut_short(word: tuple[int, ...]) -> None:
     stream = [0x3E39FFF0, 0x3E39FFF0, 8, 0x2FFC00, *word]
 
     def made(seed: int) -> Network:
-        sends = port(0) + "        ldhi 30h,ar1\n        addi 2,ar0\n" + "        ldi *ar1++,r0\n        sti r0,*ar0\n" * len(stream) + STOP
-        network = Network([c40.assemble("        .text\n" + sends, sections={".text": 0x310000}), program(STOP)], links=["0.0:1.3"], boots=[1], turn_order=seed)
+        sends = (
+            port(0)
+            + "        ldhi 30h,ar1\n        addi 2,ar0\n"
+            + "        ldi *ar1++,r0\n        sti r0,*ar0\n" * len(stream)
+            + STOP
+        )
+        network = Network(
+            [c40.assemble("        .text\n" + sends, sections={".text": 0x310000}), program(STOP)],
+            links=["0.0:1.3"],
+            boots=[1],
+            turn_order=seed,
+        )
         network.chips[0].memory[0x300000 : 0x300000 + len(stream)] = stream
         return network
 
@@ -312,8 +455,17 @@ def test_boot_streams_that_are_cut_short(word: tuple[int, ...]) -> None:
 ])  # fmt: skip
 def test_boot_streams_that_name_memory_that_is_not_there(destination: int, message: str) -> None:
     stream = [0x3E39FFF0, 0x3E39FFF0, 1, destination, 7]
-    sends = port(0) + "        ldhi 30h,ar1\n        addi 2,ar0\n" + "        ldi *ar1++,r0\n        sti r0,*ar0\n" * len(stream) + STOP
-    network = Network([c40.assemble("        .text\n" + sends, sections={".text": 0x310000}), program(STOP)], links=["0.0:1.3"], boots=[1])
+    sends = (
+        port(0)
+        + "        ldhi 30h,ar1\n        addi 2,ar0\n"
+        + "        ldi *ar1++,r0\n        sti r0,*ar0\n" * len(stream)
+        + STOP
+    )
+    network = Network(
+        [c40.assemble("        .text\n" + sends, sections={".text": 0x310000}), program(STOP)],
+        links=["0.0:1.3"],
+        boots=[1],
+    )
     network.chips[0].memory[0x300000 : 0x300000 + len(stream)] = stream
     assert network.run().reason == "ended"
     chip = network.chips[1]
@@ -329,7 +481,16 @@ def test_boot_streams_that_name_memory_that_is_not_there(destination: int, messa
 ])  # fmt: skip
 def test_dma_into_nothing(destination: int, status: str, message: str) -> None:
     network = Network([program(IDLES), program(STOP)], links=["0.0:1.3"])
-    channel(network.chips[0], 4, RUN | STOP_AT_END, source=DATA, source_index=1, counter=3, destination=destination, destination_index=1)
+    channel(
+        network.chips[0],
+        4,
+        RUN | STOP_AT_END,
+        source=DATA,
+        source_index=1,
+        counter=3,
+        destination=destination,
+        destination_index=1,
+    )
     assert network.run().reason == "ended"
     assert network.chips[0].status == status and message in network.chips[0].message
 

@@ -36,7 +36,12 @@ isr:    addi 1,r2
 
 def program(timer: int, control: int, period: int) -> tuple[Any, Any]:
     text = SERVICE.replace("OFFSET", f"{0x20 + 0x10 * timer:x}h").replace("PERIOD_HIGH", str(period >> 16))
-    text = text.replace("PERIOD_LOW", str(period & 0xFFFF)).replace("CONTROL", f"0{control:x}h").replace("MASK", "1").replace("SHIFT", str(31 * timer))
+    text = (
+        text.replace("PERIOD_LOW", str(period & 0xFFFF))
+        .replace("CONTROL", f"0{control:x}h")
+        .replace("MASK", "1")
+        .replace("SHIFT", str(31 * timer))
+    )
     image = toolchain.assemble("        .text\n" + text, "timer.asm", sections={".text": 0x2FFC00})
     chip = c40.Processor("default")
     chip.load_image(image)
@@ -86,7 +91,10 @@ def test_a_counter_beyond_the_period_goes_on_through_the_top() -> None:
     chip.poke(COUNTER, 0xFFFFFFF0)
     first = chip.cycle
     taken = interrupts(chip, 200)
-    assert [at - first for at in taken] in ([52, 72, 92, 112, 132, 152, 172, 192], [51, 71, 91, 111, 131, 151, 171, 191])
+    assert [at - first for at in taken] in (
+        [52, 72, 92, 112, 132, 152, 172, 192],
+        [51, 71, 91, 111, 131, 151, 171, 191],
+    )
 
 
 def free_timer(control: int, period: int, counter: int | None = None) -> Any:
@@ -244,7 +252,14 @@ def test_random_periods_against_the_stepped_model() -> None:
             period, clock = rng.randint(1, 40), rng.random() < 0.5
             chip.poke(PERIOD, period)
             chip.poke(CONTROL, 0x3C0 if clock else 0x2C0)
-            model.period, model.clock, model.counter, model.phase, model.status, model.running = period, clock, 0, 0, False, True
+            model.period, model.clock, model.counter, model.phase, model.status, model.running = (
+                period,
+                clock,
+                0,
+                0,
+                False,
+                True,
+            )
             for _ in range(rng.randint(1, 200)):
                 chip.run(1)
                 model.cycle(chip.cycle)

@@ -1,4 +1,5 @@
-"""A plain ideal controller for tests of the plant: computed torque on true signals, one move at a time. No part of the emulator."""
+"""A plain ideal controller for tests of the plant: computed torque on true signals, one move at a time. No part of the
+emulator."""
 
 import math
 
@@ -54,8 +55,11 @@ class Crane:
             u = (i + 1) / (seconds * 1000)
             d = target - start
             self.reference = start + d * (10 * u**3 - 15 * u**4 + 6 * u**5)
-            self.tick(self.reference, d * (30 * u**2 - 60 * u**3 + 30 * u**4) / seconds,
-                      d * (60 * u - 180 * u**2 + 120 * u**3) / seconds**2)
+            self.tick(
+                self.reference,
+                d * (30 * u**2 - 60 * u**3 + 30 * u**4) / seconds,
+                d * (60 * u - 180 * u**2 + 120 * u**3) / seconds**2,
+            )
             if stop():
                 return
 
@@ -67,7 +71,9 @@ class Crane:
 def quiet_dock(**changes) -> plant.DockConfig:
     """The default dock with the crane waiting above its first container and no sensor noise."""
     config = plant.default_dock()
-    config.home = plant.CranePose(0.0, *changes.get("above", (12.7, 24.0)), changes.get("z", 7.5), changes.get("yaw", 0.0))
+    config.home = plant.CranePose(
+        0.0, *changes.get("above", (12.7, 24.0)), changes.get("z", 7.5), changes.get("yaw", 0.0)
+    )
     return config
 
 

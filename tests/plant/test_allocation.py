@@ -1,4 +1,5 @@
-"""No allocation in the stepping of crane and AGVs: every call of malloc is counted by a library loaded before all others."""
+"""No allocation in the stepping of crane and AGVs: every call of malloc is counted by a library loaded before all
+others."""
 
 import os
 import shutil
@@ -66,7 +67,9 @@ def test_stepping_does_not_allocate(tmp_path):
     source.write_text(COUNTER, encoding="utf-8")
     subprocess.run([compiler, "-shared", "-fPIC", "-O1", str(source), "-o", str(library)], check=True)
     environment = {**os.environ, "LD_PRELOAD": str(library), "PYTHONPATH": str(BUILD / "python")}
-    run = subprocess.run([sys.executable, "-c", PROGRAM, str(library)], env=environment, capture_output=True, text=True, check=True)
+    run = subprocess.run(
+        [sys.executable, "-c", PROGRAM, str(library)], env=environment, capture_output=True, text=True, check=True
+    )
     few, many, short, long, linkage = (int(word) for word in run.stdout.split())
     assert many == few <= 50  # those of the call from Python
     assert long - short <= 20  # the dock's events are kept

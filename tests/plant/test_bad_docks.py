@@ -30,7 +30,10 @@ def boxes(config, *where):
     [
         (lambda c: first_container(c, mass=-1.0), "container 0's mass must be positive"),
         (lambda c: first_container(c, mass=math.nan), "container 0's mass must be positive"),
-        (lambda c: first_container(c, mass=40001.0), "container 0 weighs 40001 kg, more than the crane's rated_load of 40000 kg"),
+        (
+            lambda c: first_container(c, mass=40001.0),
+            "container 0 weighs 40001 kg, more than the crane's rated_load of 40000 kg",
+        ),
         (lambda c: first_container(c, x=12.0), r"container 0 and container 1 are inside each other"),
         (lambda c: first_container(c, y=60.0), "cannot reach container 0"),
         (lambda c: first_container(c, z=math.inf), "container 0 needs a place"),
@@ -42,7 +45,10 @@ def boxes(config, *where):
         (lambda c: setattr(c, "home", plant.CranePose(0, 12, 24, 4.0, 0)), "home .* is inside container"),
         (lambda c: setattr(c, "home", plant.CranePose(0, 24.9, 20.5, 3.0, 0)), "home .* is inside the ship"),
         (lambda c: setattr(c, "home", plant.CranePose(0, 12, 16, -1.0, 0)), "home must be above the ground"),
-        (lambda c: setattr(c.layout, "spot", plant.Pose(22, math.nan, 0)), "spot and warehouse must be poses of numbers"),
+        (
+            lambda c: setattr(c.layout, "spot", plant.Pose(22, math.nan, 0)),
+            "spot and warehouse must be poses of numbers",
+        ),
         (lambda c: setattr(c.layout, "rows", [math.nan]), "a row's place must be a number"),
         (lambda c: setattr(c.layout, "spot", plant.Pose(90.0, 8.0, 0.0)), "cannot reach the loading spot"),
         (lambda c: setattr(c, "home", plant.CranePose(0, 60, 60, 5, 0)), "the jib reaches"),

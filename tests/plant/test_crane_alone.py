@@ -1,4 +1,5 @@
-"""The crane by itself: torques at the start, copies of its state and parameters, its linearisation, the motors' lag, orders that SUNDIALS gets wrong."""
+"""The crane by itself: torques at the start, copies of its state and parameters, its linearisation, the motors' lag,
+orders that SUNDIALS gets wrong."""
 
 import copy
 import pickle
@@ -13,13 +14,19 @@ REST = (0.0, 0.3, 0.8, 14.0, 0.02, -0.01, 0.1)
 
 def test_reset_takes_torques_and_the_lag_is_exact():
     crane = plant.Crane(load_mass=20e3)
-    start, command, lag = np.array([10.0, -200.0, 3000.0, 2500.0, 5.0]), np.array([20.0, 100.0, 3200.0, 2500.0, 0.0]), 3e-3
+    start, command, lag = (
+        np.array([10.0, -200.0, 3000.0, 2500.0, 5.0]),
+        np.array([20.0, 100.0, 3200.0, 2500.0, 0.0]),
+        3e-3,
+    )
     crane.reset(REST, torques=start)
     assert (crane.state.torque == start).all()
     for step in (1.0e-3, 0.4e-3, 7.0e-3):
         before = crane.state
         crane.step(command, step)
-        np.testing.assert_allclose(crane.state.torque, command + (before.torque - command) * np.exp(-step / lag), rtol=1e-13, atol=1e-11)
+        np.testing.assert_allclose(
+            crane.state.torque, command + (before.torque - command) * np.exp(-step / lag), rtol=1e-13, atol=1e-11
+        )
 
 
 @pytest.mark.parametrize("torques", [(0.0,) * 4, (0.0, np.nan, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1e6, 0.0)])
@@ -81,12 +88,17 @@ def values(thing):
     if isinstance(thing, (list, tuple)):
         return [values(part) for part in thing]
     members = [name for name, member in vars(type(thing)).items() if isinstance(member, property)]
-    return {name: values(getattr(thing, name)) for name in members} if type(thing).__module__.endswith("plant") and members else thing
+    return (
+        {name: values(getattr(thing, name)) for name in members}
+        if type(thing).__module__.endswith("plant") and members
+        else thing
+    )
 
 
 @pytest.mark.parametrize("machine", ["slewing", "gantry"])
 def test_the_linearisation_is_the_cranes_own_near_by(machine):
-    """Compared with the crane itself from states slightly off the equilibrium: x(t) = exp(A t) x(0) + integral of exp(A s) B u."""
+    """Compared with the crane itself from states slightly off the equilibrium: x(t) = exp(A t) x(0) + integral of exp(A
+    s) B u."""
     home = (0.0, 12.0, 16.0, 14.0, 0.0) if machine == "slewing" else (0.0, 0.0, 12.0, 14.0, 0.0)
     crane = plant.Crane(machine=machine, load_mass=20e3, home=home, tolerance=1e-12, order=5)
     q, hold = crane.state.q, np.zeros(5)
@@ -98,8 +110,14 @@ def test_the_linearisation_is_the_cranes_own_near_by(machine):
     crane.reset(q, torques=hold)
     assert np.abs(crane.acceleration()).max() < 1e-9
     model = crane.linearize(crane.snapshot())
-    assert model.A.shape == (19, 19) and model.B.shape == (19, 5) and model.C.shape == (7, 19) and model.D.shape == (7, 5)
-    assert len(model.states) == len(model.state_units) == 19 and len(model.inputs) == 5 and len(model.outputs) == len(model.output_units) == 7
+    assert (
+        model.A.shape == (19, 19) and model.B.shape == (19, 5) and model.C.shape == (7, 19) and model.D.shape == (7, 5)
+    )
+    assert (
+        len(model.states) == len(model.state_units) == 19
+        and len(model.inputs) == 5
+        and len(model.outputs) == len(model.output_units) == 7
+    )
     rng = np.random.default_rng(3)
     small, drive, seconds = 1e-6 * rng.normal(size=19), 1e-3 * rng.normal(size=5), 0.05
     if machine == "gantry":
@@ -131,7 +149,8 @@ def test_orders_whose_tables_sundials_misuses_are_refused(order):
 
 @pytest.mark.parametrize("order", [3, 4, 5])
 def test_several_fixed_steps_in_one_call_have_the_order_they_say(order):
-    """h = 4 and 2 ms (issue 15), against an integration of tight tolerance; the command is the torque, which then is constant."""
+    """h = 4 and 2 ms (issue 15), against an integration of tight tolerance; the command is the torque, which then is
+    constant."""
     inputs = core.CraneInputs()
     inputs.payload = (30e3, 1.25e5)
     inputs.command = torque = [0.0, 800.0, 3000.0, 2400.0, 2.0]

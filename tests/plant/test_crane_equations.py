@@ -22,10 +22,17 @@ def parameters(rotors: bool = False) -> plant.CraneParameters:
 
 def states(n: int):
     for _ in range(n):
-        q = np.array([
-            RNG.uniform(-20, 20), RNG.uniform(-3, 3), RNG.uniform(0.4, 1.35), RNG.uniform(5, 50),
-            RNG.uniform(-0.5, 0.5), RNG.uniform(-0.5, 0.5), RNG.uniform(-3, 3),
-        ])
+        q = np.array(
+            [
+                RNG.uniform(-20, 20),
+                RNG.uniform(-3, 3),
+                RNG.uniform(0.4, 1.35),
+                RNG.uniform(5, 50),
+                RNG.uniform(-0.5, 0.5),
+                RNG.uniform(-0.5, 0.5),
+                RNG.uniform(-3, 3),
+            ]
+        )
         qd = RNG.uniform(-1, 1, 7) * np.array([0.5, 0.13, 0.05, 1.0, 0.3, 0.3, 0.2])
         yield q, qd
 
@@ -119,21 +126,34 @@ def test_the_level_robot_of_sub_process_3_is_the_same_model_with_the_sway_held()
         r = c.a0 + c.jib * math.cos(phi)
         a = mp * c.jib + c.jib_mass * c.jib_centre
         mu = c.jib_mass * (c.a0 + c.jib_centre * math.cos(phi)) + mp * r - c.counterweight * c.counterweight_radius
-        m_psi = (c.slew_inertia + c.jib_inertia * math.cos(phi) ** 2 + c.counterweight * c.counterweight_radius**2
-                 + c.jib_mass * (c.a0 + c.jib_centre * math.cos(phi)) ** 2 + mp * r**2)
+        m_psi = (
+            c.slew_inertia
+            + c.jib_inertia * math.cos(phi) ** 2
+            + c.counterweight * c.counterweight_radius**2
+            + c.jib_mass * (c.a0 + c.jib_centre * math.cos(phi)) ** 2
+            + mp * r**2
+        )
         m_phi = c.jib_inertia + c.jib_mass * c.jib_centre**2 + mp * c.jib**2
         turn = m_phi * math.cos(phi) + c.a0 * a
         expected = [
-            (c.gantry_mass + c.jib_mass + c.counterweight + mp) * sdd - mu * (psid**2 * math.cos(psi) + psidd * math.sin(psi))
-            - a * (math.cos(phi) * math.cos(psi) * phid**2 + math.sin(phi) * math.cos(psi) * phidd
-                   - 2 * math.sin(phi) * math.sin(psi) * phid * psid),
+            (c.gantry_mass + c.jib_mass + c.counterweight + mp) * sdd
+            - mu * (psid**2 * math.cos(psi) + psidd * math.sin(psi))
+            - a
+            * (
+                math.cos(phi) * math.cos(psi) * phid**2
+                + math.sin(phi) * math.cos(psi) * phidd
+                - 2 * math.sin(phi) * math.sin(psi) * phid * psid
+            ),
             m_psi * psidd - mu * math.sin(psi) * sdd - 2 * math.sin(phi) * phid * psid * turn + ik * (psidd + kappadd),
-            m_phi * phidd - a * math.sin(phi) * math.cos(psi) * sdd - mp * c.jib * math.cos(phi) * ldd
-            + GRAVITY * a * math.cos(phi) + math.sin(phi) * psid**2 * turn,
+            m_phi * phidd
+            - a * math.sin(phi) * math.cos(psi) * sdd
+            - mp * c.jib * math.cos(phi) * ldd
+            + GRAVITY * a * math.cos(phi)
+            + math.sin(phi) * psid**2 * turn,
             mp * (ldd - GRAVITY - c.jib * math.cos(phi) * phidd + c.jib * math.sin(phi) * phid**2),
             ik * (psidd + kappadd),
         ]
-        force = (np.asarray(model.mass_matrix(q, mp, ik)) @ qdd + model.bias(q, qd, mp, ik) + model.gravity(q, mp))
+        force = np.asarray(model.mass_matrix(q, mp, ik)) @ qdd + model.bias(q, qd, mp, ik) + model.gravity(q, mp)
         close(force[[0, 1, 2, 3, 6]], expected, 1e-11)
         full = np.zeros(7)
         full[[0, 1, 2, 3, 6]] = expected
@@ -141,7 +161,8 @@ def test_the_level_robot_of_sub_process_3_is_the_same_model_with_the_sway_held()
 
 
 def pinocchio_model(pin, crane, mass, inertia):
-    """Chain PX, RZ, R(-y), R(-y), RX, P(-z) (plant-and-bus.md 1.7) plus the rotator; the sway joint angle is alpha - phi."""
+    """Chain PX, RZ, R(-y), R(-y), RX, P(-z) (plant-and-bus.md 1.7) plus the rotator; the sway joint angle is alpha -
+    phi."""
     model = pin.Model()
     place = pin.SE3.Identity()
 
@@ -156,7 +177,9 @@ def pinocchio_model(pin, crane, mass, inertia):
     down = np.array([0.0, -1.0, 0.0])
     pivot = pin.SE3(np.eye(3), np.array([crane.a0, 0.0, crane.pivot_height]))
     phi = model.addJoint(psi, pin.JointModelRevoluteUnaligned(down), pivot, "phi")
-    model.appendBodyToJoint(phi, inertia_at(crane.jib_mass, (crane.jib_centre, 0, 0), (0, crane.jib_inertia, crane.jib_inertia)), place)
+    model.appendBodyToJoint(
+        phi, inertia_at(crane.jib_mass, (crane.jib_centre, 0, 0), (0, crane.jib_inertia, crane.jib_inertia)), place
+    )
     tip = pin.SE3(np.eye(3), np.array([crane.jib, 0.0, 0.0]))
     alpha = model.addJoint(phi, pin.JointModelRevoluteUnaligned(down), tip, "alpha")
     beta = model.addJoint(alpha, pin.JointModelRX(), place, "beta")
@@ -209,7 +232,9 @@ def test_pinocchio_agrees_for_cranes_of_other_sizes():
         data = chain.createData()
         x, v = CHAIN @ q[:6], CHAIN @ qd[:6]
         upper = np.triu(pin.crba(chain, data, x))
-        close(np.asarray(model.mass_matrix(q, mass, 0.0))[:6, :6], CHAIN.T @ (upper + np.triu(upper, 1).T) @ CHAIN, 1e-13)
+        close(
+            np.asarray(model.mass_matrix(q, mass, 0.0))[:6, :6], CHAIN.T @ (upper + np.triu(upper, 1).T) @ CHAIN, 1e-13
+        )
         both = np.asarray(model.bias(q, qd, mass, 0.0)) + model.gravity(q, mass)
         close(both[:6], CHAIN.T @ pin.rnea(chain, data, x, v, np.zeros(6)), 1e-12)
         force = rng.uniform(-1e5, 1e5, 6)
@@ -224,9 +249,26 @@ def free_swing(rng, crane, mass):
     for drive in drives:
         drive.coulomb = drive.viscous = 0.0
     crane.drives = drives
-    q = np.array([0.0, rng.uniform(-2, 2), rng.uniform(0.6, 1.1), rng.uniform(10, 25), rng.uniform(-0.3, 0.3), rng.uniform(-0.3, 0.3), 0.0])
+    q = np.array(
+        [
+            0.0,
+            rng.uniform(-2, 2),
+            rng.uniform(0.6, 1.1),
+            rng.uniform(10, 25),
+            rng.uniform(-0.3, 0.3),
+            rng.uniform(-0.3, 0.3),
+            0.0,
+        ]
+    )
     qd = np.array([0.1, 0.05, 0.0, 0.2, rng.uniform(-0.1, 0.1), rng.uniform(-0.1, 0.1), 0.0])
-    force = np.asarray(plant.Crane(crane).gravity(q, mass))[:6] * [0, 0, 1, 1, 0, 0] + rng.uniform(-1e3, 1e3, 6) * [1, 1, 1, 1, 0, 0]
+    force = np.asarray(plant.Crane(crane).gravity(q, mass))[:6] * [0, 0, 1, 1, 0, 0] + rng.uniform(-1e3, 1e3, 6) * [
+        1,
+        1,
+        1,
+        1,
+        0,
+        0,
+    ]
     state, inputs = plant.CraneState(), plant.CraneInputs()
     state.q, state.qd = list(q), list(qd)
     inputs.payload, inputs.locked, inputs.external = (mass, 1.0), 1 << 6, [*force, 0.0]
@@ -234,7 +276,8 @@ def free_swing(rng, crane, mass):
 
 
 def test_pinocchio_follows_the_same_trajectory():
-    """Its forward dynamics in a Runge-Kutta scheme of this test, against SUNDIALS' ERKStep: 5 s under constant forces, free sway."""
+    """Its forward dynamics in a Runge-Kutta scheme of this test, against SUNDIALS' ERKStep: 5 s under constant forces,
+    free sway."""
     pin = pytest.importorskip("pinocchio")
     rng = np.random.default_rng(21)
     for _ in range(4):
@@ -259,7 +302,8 @@ def test_pinocchio_follows_the_same_trajectory():
 
 
 def mujoco_model(mujoco, c, mass):
-    """The same chain in MJCF. MuJoCo requires inertias that satisfy the triangle inequality, so the platform's inertia is spread over its axes."""
+    """The same chain in MJCF. MuJoCo requires inertias that satisfy the triangle inequality, so the platform's inertia
+    is spread over its axes."""
     tiny = "1e-4 1e-4 1e-4"
     return mujoco.MjModel.from_xml_string(f"""<mujoco><compiler angle="radian" boundinertia="1e-9" boundmass="1e-9"/>
       <option gravity="0 0 -{GRAVITY}" integrator="RK4" timestep="0.002"><flag contact="disable"/></option><worldbody>

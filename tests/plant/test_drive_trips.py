@@ -1,4 +1,5 @@
-"""The drives' own protection (docs/plant.md, Trips): what trips a drive and when, what its status shows, and what ends a trip."""
+"""The drives' own protection (docs/plant.md, Trips): what trips a drive and when, what its status shows, and what ends
+a trip."""
 
 import numpy as np
 import pytest
@@ -79,7 +80,8 @@ def test_a_break_begins_the_half_second_anew() -> None:
 
 
 def swinging(period_ms: int, swings: int) -> plant.Dock:
-    """The code changes from one end of its range to the other `swings` times, every half period, and is 0 afterwards."""
+    """The code changes from one end of its range to the other `swings` times, every half period, and is 0
+    afterwards."""
     it = dock(TRAVEL)
     it.enable_drives(1 << TRAVEL, 0)  # without torque the jib would fall
     for i in range(swings + 1):
@@ -127,7 +129,7 @@ def test_a_trip_ends_when_the_drive_is_switched_off_and_has_cooled() -> None:
     it = dock(TRAVEL, thermal_time=lag, saturation_time=100.0)
     it.set_torque_code(TRAVEL, 2047, 0)
     it.advance_to(300 * MS)
-    (at, *_), = trips(it)
+    ((at, *_),) = trips(it)
     it.set_torque_code(TRAVEL, 0, 300 * MS)
     assert it.drive_status(TRAVEL, 400 * MS) == FAULT | BRAKE  # cool by now, but not switched off
     assert it.drive_heat(TRAVEL, 400 * MS) < 10_000
@@ -172,7 +174,9 @@ def test_protection_is_part_of_the_state() -> None:
 
 
 @pytest.mark.parametrize(("load", "rated", "torque"), [(40e3, 3185.0, 5323), (45e3, 5732.0, 5855)])
-def test_what_the_hoist_cannot_hold_is_refused_with_the_torque_it_would_take(load: float, rated: float, torque: int) -> None:
+def test_what_the_hoist_cannot_hold_is_refused_with_the_torque_it_would_take(
+    load: float, rated: float, torque: int
+) -> None:
     """(10 t + load) g / (n eta): control-notes.md 2 has 5323 N m for 40 t."""
     config = plant.default_dock(1)
     crane = config.crane
@@ -180,7 +184,9 @@ def test_what_the_hoist_cannot_hold_is_refused_with_the_torque_it_would_take(loa
     drives[3].rated_torque = rated
     crane.drives, crane.rated_load = drives, load
     config.crane = crane
-    with pytest.raises(ValueError, match=f"the hoist needs {torque} N m, more than its rated torque of {rated:.0f} N m"):
+    with pytest.raises(
+        ValueError, match=f"the hoist needs {torque} N m, more than its rated torque of {rated:.0f} N m"
+    ):
         plant.Dock(config)
 
 

@@ -1,4 +1,5 @@
-"""The ship-to-shore gantry, the second machine by configuration: against MuJoCo, against the textbook's cart with a pendulum, and in the dock."""
+"""The ship-to-shore gantry, the second machine by configuration: against MuJoCo, against the textbook's cart with a
+pendulum, and in the dock."""
 
 import math
 
@@ -37,8 +38,20 @@ def test_mujoco_agrees():
     d, model, rng = mujoco.MjData(m), plant.Crane(p), np.random.default_rng(4)
     order = [0, 2, 4, 5, 3]  # s, trolley, alpha, beta, l
     for _ in range(40):
-        q = np.array([rng.uniform(-9, 9), HALF, rng.uniform(-30, 38), rng.uniform(5, 40), rng.uniform(-0.5, 0.5), rng.uniform(-0.5, 0.5), 0.3])
-        qd = np.array([0.3, 0.0, rng.uniform(-2, 2), rng.uniform(-1, 1), rng.uniform(-0.3, 0.3), rng.uniform(-0.3, 0.3), 0.0])
+        q = np.array(
+            [
+                rng.uniform(-9, 9),
+                HALF,
+                rng.uniform(-30, 38),
+                rng.uniform(5, 40),
+                rng.uniform(-0.5, 0.5),
+                rng.uniform(-0.5, 0.5),
+                0.3,
+            ]
+        )
+        qd = np.array(
+            [0.3, 0.0, rng.uniform(-2, 2), rng.uniform(-1, 1), rng.uniform(-0.3, 0.3), rng.uniform(-0.3, 0.3), 0.0]
+        )
         d.qpos[:], d.qvel[:] = q[order], qd[order]
         force = rng.uniform(-1e4, 1e4, 7)
         d.qfrc_applied[:] = force[order]
@@ -80,7 +93,9 @@ def test_the_gantry_from_python():
     crane.run([0, 1e6, 600, hold, 0], 1e-3, 3000)
     state, w = crane.state, crane.work
     assert state.q[2] > 16.5 and state.q[1] == HALF and abs(state.q[4]) > 1e-3
-    assert crane.energy() - before == pytest.approx(w.motors - w.gears - w.friction - w.damping + w.external - w.impacts, abs=1.0)
+    assert crane.energy() - before == pytest.approx(
+        w.motors - w.gears - w.friction - w.damping + w.external - w.impacts, abs=1.0
+    )
     with pytest.raises(ValueError, match="machine"):
         public.Crane(machine="tower")
     with pytest.raises(ValueError, match="trolley"):
@@ -101,7 +116,11 @@ def test_the_gantry_in_the_dock():
 def test_a_gantrys_psi_stays_when_the_load_is_pushed_sideways():
     """The gantry's psi is fixed: no brake can slip under any load at the end of the boom."""
     config = public.gantry_dock()
-    config.wind.mean, config.wind.direction, config.wind.spreader_area = 80.0, 0.0, 5000.0  # 2e7 N on the load, along the quay
+    config.wind.mean, config.wind.direction, config.wind.spreader_area = (
+        80.0,
+        0.0,
+        5000.0,
+    )  # 2e7 N on the load, along the quay
     scene = public.Scene(config)
     for _ in range(50):
         scene.step([0, 0, 0, 0, 0], 1e-3)
@@ -110,7 +129,9 @@ def test_a_gantrys_psi_stays_when_the_load_is_pushed_sideways():
 
 def test_the_held_slewing_has_its_row_of_the_mass_matrix_too():
     """Column of psi by the masses' x as psi turns: trolley and load across the quay, a counterweight behind."""
-    crane = public.Crane(machine="gantry", counterweight=40e3, counterweight_radius=5.0, home=(0.0, 0.0, 12.0, 14.0, 0.0), load_mass=20e3)
+    crane = public.Crane(
+        machine="gantry", counterweight=40e3, counterweight_radius=5.0, home=(0.0, 0.0, 12.0, 14.0, 0.0), load_mass=20e3
+    )
     q, m = crane.state.q, crane.mass_matrix()
     p = crane.parameters
     assert m[0, 1] == m[1, 0] == pytest.approx(40e3 * 5.0 - (p.jib_mass + p.spreader_mass + 20e3) * q[2])

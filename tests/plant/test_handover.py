@@ -1,4 +1,5 @@
-"""The hand-over of a container: its phases, the limits of the tolerances, retries, and the effect of each phase on energy and momentum."""
+"""The hand-over of a container: its phases, the limits of the tolerances, retries, and the effect of each phase on
+energy and momentum."""
 
 import numpy as np
 import pytest
@@ -22,7 +23,8 @@ def land(dx=0.0, dy=0.0, yaw=0.0, seconds=3.0, **landing):
     return dock, crane
 
 
-# Castings seat within 25 mm, guides catch up to 150 mm; a yaw of 25 mm over the 6.1 m to a corner is 4.1 mrad, of 150 mm 24.6 mrad.
+# Castings seat within 25 mm, guides catch up to 150 mm; a yaw of 25 mm over the 6.1 m to a corner is 4.1 mrad, of 150
+# mm 24.6 mrad.
 @pytest.mark.parametrize(
     ("offset", "guides", "lands"),
     [
@@ -62,7 +64,8 @@ def test_a_strict_landing_refuses_a_hard_touch(seconds, accepted):
 
 @pytest.fixture(scope="module")
 def taken():
-    """Lands on the container, takes it, lifts it clear, sets it down again and leaves it. Returns the dock and the phases seen."""
+    """Lands on the container, takes it, lifts it clear, sets it down again and leaves it. Returns the dock and the
+    phases seen."""
     dock, crane = land()
     phases = ["free"]
 
@@ -103,7 +106,14 @@ def test_the_phases_come_in_order_and_back(taken):
 def test_every_switch_keeps_its_books(taken):
     dock, _ = taken
     books = dock.switches
-    assert [entry.kind for entry in books] == ["near_contact", "locked", "free_again", "near_contact", "opened", "free_again"]
+    assert [entry.kind for entry in books] == [
+        "near_contact",
+        "locked",
+        "free_again",
+        "near_contact",
+        "opened",
+        "free_again",
+    ]
     assert [entry.container for entry in books] == [-1, 0, 0, 0, 0, -1]
     for entry in books:
         size = max(abs(entry.before.slewing), 1.0)
@@ -121,7 +131,8 @@ def test_every_switch_keeps_its_books(taken):
 
 
 def spreader_on_a_container(lock_time):
-    """The container is on the vehicle's deck, but not yet the vehicle's load; the spreader rests on it with its locks open."""
+    """The container is on the vehicle's deck, but not yet the vehicle's load; the spreader rests on it with its locks
+    open."""
     config = plant.default_dock()
     config.layout.containers = [plant.ContainerPlace(22.0, 8.0, 1.6, 0.0, 20e3)]
     config.home = plant.CranePose(0.0, 22.0, 8.0, 4.191 + 0.3, 0.0)
@@ -151,7 +162,9 @@ def test_a_rolling_vehicle_shares_its_momentum_with_the_container_set_on_it():
     resting = set_down.before.payload[0] / 30e3  # m/s, the container's own small speed
     assert dock.agv(0).speed == pytest.approx((25e3 * speeds[-1] + 20e3 * resting) / 45e3, abs=5e-4)
 
-    dock.spreader_command(1, crane.t)  # and taken off again underway: vehicle and container keep their speed, the spreader is dragged along
+    dock.spreader_command(
+        1, crane.t
+    )  # and taken off again underway: vehicle and container keep their speed, the spreader is dragged along
     speeds = []
     while dock.containers[0].state == "on_agv" and len(speeds) < 500:
         speeds.append(dock.agv(0).speed)
@@ -196,7 +209,8 @@ def test_a_container_taken_off_a_turning_vehicle_brings_its_spin(front):
 
 @pytest.mark.parametrize(("radius", "takes"), [(1.001, True), (0.999, False)])
 def test_the_warehouse_takes_what_stands_within_its_radius_for_its_time(radius, takes):
-    """A vehicle that is loaded 1 m beside the warehouse's middle: the container is gone 0.25 s later, at a step of 1 ms."""
+    """A vehicle that is loaded 1 m beside the warehouse's middle: the container is gone 0.25 s later, at a step of 1
+    ms."""
     config = plant.default_dock()
     config.layout.containers = [plant.ContainerPlace(22.0, 8.0, 1.6, 0.0, 20e3)]
     config.layout.warehouse = plant.Pose(22.0, 9.0, 0.0)

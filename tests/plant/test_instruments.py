@@ -1,4 +1,5 @@
-"""Drive status and speed, load cell, second sway sensor, anemometer: what they show, also after a failure, and that snapshots keep their state."""
+"""Drive status and speed, load cell, second sway sensor, anemometer: what they show, also after a failure, and that
+snapshots keep their state."""
 
 import math
 

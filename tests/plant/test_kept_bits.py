@@ -1,4 +1,5 @@
-"""Docks with everything that a dock can have, to their last bit: a change of the plant that changes a run shows here."""
+"""Docks with everything that a dock can have, to their last bit: a change of the plant that changes a run shows
+here."""
 
 from collections.abc import Callable
 from typing import Any
@@ -13,7 +14,12 @@ DOCKS: dict[str, dict[str, Any]] = {
     "default": {},
     "windy": {"dock.wind_mean_m_s": 12.0, "dock.wind_gust_m_s": 3.0, "dock.wind_direction_deg": 40.0, "run.seed": 3},
     "at sea": {"dock.ship_motion": 1.0, "run.seed": 7},
-    "real drives": {"dock.stiction": True, "dock.gear_losses": True, "dock.sway_sensors": 2, "dock.drive_delay_us": 250},
+    "real drives": {
+        "dock.stiction": True,
+        "dock.gear_losses": True,
+        "dock.sway_sensors": 2,
+        "dock.drive_delay_us": 250,
+    },
     "gantry": {"dock.crane": "gantry"},
     "gantry in wind": {"dock.crane": "gantry", "dock.wind_mean_m_s": 9.0, "dock.stiction": True},
     "rigid": {"dock.crane_model": "rigid"},

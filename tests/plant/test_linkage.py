@@ -1,4 +1,5 @@
-"""The level-luffing linkage (IDA): it closes, keeps its energy, moves as the one-freedom system that its geometry makes, and keeps its nose level."""
+"""The level-luffing linkage (IDA): it closes, keeps its energy, moves as the one-freedom system that its geometry
+makes, and keeps its nose level."""
 
 import math
 
@@ -61,12 +62,16 @@ def test_holding_torque_is_the_slope_of_the_height_energy():
     linkage = plant.Linkage(P)
     for t in (0.8, 1.0, 1.2):
         linkage.place(t)
-        assert linkage.holding_torque == pytest.approx((height_energy(t + 1e-5) - height_energy(t - 1e-5)) / 2e-5, rel=1e-6)
+        assert linkage.holding_torque == pytest.approx(
+            (height_energy(t + 1e-5) - height_energy(t - 1e-5)) / 2e-5, rel=1e-6
+        )
         bare = plant.LinkageParameters()
         bare.load = 0.0
         empty = plant.Linkage(bare)
         empty.place(t)
-        assert abs(linkage.holding_torque - empty.holding_torque) < 0.06 * G * P.load * P.jib  # level luffing: the load hardly counts
+        assert (
+            abs(linkage.holding_torque - empty.holding_torque) < 0.06 * G * P.load * P.jib
+        )  # level luffing: the load hardly counts
 
 
 def test_free_motion_keeps_the_energy_and_the_loop():

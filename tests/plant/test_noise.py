@@ -15,7 +15,8 @@ def values(draw, stream, seed=1):
 
 @pytest.mark.parametrize("draw", [plant.uniform, plant.normal])
 def test_no_stream_shares_a_number_with_another(draw):
-    """Not even from another sample on: a key that mixes purpose and sample lets one stream repeat the other, shifted."""
+    """Not even from another sample on: a key that mixes purpose and sample lets one stream repeat the other,
+    shifted."""
     seen = {stream: values(draw, stream) for stream in plant.Stream}
     assert len(np.unique(np.concatenate(list(seen.values())))) == len(seen) * len(SAMPLES)
     for (_, a), (_, b) in itertools.combinations(seen.items(), 2):

@@ -1,4 +1,5 @@
-"""cmrc.plant as a user sees it: every part of the dock is public and documented; an AGV by itself; balances of random cranes; bad values are refused."""
+"""cmrc.plant as a user sees it: every part of the dock is public and documented; an AGV by itself; balances of random
+cranes; bad values are refused."""
 
 from __future__ import annotations
 
@@ -20,14 +21,32 @@ def test_every_part_of_the_dock_is_public_and_documented(name: str) -> None:
     assert len((getattr(plant, name).__doc__ or "").split()) >= 3
 
 
-@pytest.mark.parametrize("name", ["LandingParameters", "AgvParameters", "SensorParameters", "WindParameters", "ShipMotion", "Layout", "DockConfig", "CraneParameters"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "LandingParameters",
+        "AgvParameters",
+        "SensorParameters",
+        "WindParameters",
+        "ShipMotion",
+        "Layout",
+        "DockConfig",
+        "CraneParameters",
+    ],
+)
 def test_configurations_can_be_made(name: str) -> None:
     getattr(plant, name)()
 
 
 def test_a_scene_of_parts() -> None:
     config = plant.default_dock(2)
-    config.layout.movers = [plant.Mover(0.4, 1.8, [plant.Waypoint(0, 40, 9), plant.Waypoint(5, 45, 9), plant.Waypoint(9, 45, 9), plant.Waypoint(12, 50, 9)])]
+    config.layout.movers = [
+        plant.Mover(
+            0.4,
+            1.8,
+            [plant.Waypoint(0, 40, 9), plant.Waypoint(5, 45, 9), plant.Waypoint(9, 45, 9), plant.Waypoint(12, 50, 9)],
+        )
+    ]
     config.agv.drive = plant.AgvDrive.differential
     config.ship.scale, config.wind.mean, config.wind.gust, config.sensors.range_rate = 0.5, 8.0, 1.0, 20.0
     scene = plant.Scene(config)
@@ -86,7 +105,9 @@ def test_a_load_taken_underway_keeps_the_momentum() -> None:
     before = agv.state
     agv.set_load(30e3, 3e5)
     after = agv.state
-    assert 55e3 * after.speed == pytest.approx(25e3 * before.speed) and 7.8e5 * after.yaw_rate == pytest.approx(4.8e5 * before.yaw_rate)
+    assert 55e3 * after.speed == pytest.approx(25e3 * before.speed) and 7.8e5 * after.yaw_rate == pytest.approx(
+        4.8e5 * before.yaw_rate
+    )
     kept = agv.snapshot()
     agv.step(2.0, 0.0, 0.0, 0.737)
     one = agv.state
@@ -108,7 +129,9 @@ def test_an_agv_that_cannot_be_is_refused(config: dict[str, object], says: str) 
         plant.Agv(config)
 
 
-@pytest.mark.parametrize(("speed", "dt", "says"), [(math.nan, 0.1, "set-point"), (1.0, -0.1, "0 to 60 s"), (1.0, 3600.0, "0 to 60 s")])
+@pytest.mark.parametrize(
+    ("speed", "dt", "says"), [(math.nan, 0.1, "set-point"), (1.0, -0.1, "0 to 60 s"), (1.0, 3600.0, "0 to 60 s")]
+)
 def test_impossible_steps_of_an_agv(speed: float, dt: float, says: str) -> None:
     agv = plant.Agv()
     with pytest.raises(ValueError, match=says):
@@ -140,7 +163,11 @@ def test_a_cranes_values_of_the_wrong_kind_are_named(config: dict[str, object], 
 def test_arrays_of_the_wrong_shape_are_named() -> None:
     crane, scene = plant.Crane(), plant.Scene()
     for torques in ([0.0] * 4, np.zeros((5, 1)), 3.0, None, ["a"] * 5):
-        for call in (lambda t=torques: crane.step(t, 0.1), lambda t=torques: crane.run(t, 0.1, 1), lambda t=torques: crane.sensitivity(t, 1.0)):
+        for call in (
+            lambda t=torques: crane.step(t, 0.1),
+            lambda t=torques: crane.run(t, 0.1, 1),
+            lambda t=torques: crane.sensitivity(t, 1.0),
+        ):
             with pytest.raises(ValueError, match="five torques are needed"):
                 call()
     with pytest.raises(ValueError, match="q must be 7 numbers"):
@@ -178,7 +205,12 @@ def test_an_environment_has_spaces_and_repeats_itself() -> None:
     assert environment.action_space.shape == (5,) and environment.observation_space.shape == (17,)
     assert environment.action_space.contains(environment.action_space.sample())
     first = rolled_out(environment, 3)
-    assert first == rolled_out(environment, 3) == rolled_out(plant.CraneEnv(target=(10.0, 12.0, 10.0)), 3) != rolled_out(environment, 4)
+    assert (
+        first
+        == rolled_out(environment, 3)
+        == rolled_out(plant.CraneEnv(target=(10.0, 12.0, 10.0)), 3)
+        != rolled_out(environment, 4)
+    )
     drawn = [plant.CraneEnv(target=(10.0, 12.0, 10.0)).reset(options={"sway": 0.1})[0][4] for _ in range(2)]
     assert drawn[0] == drawn[1] != 0.0
 
@@ -209,7 +241,10 @@ def test_containers_heavier_than_rated_and_things_inside_each_other() -> None:
     with pytest.raises(ValueError, match="too heavy for the crane: to hold 60000 kg"):
         plant.Scene(config)
     config = plant.default_dock(1)
-    config.layout.movers = [plant.Mover(0.5, 2.0, [plant.Waypoint(0, 60, 0)]), plant.Mover(0.5, 2.0, [plant.Waypoint(0, 60.3, 0)])]
+    config.layout.movers = [
+        plant.Mover(0.5, 2.0, [plant.Waypoint(0, 60, 0)]),
+        plant.Mover(0.5, 2.0, [plant.Waypoint(0, 60.3, 0)]),
+    ]
     with pytest.raises(ValueError, match="inside each other"):
         plant.Scene(config)
 
@@ -236,7 +271,9 @@ def test_energy_of_random_cranes_is_what_went_in_less_what_was_lost(seed: int, g
     start = crane.energy()
     for _ in range(8):
         gravity = np.asarray(crane.bias())[list(plant.ACTUATED)]
-        torques = [(g * rng.uniform(0.9, 1.1)) / (d.gear * d.efficiency) for g, d in zip(gravity, crane.parameters.drives)] + rng.uniform(-0.2, 0.2, 5) * crane.maximum_torques
+        torques = [
+            (g * rng.uniform(0.9, 1.1)) / (d.gear * d.efficiency) for g, d in zip(gravity, crane.parameters.drives)
+        ] + rng.uniform(-0.2, 0.2, 5) * crane.maximum_torques
         crane.step(torques, 0.5)
     w = crane.work
     gained = w.motors - w.gears - w.friction - w.damping + w.external - w.impacts
@@ -245,14 +282,19 @@ def test_energy_of_random_cranes_is_what_went_in_less_what_was_lost(seed: int, g
 
 
 def test_gears_lose_in_both_directions_when_asked_to() -> None:
-    """A load that drives its hoist: held by torque x gear / efficiency; lowering at the balance of 1.3 as printed gains energy in the gear, which no gear does."""
+    """A load that drives its hoist: held by torque x gear / efficiency; lowering at the balance of 1.3 as printed gains
+    energy in the gear, which no gear does."""
     for losses in (False, True):
-        crane = plant.Crane(load_mass=30e3, gear_losses=losses, bookkeeping=True, drives={"hoist": {"coulomb": 0.0, "viscous": 0.0}})
+        crane = plant.Crane(
+            load_mass=30e3, gear_losses=losses, bookkeeping=True, drives={"hoist": {"coulomb": 0.0, "viscous": 0.0}}
+        )
         drive = crane.parameters.drives[3]
         weight = 40e3 * 9.81
         factor = 1 / drive.efficiency if losses else drive.efficiency
         luff = crane.bias()[2] / (crane.parameters.drives[2].gear * crane.parameters.drives[2].efficiency)
-        crane.step([0, 0, luff, -0.9 * weight / (drive.gear * factor), 0], 0.5)  # gives way by a tenth, and gathers speed
+        crane.step(
+            [0, 0, luff, -0.9 * weight / (drive.gear * factor), 0], 0.5
+        )  # gives way by a tenth, and gathers speed
         qd = crane.state.qd[3]
         assert qd > 0.05
         gear = crane.work.gears

@@ -20,10 +20,13 @@ def holding(crane: plant.Crane) -> list[float]:
 
 @pytest.mark.campaign  # a benchmark: it depends on the clock
 def test_a_million_steps_take_less_than_a_minute():
-    """With other torques at each step, as a controller gives them: then each step begins with the drives' fast transient."""
+    """With other torques at each step, as a controller gives them: then each step begins with the drives' fast
+    transient."""
     crane = plant.Crane(load_mass=20e3)
     rated = [drive.rated_torque for drive in crane.parameters.drives]
-    torques = (np.array(holding(crane)) + np.random.default_rng(1).normal(size=(20000, 5)) * 0.01 * np.array(rated)).tolist()
+    torques = (
+        np.array(holding(crane)) + np.random.default_rng(1).normal(size=(20000, 5)) * 0.01 * np.array(rated)
+    ).tolist()
     start = time.process_time()
     for row in torques:
         crane.step(row, 1e-3)
@@ -192,7 +195,9 @@ def test_a_step_is_integrated_in_one_go_while_nothing_needs_to_be_looked_at_and_
         whole.step(torques, 1e-2)
         parts.run(torques, 1e-3, 10)
         if before == parts.at_limit:
-            alike.setdefault(before, set()).add(bytes(whole.state.q) + bytes(whole.state.qd) == bytes(parts.state.q) + bytes(parts.state.qd))
+            alike.setdefault(before, set()).add(
+                bytes(whole.state.q) + bytes(whole.state.qd) == bytes(parts.state.q) + bytes(parts.state.qd)
+            )
     assert alike == {(): {False}, ("gantry",): {True}}
 
 
@@ -287,7 +292,9 @@ def test_a_scenes_snapshot_is_copied_and_pickled(again):
         plant.Scene(plant.default_dock(2)).restore(kept)
 
 
-@pytest.mark.parametrize("cut", [lambda text: text[:-1], lambda text: text + b"x", lambda text: text[:400] + b"\xff" * (len(text) - 400)])
+@pytest.mark.parametrize(
+    "cut", [lambda text: text[:-1], lambda text: text + b"x", lambda text: text[:400] + b"\xff" * (len(text) - 400)]
+)
 def test_bytes_that_are_no_snapshot_are_refused(cut):
     state = plant.Scene().snapshot()
     other = type(state).__new__(type(state))

@@ -1,4 +1,5 @@
-"""The types that users of cmrc.plant see: its stub says all that the C++ module has, and nothing of the public face is of type Any."""
+"""The types that users of cmrc.plant see: its stub says all that the C++ module has, and nothing of the public face is
+of type Any."""
 
 import ast
 import re
@@ -7,7 +8,9 @@ from cmrc._core import plant
 from locations import ROOT
 
 STUB = ast.parse((ROOT / "python/cmrc/_core/plant.pyi").read_text(encoding="utf-8"))
-PUBLIC = [ast.parse(path.read_text(encoding="utf-8")) for path in sorted((ROOT / "python/cmrc/plant").glob("[a-z]*.py"))]
+PUBLIC = [
+    ast.parse(path.read_text(encoding="utf-8")) for path in sorted((ROOT / "python/cmrc/plant").glob("[a-z]*.py"))
+]
 
 
 def public(names):
@@ -38,7 +41,9 @@ def test_the_stub_is_whole():
             continue
         owner = getattr(plant, name)
         members = {m.name: m for m in node.body if isinstance(m, ast.FunctionDef)}
-        assert public(vars(owner)) == public(members) | {m.target.id for m in node.body if isinstance(m, ast.AnnAssign)}, name
+        assert public(vars(owner)) == public(members) | {
+            m.target.id for m in node.body if isinstance(m, ast.AnnAssign)
+        }, name
         for member, function in members.items():
             if not function.decorator_list:  # no property
                 assert parameters_of(getattr(owner, member)) == [a.arg for a in function.args.args], (name, member)
@@ -47,10 +52,17 @@ def test_the_stub_is_whole():
 
 
 def test_nothing_of_the_public_face_is_any():
-    signatures = [node for module in PUBLIC for node in ast.walk(module) if isinstance(node, ast.FunctionDef) and (node.name == "__init__" or not node.name.startswith("_"))]
+    signatures = [
+        node
+        for module in PUBLIC
+        for node in ast.walk(module)
+        if isinstance(node, ast.FunctionDef) and (node.name == "__init__" or not node.name.startswith("_"))
+    ]
     assert len(signatures) > 40
     for node in signatures:
         a = node.args
         hints = [node.returns, *(p.annotation for p in [*a.args, *a.kwonlyargs, *filter(None, [a.vararg, a.kwarg])])]
-        assert "Any" not in {n.id for hint in hints if hint for n in ast.walk(hint) if isinstance(n, ast.Name)}, node.name
+        assert "Any" not in {n.id for hint in hints if hint for n in ast.walk(hint) if isinstance(n, ast.Name)}, (
+            node.name
+        )
     assert "Any" not in {n.id for n in ast.walk(STUB) if isinstance(n, ast.Name)}

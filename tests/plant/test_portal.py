@@ -1,4 +1,5 @@
-"""The crane's legs stand on the dock and travel with it: rays end at them, vehicles and loads run into them, lanes keep clear of them."""
+"""The crane's legs stand on the dock and travel with it: rays end at them, vehicles and loads run into them, lanes keep
+clear of them."""
 
 import math
 
@@ -35,7 +36,8 @@ def test_rays_end_at_the_leg_wherever_the_crane_stands(s):
     front, seen = -22.0 + 7.4, 0
     for ray in range(180):
         angle = math.radians(ray - 89.5)
-        # Where the ray passes the plane of the waterside leg's landward-left face, x = s - 5.5: on that face, or past it.
+        # Where the ray passes the plane of the waterside leg's landward-left face, x = s - 5.5: on that face, or past
+        # it.
         way = (s_now - 5.0 - LEG - front) / math.cos(angle)
         y = 8.0 + way * math.sin(angle)
         if abs(y - 5.0) < LEG - 0.02:
@@ -68,7 +70,8 @@ def test_a_crane_that_travels_pushes_the_vehicle_that_stands_in_its_way():
 
 
 def test_a_load_does_not_go_through_the_cranes_own_leg():
-    """The spreader, along y, is slewed from the right against the leg at (5, 5), which it meets 2.6 m above the ground."""
+    """The spreader, along y, is slewed from the right against the leg at (5, 5), which it meets 2.6 m above the
+    ground."""
     config = plant.default_dock(0)
     config.home = plant.CranePose(0.0, 9.0, 9.0, 2.6, math.pi / 2)
     dock = plant.Dock(config)
@@ -99,7 +102,8 @@ def test_near_a_leg_there_is_no_contact_before_the_load_touches_it(gap_m):
 
 
 def test_the_leg_pushes_the_crane_as_it_pushes_the_load():
-    """Wind presses the load against the leg. The crane rolls without friction, so the whole crane accelerates by force over mass, as if the load were fixed to it."""
+    """Wind presses the load against the leg. The crane rolls without friction, so the whole crane accelerates by force
+    over mass, as if the load were fixed to it."""
     config = plant.default_dock(0)
     config.crane.portal.along = 3.0
     config.home = plant.CranePose(0.0, 5.0, 9.0, 2.6, math.pi / 2)
@@ -116,14 +120,21 @@ def test_the_leg_pushes_the_crane_as_it_pushes_the_load():
         speeds[ms] = dock.signal.qd[0]
     assert dock.signal.contact
     force = 0.5 * AIR * 200.0 * (10.0 + speeds[10000]) ** 2  # of the wind as the load feels it, which goes with it
-    mass = p.gantry_mass + p.jib_mass + p.counterweight + p.spreader_mass + drives[0].rotor_inertia * drives[0].gear ** 2
+    mass = (
+        p.gantry_mass + p.jib_mass + p.counterweight + p.spreader_mass + drives[0].rotor_inertia * drives[0].gear ** 2
+    )
     assert (speeds[12000] - speeds[8000]) / 4.0 == pytest.approx(-force / mass, rel=0.01)
 
 
 def test_layouts_say_where_the_legs_stand():
     config = plant.default_dock()
     plant.apply_layout(config, "[portal]\nalong_m = 4\nwaterside_m = 4.5\nleg_m = 0.8\n")
-    assert (config.crane.portal.along, config.crane.portal.waterside, config.crane.portal.landside, config.crane.portal.leg) == (4.0, 4.5, -5.0, 0.8)
+    assert (
+        config.crane.portal.along,
+        config.crane.portal.waterside,
+        config.crane.portal.landside,
+        config.crane.portal.leg,
+    ) == (4.0, 4.5, -5.0, 0.8)
     with pytest.raises(ValueError, match="the portal has no rails"):
         plant.apply_layout(config, "[portal]\nrails = 4\n")
 
@@ -131,7 +142,10 @@ def test_layouts_say_where_the_legs_stand():
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("[portal]\nwaterside_m = 7", r"an AGV at \(-10\..*\) m of its lane runs into the crane's leg at \(-5\.00, 7\.00\) m"),
+        (
+            "[portal]\nwaterside_m = 7",
+            r"an AGV at \(-10\..*\) m of its lane runs into the crane's leg at \(-5\.00, 7\.00\) m",
+        ),
         ("[portal]\nleg_m = -1", "the portal's leg must not be negative"),
         ("[portal]\nwaterside_m = -6", "landside rail must be landward"),
         ("[[posts]]\nx_m = 5\ny_m = 5.5", "mover 0 and the crane's leg 0 are inside each other"),
@@ -147,16 +161,23 @@ def test_a_portal_in_the_way_is_refused(text, says):
 @pytest.mark.parametrize("make", [plant.default_dock, plant.gantry_dock])
 @pytest.mark.parametrize("agvs", [1, 2, 4, 8, 16])
 def test_the_lanes_are_clear_of_the_legs_wherever_the_crane_works(make, agvs):
-    """Every metre of the loop, for every place of the crane over the bays: half a vehicle and half a metre beside the legs at least."""
+    """Every metre of the loop, for every place of the crane over the bays: half a vehicle and half a metre beside the
+    legs at least."""
     config = make(agvs)
-    reach = 13.0 if config.crane.machine == plant.Machine.gantry else 0.0  # a slewing crane does not travel for the bays
+    reach = (
+        13.0 if config.crane.machine == plant.Machine.gantry else 0.0
+    )  # a slewing crane does not travel for the bays
     portal = config.crane.portal
     for lane in config.layout.legs:
         for g in lane:
             for way in np.arange(0.0, g.length, 1.0):
                 h = g.heading + g.curvature * way
-                x = g.x + (way * math.cos(g.heading) if g.curvature == 0 else (math.sin(h) - math.sin(g.heading)) / g.curvature)
-                y = g.y + (way * math.sin(g.heading) if g.curvature == 0 else (math.cos(g.heading) - math.cos(h)) / g.curvature)
+                x = g.x + (
+                    way * math.cos(g.heading) if g.curvature == 0 else (math.sin(h) - math.sin(g.heading)) / g.curvature
+                )
+                y = g.y + (
+                    way * math.sin(g.heading) if g.curvature == 0 else (math.cos(g.heading) - math.cos(h)) / g.curvature
+                )
                 for s in np.linspace(-reach, reach, 5):
                     for u in (-portal.along, portal.along):
                         for rail in (portal.landside, portal.waterside):

@@ -10,7 +10,10 @@ QUANTUM, MOST = 8, 30_000  # mm
 
 def edges(x: float, y: float, heading: float, half_x: float, half_y: float) -> list[tuple[float, float, float, float]]:
     c, s = math.cos(heading), math.sin(heading)
-    corners = [(x + c * u - s * v, y + s * u + c * v) for u, v in ((half_x, half_y), (-half_x, half_y), (-half_x, -half_y), (half_x, -half_y))]
+    corners = [
+        (x + c * u - s * v, y + s * u + c * v)
+        for u, v in ((half_x, half_y), (-half_x, half_y), (-half_x, -half_y), (half_x, -half_y))
+    ]
     return [(*corners[i], *corners[(i + 1) % 4]) for i in range(4)]
 
 
@@ -39,7 +42,9 @@ def test_rays_meet_the_other_agvs_the_ship_and_the_cranes_legs() -> None:
     ship += [edge for x in (5, -5) for y in (5, -5) for edge in edges(x, y, 0, 0.5, 0.5)]  # the crane's legs
     seen = set()
     for i, agv in enumerate(agvs):
-        walls = ship + [e for j, other in enumerate(agvs) if j != i for e in edges(other.x, other.y, other.heading, 7.4, 1.5)]
+        walls = ship + [
+            e for j, other in enumerate(agvs) if j != i for e in edges(other.x, other.y, other.heading, 7.4, 1.5)
+        ]
         x, y = agv.x + 7.4 * math.cos(agv.heading), agv.y + 7.4 * math.sin(agv.heading)
         for ray in range(180):
             want = 1e3 * met(x, y, agv.heading + math.radians(ray - 89.5), walls)

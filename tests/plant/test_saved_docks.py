@@ -34,12 +34,25 @@ class Heard:
 
 def read_everything(dock: Any, t: int) -> None:
     for joint in range(5):
-        dock.encoder_total(joint, t), dock.drive_status(joint, t), dock.drive_speed(joint, t), dock.drive_trip(joint, t), dock.drive_heat(joint, t)
+        (
+            dock.encoder_total(joint, t),
+            dock.drive_status(joint, t),
+            dock.drive_speed(joint, t),
+            dock.drive_trip(joint, t),
+            dock.drive_heat(joint, t),
+        )
     for axis in range(2):
         dock.sway(axis, t)
     dock.load_cell(t), dock.wind_mean(t), dock.spreader_status(t), dock.scan_y(t), dock.profile(64, t)
     for agv in range(dock.agv_count):
-        dock.agv_x(agv, t), dock.agv_speed(agv, t), dock.agv_status(agv, t), dock.agv_range(agv, 90, t), dock.range_scan(agv, t), dock.range_way(agv, t)
+        (
+            dock.agv_x(agv, t),
+            dock.agv_speed(agv, t),
+            dock.agv_status(agv, t),
+            dock.agv_range(agv, 90, t),
+            dock.range_scan(agv, t),
+            dock.range_way(agv, t),
+        )
 
 
 def land(dock: Any, rng: random.Random) -> None:
@@ -60,7 +73,8 @@ def land(dock: Any, rng: random.Random) -> None:
 
 
 def drive_on(dock: Any, rng: random.Random) -> None:
-    """Codes at random, vehicles that run into each other, sensors and drives that fail and are repaired, at random instants."""
+    """Codes at random, vehicles that run into each other, sensors and drives that fail and are repaired, at random
+    instants."""
     t = 0
     dock.enable_drives(0x1F, 0)
     switches = ["fail_encoder", "fail_drive", "fail_drive_status", "fail_drive_speed"]
@@ -115,7 +129,11 @@ def crowded() -> plant.DockConfig:
     return config
 
 
-SCENES = {"landing": (quiet, land), "landing on a ship in wind": (moving, land), "collision and faults": (crowded, drive_on)}
+SCENES = {
+    "landing": (quiet, land),
+    "landing on a ship in wind": (moving, land),
+    "collision and faults": (crowded, drive_on),
+}
 
 
 @pytest.mark.parametrize("scene", SCENES)

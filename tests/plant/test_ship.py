@@ -1,4 +1,5 @@
-"""The motion of the moored ship: amplitudes and periods by a seed; containers that move with the ship; a draught that changes."""
+"""The motion of the moored ship: amplitudes and periods by a seed; containers that move with the ship; a draught that
+changes."""
 
 import math
 
@@ -31,7 +32,9 @@ def test_containers_ride_within_the_sizes_of_the_motion():
     # surge 0.2 m and pitch at the deck's height; sway 0.1 m and roll; heave 0.1 m, roll over 4 m, pitch over 12.7 m
     deg = math.pi / 180
     most = [0.2 + 0.1 * deg * 4, 0.1 + 0.5 * deg * 4, 0.1 + 0.5 * deg * 4 + 0.1 * deg * 12.7]
-    assert (np.abs(away).max(axis=(0, 1)) <= most).all() and (np.abs(away).max(axis=(0, 1)) > 0.3 * np.array(most)).all()
+    assert (np.abs(away).max(axis=(0, 1)) <= most).all() and (
+        np.abs(away).max(axis=(0, 1)) > 0.3 * np.array(most)
+    ).all()
 
 
 def test_the_motion_depends_on_the_seed_alone_and_is_off_by_default():
@@ -148,7 +151,8 @@ def test_the_scanner_sees_the_tilted_tops():
 
 
 def landed(scale, seed=3):
-    """A spreader on container 1, near x = 12.7 m, its rope slack. No controller follows the ship, so the seed is one with which the spreader lands."""
+    """A spreader on container 1, near x = 12.7 m, its rope slack. No controller follows the ship, so the seed is one
+    with which the spreader lands."""
     config = moving(scale=scale, seed=seed, z=7.5)
     config.layout.containers = config.layout.containers[:2]
     config.landing.guide_window = 0.4
@@ -191,7 +195,9 @@ def test_locking_takes_momentum_and_energy_that_the_container_had_on_the_ship():
     dock.spreader_command(1, crane.t)
     while dock.containers[1].state == "on_ship":
         c = dock.containers[1]
-        rows.append([dock.time * 1e-12, *(top_of(c) - 0.5 * 2.591 * np.array(c.up)), dock.signal.payload[2]])  # the container's middle; where it will hang
+        rows.append(
+            [dock.time * 1e-12, *(top_of(c) - 0.5 * 2.591 * np.array(c.up)), dock.signal.payload[2]]
+        )  # the container's middle; where it will hang
         crane.hold(0.001)
     (switch,) = [s for s in dock.switches if s.kind == "locked"]
     t = np.array(rows[-40:])[:, 0] - switch.time * 1e-12
@@ -201,7 +207,8 @@ def test_locking_takes_momentum_and_energy_that_the_container_had_on_the_ship():
     assert np.linalg.norm(velocity) > 0.03
     gained = np.subtract(switch.after.payload, switch.before.payload)
     assert np.allclose(gained / mass, velocity, atol=1e-4)
-    # Its energy comes with it: the height at which it hangs, and its motion. The spreader gives a little up to follow it.
+    # Its energy comes with it: the height at which it hangs, and its motion. The spreader gives a little up to follow
+    # it.
     want = mass * 9.81 * height + 0.5 * mass * velocity @ velocity
     assert switch.energy_after - switch.energy_before == pytest.approx(want, abs=30.0)
 

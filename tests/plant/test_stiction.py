@@ -61,7 +61,10 @@ def test_a_rolling_joint_stops_after_v_over_mu_g_and_sticks():
 
 def test_stuck_luff_and_hoist_carry_the_load_within_their_friction():
     made = crane()
-    torques = [b / (d.gear * d.efficiency) for b, d in zip(made.bias()[list(plant.ACTUATED)], made.parameters.drives, strict=True)]
+    torques = [
+        b / (d.gear * d.efficiency)
+        for b, d in zip(made.bias()[list(plant.ACTUATED)], made.parameters.drives, strict=True)
+    ]
     before = made.state.q
     made.run(torques, 1e-3, 500)
     assert {"luff", "hoist", "slew"} <= set(made.stuck) or (abs(made.state.q - before) < 1e-5).all()

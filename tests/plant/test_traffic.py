@@ -1,4 +1,5 @@
-"""AGVs among each other and among obstacles: impacts, bumpers, movers, the protective field, both kinds of drive, range sensors with a rate."""
+"""AGVs among each other and among obstacles: impacts, bumpers, movers, the protective field, both kinds of drive, range
+sensors with a rate."""
 
 import math
 
@@ -49,7 +50,9 @@ def test_a_moving_vehicle_shares_its_momentum_with_the_one_ahead():
     (hit,) = collisions(d)
     assert hit.index == 0 and hit.values[1] == 1 and hit.values[0] == pytest.approx(before, rel=0.05)
     # Equal masses, plastic: both go on with half the speed, and their brakes stop them at 2 m/s2.
-    assert d.agv(0).speed == pytest.approx(hit.values[0] / 2, rel=0.2) and d.agv(1).speed == pytest.approx(d.agv(0).speed, abs=0.05)
+    assert d.agv(0).speed == pytest.approx(hit.values[0] / 2, rel=0.2) and d.agv(1).speed == pytest.approx(
+        d.agv(0).speed, abs=0.05
+    )
     assert d.agv_status(0, d.time) & 0x80 and d.agv_status(1, d.time) & 0x80
     x = d.agv(0).x
     run(d, 2.0, (1, 1500, 0, 0))  # set-points are refused until the bumper is reset
@@ -60,7 +63,10 @@ def test_a_moving_vehicle_shares_its_momentum_with_the_one_ahead():
     assert d.agv(1).speed < -0.1 and len(collisions(d)) == 1
 
 
-@pytest.mark.parametrize(("begin", "end", "along"), [((35, 8), (28, 8), 2), ((9, 8), (16, 8), 2), ((22, 3), (22, 7), 3), ((24, 14), (24, 9), 3)])
+@pytest.mark.parametrize(
+    ("begin", "end", "along"),
+    [((35, 8), (28, 8), 2), ((9, 8), (16, 8), 2), ((22, 3), (22, 7), 3), ((24, 14), (24, 9), 3)],
+)
 def test_a_mover_hits_a_standing_vehicle_with_its_own_speed_from_any_side(begin, end, along):
     config = plant.default_dock(1)
     mover = plant.Mover(0.5, 2.0, [plant.Waypoint(0, *begin), plant.Waypoint(4, *end)])
@@ -183,10 +189,17 @@ class Follower:
             for u in np.arange(0.0, lane.length, 0.25):
                 turned = lane.heading + lane.curvature * u
                 if lane.curvature:
-                    points.append((lane.x + (math.sin(turned) - math.sin(lane.heading)) / lane.curvature,
-                                   lane.y - (math.cos(turned) - math.cos(lane.heading)) / lane.curvature, lane.speed))
+                    points.append(
+                        (
+                            lane.x + (math.sin(turned) - math.sin(lane.heading)) / lane.curvature,
+                            lane.y - (math.cos(turned) - math.cos(lane.heading)) / lane.curvature,
+                            lane.speed,
+                        )
+                    )
                 else:
-                    points.append((lane.x + u * math.cos(lane.heading), lane.y + u * math.sin(lane.heading), lane.speed))
+                    points.append(
+                        (lane.x + u * math.cos(lane.heading), lane.y + u * math.sin(lane.heading), lane.speed)
+                    )
         self.points = np.array(points)
 
     def command(self, signal):
@@ -204,7 +217,9 @@ def test_eight_vehicles_among_moving_obstacles_do_not_collide():
     config = changed(plant.default_dock(8), protective_field=True)
     config.layout.movers = [
         plant.Mover(0.4, 1.8, [plant.Waypoint(0, 36, 13), plant.Waypoint(12, 36, 2)]),  # crosses before the first
-        plant.Mover(1.2, 3.0, [plant.Waypoint(0, 28, -16), plant.Waypoint(25, 16, -16), plant.Waypoint(32, 12, -24)]),  # slow ahead, then leaves
+        plant.Mover(
+            1.2, 3.0, [plant.Waypoint(0, 28, -16), plant.Waypoint(25, 16, -16), plant.Waypoint(32, 12, -24)]
+        ),  # slow ahead, then leaves
         plant.Mover(0.3, 2.0, [plant.Waypoint(0, 30, 11.5)]),  # beside the lane
     ]
     d = plant.Dock(config)
@@ -288,7 +303,11 @@ def test_a_layout_from_toml():
     layout = config.layout
     assert [c.z for c in layout.containers] == pytest.approx([3.909, 6.5]) and layout.containers[0].mass == 20000
     assert len(layout.movers) == 2 and layout.movers[0].repeats and layout.no_go[0].x_max == -38
-    assert layout.legs[0][0].x == 20.0 and config.agv.drive == plant.AgvDrive.differential and config.sensors.range_rate == 20
+    assert (
+        layout.legs[0][0].x == 20.0
+        and config.agv.drive == plant.AgvDrive.differential
+        and config.sensors.range_rate == 20
+    )
     plant.Dock(config).advance_to(SECOND)
 
 

@@ -14,11 +14,16 @@ BRAKES = [math.nan] * 5
 AIR = 1.225  # kg/m3
 
 
-@pytest.mark.parametrize(("load", "area"), [(0.0, lambda angle: 8.0), (20e3, lambda angle: 38.0 * abs(math.sin(angle)) + 7.6 * abs(math.cos(angle)))])
+@pytest.mark.parametrize(
+    ("load", "area"),
+    [(0.0, lambda angle: 8.0), (20e3, lambda angle: 38.0 * abs(math.sin(angle)) + 7.6 * abs(math.cos(angle)))],
+)
 @pytest.mark.parametrize("direction", [0.7, 2.5])
 def test_the_load_hangs_aslant_by_force_over_weight(load, area, direction):
     """Area by load and by the wind's angle to the load's long side (control-notes.md 3)."""
-    crane = plant.Crane(load_mass=load, sway_damping=0.5, home=(0.0, 12.0, 16.0, 14.0, 0.3), wind={"mean": 15.0, "direction": direction})
+    crane = plant.Crane(
+        load_mass=load, sway_damping=0.5, home=(0.0, 12.0, 16.0, 14.0, 0.3), wind={"mean": 15.0, "direction": direction}
+    )
     crane.step(BRAKES, 40.0)
     q = crane.state.q
     force = 0.5 * AIR * area(direction - q[1] - q[6]) * 15.0**2
@@ -28,13 +33,22 @@ def test_the_load_hangs_aslant_by_force_over_weight(load, area, direction):
 
 
 def test_the_wind_is_felt_relative_to_the_load():
-    """A crane that rolls freely along the quay takes on the wind's speed: m dv/dt = k (V - v)^2, so v = V^2 k t / (m + V k t)."""
+    """A crane that rolls freely along the quay takes on the wind's speed: m dv/dt = k (V - v)^2, so v = V^2 k t / (m +
+    V k t)."""
     drives = {"gantry": {"coulomb": 0.0, "viscous": 0.0}}
     wind, area, seconds = 2.0, 40e3, 10.0
-    crane = plant.Crane(model="rigid", drives=drives, home=(0.0, 20.0, 0.0, 14.0, 0.0), wind={"mean": wind, "spreader_area": area})
+    crane = plant.Crane(
+        model="rigid", drives=drives, home=(0.0, 20.0, 0.0, 14.0, 0.0), wind={"mean": wind, "spreader_area": area}
+    )
     crane.step([0.0, math.nan, math.nan, math.nan, math.nan], seconds)
     p = crane.parameters
-    mass = p.gantry_mass + p.jib_mass + p.counterweight + p.spreader_mass + p.drives[0].rotor_inertia * p.drives[0].gear ** 2
+    mass = (
+        p.gantry_mass
+        + p.jib_mass
+        + p.counterweight
+        + p.spreader_mass
+        + p.drives[0].rotor_inertia * p.drives[0].gear ** 2
+    )
     k = 0.5 * AIR * area
     assert crane.state.qd[0] == pytest.approx(wind**2 * k * seconds / (mass + wind * k * seconds), rel=1e-3)
     assert crane.state.qd[0] > 0.5 * wind
@@ -48,7 +62,8 @@ def parameters(mean, gust, seed):
 
 @pytest.mark.parametrize("mean", [8.0, -15.0])
 def test_gusts_have_kaimals_spectrum(mean):
-    """20 seeds of 600 s: the variance within 5 %, the length by Whittle's likelihood of the mean periodogram within 15 %."""
+    """20 seeds of 600 s: the variance within 5 %, the length by Whittle's likelihood of the mean periodogram within 15
+    %."""
     sigma, step, seconds = 0.13 * abs(mean), 0.1, 600.0
     times = np.arange(0.0, seconds, step)
     speeds = np.array([core.wind_speed(parameters(mean, sigma, seed), times) for seed in range(20)])
@@ -97,7 +112,18 @@ def test_the_dock_feels_it_and_goes_on_from_a_snapshot():
     assert (windy.signal.alpha, windy.signal.beta) == once
 
 
-@pytest.mark.parametrize("wind", [{"mean": math.nan}, {"gust": -1.0}, {"speed": 3.0}, {"direction": math.inf}, {"gust": 1.0}, {"mean": 0.5, "gust": 0.1}, {"end_area": -1.0}])
+@pytest.mark.parametrize(
+    "wind",
+    [
+        {"mean": math.nan},
+        {"gust": -1.0},
+        {"speed": 3.0},
+        {"direction": math.inf},
+        {"gust": 1.0},
+        {"mean": 0.5, "gust": 0.1},
+        {"end_area": -1.0},
+    ],
+)
 def test_an_impossible_wind_is_refused(wind):
     with pytest.raises(ValueError, match="wind"):
         plant.Crane(wind=wind)

@@ -1,4 +1,5 @@
-"""The C run-time's arithmetic, heap, console and start-up on the emulated chip, against Python over edges and random values."""
+"""The C run-time's arithmetic, heap, console and start-up on the emulated chip, against Python over edges and random
+values."""
 
 from __future__ import annotations
 
@@ -63,7 +64,11 @@ def test_ti_division_gives_c_results_and_keeps_what_tis_own_keeps(any_library: L
     names = {"udiv": "DIV_U", "umod": "MOD_U", "div": "DIV_I", "mod": "MOD_I"}
     for a, b in pairs(EDGES, 32, 60):
         for kind, expected in divided(a, b, 32).items():
-            assert any_library.operator(names[kind], a, b, DIVISION) & 0xFFFF_FFFF == expected, (names[kind], hex(a), hex(b))
+            assert any_library.operator(names[kind], a, b, DIVISION) & 0xFFFF_FFFF == expected, (
+                names[kind],
+                hex(a),
+                hex(b),
+            )
         assert any_library.operator("MPY_I", a, b, FLOAT) & 0xFFFF_FFFF == a * b & 0xFFFF_FFFF
 
 
@@ -97,7 +102,11 @@ def test_ffs(library: Library) -> None:
 def floats(count: int, most: int = 60) -> list[float]:
     rng = random.Random(most)
     out = [1.0, -1.0, 2.0, 3.0, -3.0, 0.1, 1 + 2.0**-23, 2 - 2.0**-23, -1 - 2.0**-23, 7.0, 1e-30, -1e30]
-    return [single(value) for value in out + [rng.choice((-1, 1)) * math.ldexp(1 + rng.random(), rng.randrange(-most, most)) for _ in range(count)]]
+    return [
+        single(value)
+        for value in out
+        + [rng.choice((-1, 1)) * math.ldexp(1 + rng.random(), rng.randrange(-most, most)) for _ in range(count)]
+    ]
 
 
 def relative(found: float, exact: Fraction) -> float:
@@ -126,12 +135,17 @@ def test_reciprocal_has_32_bits(any_library: Library) -> None:
 
 
 def long_doubles(count: int) -> list[float]:
-    return [extended_to_float(float_to_extended(value * (1 + 2.0**-30 * (n % 7)))) for n, value in enumerate(floats(count, 40))]
+    return [
+        extended_to_float(float_to_extended(value * (1 + 2.0**-30 * (n % 7))))
+        for n, value in enumerate(floats(count, 40))
+    ]
 
 
 def test_long_doubles(library: Library) -> None:
     values = long_doubles(30)
-    for a, b in [(a, b) for a in values for b in values[::5] if abs(math.log2(abs(a / b))) < 120 > abs(math.log2(abs(a * b)))]:
+    for a, b in [
+        (a, b) for a in values for b in values[::5] if abs(math.log2(abs(a / b))) < 120 > abs(math.log2(abs(a * b)))
+    ]:
         library.call_with_long_doubles("___divhf3", a, b)
         assert relative(library.float(), Fraction(a) / Fraction(b)) <= 2.0**-28.5, (a, b)
         library.call_with_long_doubles("___mulhf3", a, b)
@@ -139,7 +153,23 @@ def test_long_doubles(library: Library) -> None:
 
 
 def test_floats_to_64_bits_round_towards_zero(library: Library) -> None:
-    values = [0.0, 0.5, -0.5, 0.999, 1.5, -1.5, 2.0**31, 2.0**32, 2.0**32 - 256, -(2.0**32), 2.0**62, -(2.0**62), 2.0**63 - 2**39, -(2.0**63), *floats(120, 62)]
+    values = [
+        0.0,
+        0.5,
+        -0.5,
+        0.999,
+        1.5,
+        -1.5,
+        2.0**31,
+        2.0**32,
+        2.0**32 - 256,
+        -(2.0**32),
+        2.0**62,
+        -(2.0**62),
+        2.0**63 - 2**39,
+        -(2.0**63),
+        *floats(120, 62),
+    ]
     for value in values:
         if abs(value) >= 2.0**63 and value > 0:
             continue
@@ -249,13 +279,26 @@ def test_start_up_sets_values_calls_main_and_leaves_its_status(convention: str, 
     assert link(made, output, "--c-model", model, "--map-output", placed) == ""
     image = c40.read_coff(output)
     assert ("for the loader" in placed.read_text()) == (model == "ram")
-    assert image.symbols["cinit"] == (0xFFFFFFFF if model == "ram" else next(section.address for section in image.sections if section.name == ".cinit"))
+    assert image.symbols["cinit"] == (
+        0xFFFFFFFF
+        if model == "ram"
+        else next(section.address for section in image.sections if section.name == ".cinit")
+    )
     spoilt = f"{image.symbols['_cleared']:#x}=77"  # .bss: the ROM model's start-up clears it, the RAM model leaves it to the loader
-    done = subprocess.run([EMULATOR, "exec", output, "--board", BOARD, "--poke", spoilt, "--json"], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [EMULATOR, "exec", output, "--board", BOARD, "--poke", spoilt, "--json"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr + done.stdout
     found = json.loads(done.stdout)
     expected = 22 + 33 + (77 if model == "ram" else 0)
-    assert (found["stop"]["reason"], found["console"], found["registers"]["R0"] & 0xFFFF_FFFF) == ("halt", "from C\n!", expected)
+    assert (found["stop"]["reason"], found["console"], found["registers"]["R0"] & 0xFFFF_FFFF) == (
+        "halt",
+        "from C\n!",
+        expected,
+    )
     chip = c40.Processor(image, board=BOARD)
     chip.memory[image.symbols["_cleared"]] = 77
     stop = chip.run(100_000, until="c_exit")
@@ -270,7 +313,9 @@ def test_written_and_read_again_a_ram_model_is_the_same_program(tmp_path: Path) 
     image = c40.read_coff(output)
     c40.write_coff(image, again)
     assert again.read_bytes() == output.read_bytes()
-    records = [(section.address, list(section.words)) for section in image.sections if section.name.startswith(".cinit.")]
+    records = [
+        (section.address, list(section.words)) for section in image.sections if section.name.startswith(".cinit.")
+    ]
     assert records == [(image.symbols["_given"], [11, 22, 33]), (image.symbols["_pointer"], [image.symbols["_text"]])]
 
 
@@ -301,7 +346,12 @@ def test_a_memory_map_can_ask_for_the_model_stack_and_heap(tmp_path: Path) -> No
     assert link([*own_place, assemble(source, tmp_path)], tmp_path / "x.out", "--map", tmp_path / "map.toml") == ""
     image = c40.read_coff(tmp_path / "x.out")
     symbols, sizes = image.symbols, {section.name: section.size for section in image.sections}
-    assert (symbols["cinit"], sizes[".stack"], symbols["__SYSMEM_SIZE"], symbols["__console"]) == (0xFFFFFFFF, 0x500, 0x3000, 0xC0000000)
+    assert (symbols["cinit"], sizes[".stack"], symbols["__SYSMEM_SIZE"], symbols["__console"]) == (
+        0xFFFFFFFF,
+        0x500,
+        0x3000,
+        0xC0000000,
+    )
     (tmp_path / "map.toml").write_text('c_model = "rim"\n[memory]\nlocal = { origin = 0x300000, length = 0x20000 }\n')
     assert 'c_model: "rom" or "ram" is expected' in link(own_place, tmp_path / "y.out", "--map", tmp_path / "map.toml")
 

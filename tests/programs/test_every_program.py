@@ -1,6 +1,8 @@
-"""Static against dynamic timing on every program in the tree: cycles, causes, registers and memory at many points (tests/lockstep.py).
+"""Static against dynamic timing on every program in the tree: cycles, causes, registers and memory at many points
+(tests/lockstep.py).
 
-Each case is what another module does with the program; that it gives the right results is tested there. Wider, as a campaign: pytest --way exact tests/programs tests/kernels tests/c40.
+Each case is what another module does with the program; that it gives the right results is tested there. Wider, as a
+campaign: pytest --way exact tests/programs tests/kernels tests/c40.
 """
 
 from __future__ import annotations
@@ -71,7 +73,9 @@ COMPILED: dict[str, Callable[[], Any]] = {
     name: lambda name=name: test_chip.test_compiled_program_gives_the_results_of_the_hosts_own_build(name)  # type: ignore[misc]
     for name in ("p_crc", "p_sort")
 }
-BENCH: dict[str, Callable[[], Any]] = {name: lambda name=name: test_two_ways.kernel(name).run(200_000) for name in ("fir", "branch", "controller")}  # type: ignore[misc]
+BENCH: dict[str, Callable[[], Any]] = {
+    name: lambda name=name: test_two_ways.kernel(name).run(200_000) for name in ("fir", "branch", "controller")
+}  # type: ignore[misc]
 ALL = {
     f"{room} {name}": run
     for room, programs in {
@@ -101,11 +105,21 @@ def test_no_program_is_left_out() -> None:
     programs = ROOT / "c40_programs"
     assert set(EXAMPLES) == {path.stem for path in (programs / "examples").glob("*.asm")}
     assert set(PERIOD) == {path.stem for path in (ROOT / "tests" / "programs" / "period").glob("*.asm")}
-    routines = re.findall(r"^; .*\n(?:;.*\n|                \.bss.*\n|\n)*^(\w+):", (programs / "published" / "routines.asm").read_text(), re.MULTILINE)
+    routines = re.findall(
+        r"^; .*\n(?:;.*\n|                \.bss.*\n|\n)*^(\w+):",
+        (programs / "published" / "routines.asm").read_text(),
+        re.MULTILINE,
+    )
     assert set(PUBLISHED) == set(routines)
-    entries = re.findall(r"^; .*\n(?:;.*\n)*^(\w+):", (programs / "published" / "measured.asm").read_text(), re.MULTILINE)
+    entries = re.findall(
+        r"^; .*\n(?:;.*\n)*^(\w+):", (programs / "published" / "measured.asm").read_text(), re.MULTILINE
+    )
     assert set(MEASURED) == set(entries) - {"process_a"}  # the processes that switch
-    kernels = {label for path in (programs / "kernels").glob("*.asm") for label in re.findall(r"^kernel_(\w+):", path.read_text(), re.MULTILINE)}
+    kernels = {
+        label
+        for path in (programs / "kernels").glob("*.asm")
+        for label in re.findall(r"^kernel_(\w+):", path.read_text(), re.MULTILINE)
+    }
     assert set(KERNELS) == kernels - ALIASES
 
 

@@ -63,7 +63,16 @@ def signed(word: int) -> int:
     return word - (1 << 32) if word >> 31 else word
 
 
-MESSAGES = [b"", b"a", b"ab", b"abc", b"123456789", bytes(range(256)), b"The quick brown fox jumps over the lazy dog", *(random.Random(n).randbytes(n) for n in (54, 55, 56, 57, 63, 64, 65, 119, 120, 500))]
+MESSAGES = [
+    b"",
+    b"a",
+    b"ab",
+    b"abc",
+    b"123456789",
+    bytes(range(256)),
+    b"The quick brown fox jumps over the lazy dog",
+    *(random.Random(n).randbytes(n) for n in (54, 55, 56, 57, 63, 64, 65, 119, 120, 500)),
+]
 
 
 @pytest.fixture(scope="module")
@@ -119,7 +128,11 @@ def test_quicksort(kind: str) -> None:
 def test_fft_against_numpy() -> None:
     rng = np.random.default_rng(1)
     k = np.arange(1024)
-    signals = [rng.standard_normal(1024) + 1j * rng.standard_normal(1024), np.exp(2j * np.pi * 37 * k / 1024), (k == 3).astype(complex)]
+    signals = [
+        rng.standard_normal(1024) + 1j * rng.standard_normal(1024),
+        np.exp(2j * np.pi * 37 * k / 1024),
+        (k == 3).astype(complex),
+    ]
     example = Example("fft1024")
     for signal in signals:
         signal = signal.real.astype(np.float32) + 1j * signal.imag.astype(np.float32).astype(float)
@@ -127,13 +140,16 @@ def test_fft_against_numpy() -> None:
         example.put_floats("imaginary", signal.imag)
         example.run()
         got = example.floats("real", 1024) + 1j * example.floats("imaginary", 1024)
-        # Every stage rounds twice (sum or difference; products and their sum: truncated), and its factors are rounded to 24 bits: at most 4 units of
-        # 2^-23 on each part, sqrt 2 on the modulus. No value on the way exceeds the sum of all moduli.
+        # Every stage rounds twice (sum or difference; products and their sum: truncated), and its factors are rounded
+        # to 24 bits: at most 4 units of 2^-23 on each part, sqrt 2 on the modulus. No value on the way exceeds the sum
+        # of all moduli.
         bound = 10 * 4 * math.sqrt(2) * ULP * np.abs(signal).sum()
         assert np.abs(got - np.fft.fft(signal)).max() < bound
 
 
-@pytest.mark.parametrize(("rows", "inner", "columns"), [(1, 1, 1), (1, 5, 1), (4, 2, 3), (3, 32, 7), (16, 16, 16), (32, 1, 32)])
+@pytest.mark.parametrize(
+    ("rows", "inner", "columns"), [(1, 1, 1), (1, 5, 1), (4, 2, 3), (3, 32, 7), (16, 16, 16), (32, 1, 32)]
+)
 def test_matrix_product(rows: int, inner: int, columns: int) -> None:
     rng = np.random.default_rng(rows * 100 + inner)
     a = rng.uniform(-2, 2, (rows, inner)).astype(np.float32).astype(float)
@@ -169,7 +185,8 @@ def test_lms_learns_an_unknown_system() -> None:
     example.put_floats("desired", d)
     example.run()
     weights = example.floats("weights", taps)[::-1]  # stored from the oldest tap on
-    # Each update rounds the weights to 24 bits; the adaptation forgets with 1 - 2 mu per sample, so what stays is 1/(2 mu) roundings or so, times the input's size.
+    # Each update rounds the weights to 24 bits; the adaptation forgets with 1 - 2 mu per sample, so what stays is 1/(2
+    # mu) roundings or so, times the input's size.
     assert weights == pytest.approx(w, abs=1 / two_mu * taps * ULP)
     assert weights == pytest.approx(system, abs=1e-4)
     got = example.floats("errors", samples)
@@ -179,9 +196,21 @@ def test_lms_learns_an_unknown_system() -> None:
 
 def test_division_and_square_root() -> None:
     rng = random.Random(4)
-    pairs = [(1.0, 3.0), (-1.0, 3.0), (2.0, -7.0), (1.0, 1.0), (0.0, 5.0), (1e10, 1e-10), (3.5, -1.0), (-4.0, 2.0), (1.9999998807907104, 1.0000001192092896)]
+    pairs = [
+        (1.0, 3.0),
+        (-1.0, 3.0),
+        (2.0, -7.0),
+        (1.0, 1.0),
+        (0.0, 5.0),
+        (1e10, 1e-10),
+        (3.5, -1.0),
+        (-4.0, 2.0),
+        (1.9999998807907104, 1.0000001192092896),
+    ]
     while len(pairs) < 250:
-        pairs.append(tuple(rng.choice([-1, 1]) * np.float32(rng.uniform(1, 2) * 2.0 ** rng.randint(-40, 40)) for _ in range(2)))  # type: ignore[arg-type]
+        pairs.append(
+            tuple(rng.choice([-1, 1]) * np.float32(rng.uniform(1, 2) * 2.0 ** rng.randint(-40, 40)) for _ in range(2))
+        )  # type: ignore[arg-type]
     example = Example("divide")
     example.put("count", len(pairs))
     example.put_floats("dividends", [a for a, _ in pairs])
@@ -206,7 +235,9 @@ def test_integer_division() -> None:
     example.put("dividends", *(a for a, _ in pairs))
     example.put("divisors", *(b for _, b in pairs))
     example.run()
-    results = [example.words(name, len(pairs)) for name in ("quotients", "remainders", "signed_quotients", "signed_remainders")]
+    results = [
+        example.words(name, len(pairs)) for name in ("quotients", "remainders", "signed_quotients", "signed_remainders")
+    ]
     for (a, b), q, r, sq, sr in zip(pairs, *results, strict=True):
         assert (q, r) == (divmod(a, b) if b else (0xFFFFFFFF, a)), (a, b)
         x, y = signed(a), signed(b)
@@ -219,7 +250,9 @@ def test_integer_division() -> None:
 def test_arithmetic_of_64_bits() -> None:
     rng = random.Random(7)
     edges = [0, 1, 0xFFFFFFFF, 0x100000000, 0x7FFFFFFFFFFFFFFF, 0x8000000000000000, 0xFFFFFFFFFFFFFFFF]
-    pairs = ([(a, b) for a in edges for b in edges] + [(rng.getrandbits(64), rng.getrandbits(64)) for _ in range(64)])[:64]
+    pairs = ([(a, b) for a in edges for b in edges] + [(rng.getrandbits(64), rng.getrandbits(64)) for _ in range(64)])[
+        :64
+    ]
     example = Example("int64")
     example.put("count", len(pairs))
     for name, side in (("left", 0), ("right", 1)):
@@ -238,7 +271,18 @@ def test_arithmetic_of_64_bits() -> None:
     assert [signed(word) for word in example.words("orders", len(pairs))] == [(a > b) - (a < b) for a, b in pairs]
 
 
-@pytest.mark.parametrize(("first", "second"), [(b"", b""), (b"abc", b"abc"), (b"abc", b"abd"), (b"abcd", b"abc"), (b"Hello, World! zZaA@[`{", b"Hello"), (b"\x80", b"\x7f"), (b"long enough to span several words", b"long enough to span several Words")])
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        (b"", b""),
+        (b"abc", b"abc"),
+        (b"abc", b"abd"),
+        (b"abcd", b"abc"),
+        (b"Hello, World! zZaA@[`{", b"Hello"),
+        (b"\x80", b"\x7f"),
+        (b"long enough to span several words", b"long enough to span several Words"),
+    ],
+)
 @pytest.mark.parametrize("offset", range(5))
 def test_strings(first: bytes, second: bytes, offset: int) -> None:
     example = Example("strings")

@@ -1,5 +1,6 @@
-"""Programs in the manner of C30 and C40 sources of the 1990s (tests/programs/period): interrupt routines, compiled C, an executive with traps, a library called by
-LAJ, a parameterised FFT. Each against NumPy, zlib or exact integers, at many moments of interruption, and the same watched by the self-checks."""
+"""Programs in the manner of C30 and C40 sources of the 1990s (tests/programs/period): interrupt routines, compiled C,
+an executive with traps, a library called by LAJ, a parameterised FFT. Each against NumPy, zlib or exact integers, at
+many moments of interruption, and the same watched by the self-checks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""The routines after TI's published structures compute what they claim, against NumPy, and take as long as their loops say."""
+"""The routines after TI's published structures compute what they claim, against NumPy, and take as long as their loops
+say."""
 
 import importlib.machinery
 import importlib.util
@@ -68,8 +69,21 @@ def test_inverse_and_root() -> None:
 
 def test_integer_division_is_that_of_c() -> None:
     rng = random.Random(5)
-    pairs = [(2**31 - 1, 1), (2**31 - 1, -3), (5, 9), (-5, 9), (0, 4), (-7, -7), (2**30, 2**30), (2**31 - 1, 2**31 - 1), (-(2**31) + 1, 2)]
-    pairs += [(rng.randrange(-(2**31) + 1, 2**31), rng.choice([-1, 1]) * (rng.randrange(2**31) >> rng.randrange(31) or 1)) for _ in range(60)]
+    pairs = [
+        (2**31 - 1, 1),
+        (2**31 - 1, -3),
+        (5, 9),
+        (-5, 9),
+        (0, 4),
+        (-7, -7),
+        (2**30, 2**30),
+        (2**31 - 1, 2**31 - 1),
+        (-(2**31) + 1, 2),
+    ]
+    pairs += [
+        (rng.randrange(-(2**31) + 1, 2**31), rng.choice([-1, 1]) * (rng.randrange(2**31) >> rng.randrange(31) or 1))
+        for _ in range(60)
+    ]
     for dividend, divisor in pairs:
         chip, _ = published.division(dividend, divisor).run()
         quotient = abs(dividend) // abs(divisor) * (1 if dividend * divisor > 0 else -1)

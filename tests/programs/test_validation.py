@@ -18,7 +18,10 @@ def test_the_page_is_the_commands() -> None:
 
 
 def test_sections_without_their_programs_stay_and_are_not_invented(monkeypatch: pytest.MonkeyPatch) -> None:
-    gone = tuple(validation.Section(section.name, section.make, section.needs and ROOT / "no such folder") for section in validation.SECTIONS)
+    gone = tuple(
+        validation.Section(section.name, section.make, section.needs and ROOT / "no such folder")
+        for section in validation.SECTIONS
+    )
     monkeypatch.setattr(validation, "SECTIONS", gone)
     text = validation.PAGE.read_text(encoding="utf-8")
     assert validation.page(text) == text
@@ -33,7 +36,8 @@ def test_rows_are_convolved_right() -> None:
 
 @pytest.mark.parametrize("kind", ["reduced", "c"])
 def test_a_process_finds_its_registers_as_it_left_them(kind: str) -> None:
-    """Two processes that fill every register they may keep with marks of their own before they give way, many times in turn."""
+    """Two processes that fill every register they may keep with marks of their own before they give way, many times in
+    turn."""
     kept = {"reduced": ["ar3"], "c": ["r4", "r5", "r8", "ar3", "ar4", "ar5", "ar6"]}[kind]
     lines = ["        .text"]
     for process, mark in (("one", 100), ("two", 200)):
@@ -57,6 +61,8 @@ def test_a_process_finds_its_registers_as_it_left_them(kind: str) -> None:
 
 def test_operations_on_floats_are_the_executed_ones() -> None:
     fir = measured.executed(measured.script("published_counts").fir(16))
-    assert sum(times * len(measured.FLOAT_OPERATION.findall(text)) for text, times in fir.items()) == 2 * 16  # 16 products, 15 sums, one with 0
+    assert (
+        sum(times * len(measured.FLOAT_OPERATION.findall(text)) for text, times in fir.items()) == 2 * 16
+    )  # 16 products, 15 sums, one with 0
     assert measured.Work(cycles=100, operations=50).of_peak == 0.25
     assert measured.Work(cycles=100, operations=50).megaflops(40) == pytest.approx(50 / 5.0)  # 100 cycles of 50 ns

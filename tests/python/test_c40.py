@@ -17,8 +17,6 @@ there   .word 300100h
 """
 
 
-
-
 @pytest.fixture
 def program() -> "c40.Program":
     return c40.assemble(SOURCE.replace("start:", "start:  ldp there\n"))

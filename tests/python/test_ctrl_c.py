@@ -129,7 +129,13 @@ def cpu_ticks(process: "subprocess.Popen[str]") -> int:
 @pytest.mark.parametrize("script", CALLS.values(), ids=list(CALLS))
 def test_ctrl_c_raises_keyboard_interrupt(script: str) -> None:
     environment = {**os.environ, "PYTHONPATH": str(BUILD / "python")}
-    with subprocess.Popen([sys.executable, "-c", HEAD + script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment) as process:
+    with subprocess.Popen(
+        [sys.executable, "-c", HEAD + script],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment,
+    ) as process:
         assert process.stdout is not None
         for line in process.stdout:
             assert line == "calls\n"

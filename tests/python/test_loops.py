@@ -1,4 +1,5 @@
-"""The loops' margins: the formula against a simulation of the same loop, the gains it assumes against the configuration, the page against the command."""
+"""The loops' margins: the formula against a simulation of the same loop, the gains it assumes against the
+configuration, the page against the command."""
 
 from __future__ import annotations
 
@@ -15,8 +16,8 @@ from locations import BUILD, ROOT
 
 
 def swings(bandwidth: float, delay_s: float) -> float:
-    """PID tick by tick on an inertia of 1 behind the torque's lag, each torque taken ``delay_s`` after its sample: how much larger the
-    motion is in the second half of 60/w than in the first."""
+    """PID tick by tick on an inertia of 1 behind the torque's lag, each torque taken ``delay_s`` after its sample: how
+    much larger the motion is in the second half of 60/w than in the first."""
     h, lag, n = 1e-3, 3e-3, 20
     steps = 80  # of 12.5 us
     dt, t_d, t_i = h / steps, 2 / bandwidth, 6 / bandwidth
@@ -115,7 +116,13 @@ def test_the_margins_found_lie_beside_the_predicted_ones() -> None:
 
 @pytest.mark.campaign
 def test_the_page_is_what_the_command_gives() -> None:
-    done = subprocess.run([sys.executable, "-m", "cmrc.loops"], capture_output=True, text=True, check=True, env={**os.environ, "PYTHONPATH": str(BUILD / "python")})
+    done = subprocess.run(
+        [sys.executable, "-m", "cmrc.loops"],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, "PYTHONPATH": str(BUILD / "python")},
+    )
     page = (ROOT / "docs" / "control.md").read_text(encoding="utf-8")
     for table in done.stdout.strip().split("\n\n"):
         assert table in page
@@ -126,7 +133,10 @@ def test_a_page_without_marks_is_refused(tmp_path: object) -> None:
     with open(wrong, "w", encoding="utf-8") as page:
         page.write("# Nothing\n")
     done = subprocess.run(
-        [sys.executable, "-m", "cmrc.loops", "--page", wrong], capture_output=True, text=True, check=False,
+        [sys.executable, "-m", "cmrc.loops", "--page", wrong],
+        capture_output=True,
+        text=True,
+        check=False,
         env={**os.environ, "PYTHONPATH": str(BUILD / "python")},
     )
     assert done.returncode == 2 and "has no line" in done.stderr

@@ -13,7 +13,10 @@ from cmrc.results import __main__ as results
 from locations import ROOT
 
 SWEEP = {"axes": {"dsps": [1]}, "fixed": {"duration_s": 0.03}}
-OPTIMISE = {"fixed": SWEEP["fixed"], "search": {"metric": "misses", "goal": "minimise", "space": {"servo_frequency_hz": [500, 1000]}}}
+OPTIMISE = {
+    "fixed": SWEEP["fixed"],
+    "search": {"metric": "misses", "goal": "minimise", "space": {"servo_frequency_hz": [500, 1000]}},
+}
 
 
 @functools.cache

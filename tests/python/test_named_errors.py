@@ -10,15 +10,42 @@ import pytest
 from cmrc import _core, c40, network, plant
 
 ENDS = c40.assemble(" .text\nstart: idle\n")
-NAMED = ["AssemblyError", "CannotOpen", "CoffError", "ConfigError", "DebugError", "GridError", "LayoutError", "LinkError", "MemoryMapError", "NetworkError",
-         "PageError", "RomError", "SameFile", "SchemaError", "SnapshotError", "SweepError"]
+NAMED = [
+    "AssemblyError",
+    "CannotOpen",
+    "CoffError",
+    "ConfigError",
+    "DebugError",
+    "GridError",
+    "LayoutError",
+    "LinkError",
+    "MemoryMapError",
+    "NetworkError",
+    "PageError",
+    "RomError",
+    "SameFile",
+    "SchemaError",
+    "SnapshotError",
+    "SweepError",
+]
 
 
 def named_errors() -> dict[str, type]:
-    modules = [importlib.import_module(m.name) for m in pkgutil.walk_packages(cmrc.__path__, "cmrc.") if not m.name.endswith("__main__")]
+    modules = [
+        importlib.import_module(m.name)
+        for m in pkgutil.walk_packages(cmrc.__path__, "cmrc.")
+        if not m.name.endswith("__main__")
+    ]
     rooms = [room for room in vars(_core).values() if inspect.ismodule(room)]
-    found = {name: value for module in (*modules, _core, *rooms) for name, value in vars(module).items()
-             if isinstance(value, type) and issubclass(value, Exception) and value.__module__.startswith("cmrc") and value is not cmrc.Error}
+    found = {
+        name: value
+        for module in (*modules, _core, *rooms)
+        for name, value in vars(module).items()
+        if isinstance(value, type)
+        and issubclass(value, Exception)
+        and value.__module__.startswith("cmrc")
+        and value is not cmrc.Error
+    }
     return found
 
 
@@ -35,13 +62,20 @@ def test_each_is_an_error_of_the_package_and_a_built_in_one() -> None:
     ("cause", "where", "problem", "right"),
     [
         (lambda: cmrc.run(dsps=40), "machine.dsps", "40 is out of range", "an integer from 1 to 16 is expected"),
-        (lambda: cmrc.run(config="missing.toml"), "missing.toml", "cannot be read", "the name of a TOML file is expected"),
+        (
+            lambda: cmrc.run(config="missing.toml"),
+            "missing.toml",
+            "cannot be read",
+            "the name of a TOML file is expected",
+        ),
         (lambda: c40.assemble(" .text\n addi 1\n"), "<text>:2:2", "'addi' takes 2 operands, not 1", ""),
         (lambda: network.Network([ENDS] * 2, links=["00:1.3"]), None, None, None),
         (lambda: plant.apply_layout(plant.default_dock(), "[[posts]]\nx_m = 1"), "layout:1:1", None, None),
     ],
 )
-def test_where_what_and_what_would_be_right(cause: Callable[[], object], where: str | None, problem: str | None, right: str | None) -> None:
+def test_where_what_and_what_would_be_right(
+    cause: Callable[[], object], where: str | None, problem: str | None, right: str | None
+) -> None:
     with pytest.raises(cmrc.Error) as caught:
         cause()
     error = caught.value
@@ -53,7 +87,10 @@ def test_where_what_and_what_would_be_right(cause: Callable[[], object], where: 
 @pytest.mark.parametrize(
     ("message", "parts"),
     [
-        ("dock.toml:3:7: run.seed: \"x\" is text; an integer is expected", ("dock.toml:3:7: run.seed", '"x" is text', "an integer is expected")),
+        (
+            'dock.toml:3:7: run.seed: "x" is text; an integer is expected',
+            ("dock.toml:3:7: run.seed", '"x" is text', "an integer is expected"),
+        ),
         ("a folder/b.asm:2: no such label", ("a folder/b.asm:2", "no such label", "")),
         ("nothing to say", ("", "nothing to say", "")),
         ("a: one; two; three\nb: more", ("a", "one; two", "three")),

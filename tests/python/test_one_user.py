@@ -60,7 +60,11 @@ def test_another_thread_is_refused_at_once_and_the_run_goes_on(name: str) -> Non
     result = simulation.run(progress)
     assert len(refused) == 2
     for error in refused:
-        assert type(error) is RuntimeError and "another thread is in Simulation.run" in str(error) and "wait for its end" in str(error)
+        assert (
+            type(error) is RuntimeError
+            and "another thread is in Simulation.run" in str(error)
+            and "wait for its end" in str(error)
+        )
     assert result.stop_reason == "completed" and result.hash == plain_hash()
 
 
@@ -106,7 +110,9 @@ def test_a_callback_may_not_change(name: str) -> None:
     refused: list[str] = []
 
     def progress(simulated_s: float, duration_s: float) -> None:
-        with pytest.raises(RuntimeError, match="not from inside a callback of run; there only what reads is allowed") as found:
+        with pytest.raises(
+            RuntimeError, match="not from inside a callback of run; there only what reads is allowed"
+        ) as found:
             CHANGES[name](simulation)
         refused.append(str(found.value))
 

@@ -59,7 +59,11 @@ def test_an_installed_tree_runs(tmp_path: Path) -> None:
     assert (package / "c40_programs" / "dsp.asm").is_file()
     code = "import cmrc; print(cmrc.__file__); print('emulator', cmrc.__version__)"
     done = subprocess.run(
-        [sys.executable, "-c", code], env={"PYTHONPATH": str(package.parent)}, capture_output=True, text=True, check=True
+        [sys.executable, "-c", code],
+        env={"PYTHONPATH": str(package.parent)},
+        capture_output=True,
+        text=True,
+        check=True,
     )
     assert done.stdout == f"{package}/__init__.py\n{said.stdout}"
 
@@ -93,7 +97,11 @@ def asked_for() -> list[tuple[str, str]]:
             name = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", None)
             extra = node.args[1]
             if name in ("needed", "installed") and isinstance(extra, ast.Constant):
-                modules = [each.value for each in ast.walk(node.args[0]) if isinstance(each, ast.Constant) and isinstance(each.value, str)]
+                modules = [
+                    each.value
+                    for each in ast.walk(node.args[0])
+                    if isinstance(each, ast.Constant) and isinstance(each.value, str)
+                ]
                 found += [(module.split(".")[0], extra.value) for module in modules]
     return found
 

@@ -279,7 +279,8 @@ def test_what_would_have_avoided_it_is_the_chains_arithmetic(result: cmrc.Result
 
 
 def test_what_never_ran_would_still_have_had_to_run() -> None:
-    """Both DSPs are gone from 25 ms on: without the wait for one the job would have ended a usual run after its release."""
+    """Both DSPs are gone from 25 ms on: without the wait for one the job would have ended a usual run after its
+    release."""
     events = [{"at_s": 0.025, "action": "fail", "dsp": dsp} for dsp in (0, 1)]
     result = cmrc.run(dsps=2, duration_s=0.03, events=events, settings={"report.reference": "none"})
     waited = [
@@ -288,6 +289,7 @@ def test_what_never_ran_would_still_have_had_to_run() -> None:
     miss = result.missed[waited[0]]
     spare = miss["parts_ps"]["no_dsp"] - miss["lateness_ps"] - miss["usual_ps"]
     assert miss["parts_ps"]["not_run"] == -miss["usual_ps"] < 0
-    assert f"no DSP was running, the job would have been done {spare / 1e6:.4g} us before its deadline" in result.explain(
-        waited[0]
+    assert (
+        f"no DSP was running, the job would have been done {spare / 1e6:.4g} us before its deadline"
+        in result.explain(waited[0])
     )

@@ -1,4 +1,5 @@
-"""The claims: every experiment at a small size, and every verdict both ways from invented numbers. A campaign compares the page with its commands."""
+"""The claims: every experiment at a small size, and every verdict both ways from invented numbers. A campaign compares
+the page with its commands."""
 
 from __future__ import annotations
 
@@ -374,7 +375,10 @@ def test_earlier_runs_are_used_again(tmp_path: Path) -> None:
     "arguments, message",
     [
         (["--claim", "2", "--servo-hz", "fast"], "--servo-hz: 'fast' is no float"),
-        (["--claim", "1", "--quick", "--releases", "never"], "--releases: 'never' is unknown; together, staggered, together-cap"),
+        (
+            ["--claim", "1", "--quick", "--releases", "never"],
+            "--releases: 'never' is unknown; together, staggered, together-cap",
+        ),
         (["--claim", "2", "--trials", "1,2"], "--trials: '1,2'; claim 2 expects one value"),
         (["--claim", "5", "--trials", "3"], "--trials: claim 5 has no such parameter"),
         (["--claim", "6", "--quick", "--agvs", "99"], "dock.agvs: 99 is out of range"),

@@ -73,7 +73,9 @@ processor.run(1000)
 print(processor.registers["R0"], processor.cycles, processor.causes)
 """
     environment = {**os.environ, "PYTHONPATH": str(BUILD / "python")}
-    told = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment).stdout
+    told = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment
+    ).stdout
     processor.run(1000)
     assert told.strip() == f"{processor.registers['R0']} {processor.cycles} {processor.causes}"
 
@@ -146,17 +148,41 @@ def test_another_network_refuses(changed, message):
 
 
 def smooth(count):
-    """What a run records: places in nanometres, times that a clock gives with a jitter, and doubles that move little."""
+    """What a run records: places in nanometres, times that a clock gives with a jitter, and doubles that move
+    little."""
     draw = random.Random(1)
     return [word for n in range(count) for word in (
         struct.pack("<d", int(2**30 * math.sin(n / 300)) / 2**30), struct.pack("<q", n * 500_000_123 + draw.randrange(1000)), struct.pack("<d", math.exp(n / 900)))]  # fmt: skip
 
 
 def nasty(count):
-    """Any bits, and doubles that have an other self: zeros of both signs, infinities, numbers that are none, the smallest ones."""
+    """Any bits, and doubles that have an other self: zeros of both signs, infinities, numbers that are none, the
+    smallest ones."""
     draw = random.Random(2)
-    doubles = [0.0, -0.0, math.inf, -math.inf, math.nan, 5e-324, -5e-324, 2.0**22, -(2.0**22), 2.0**22 + 2.0**-30, 2.0**-31, 1e308]
-    return [draw.choice([struct.pack("<d", draw.choice(doubles)), draw.randbytes(8), struct.pack("<q", draw.choice([-1, 0, 1, 2**63 - 1, -(2**63)]))]) for _ in range(3 * count)]
+    doubles = [
+        0.0,
+        -0.0,
+        math.inf,
+        -math.inf,
+        math.nan,
+        5e-324,
+        -5e-324,
+        2.0**22,
+        -(2.0**22),
+        2.0**22 + 2.0**-30,
+        2.0**-31,
+        1e308,
+    ]
+    return [
+        draw.choice(
+            [
+                struct.pack("<d", draw.choice(doubles)),
+                draw.randbytes(8),
+                struct.pack("<q", draw.choice([-1, 0, 1, 2**63 - 1, -(2**63)])),
+            ]
+        )
+        for _ in range(3 * count)
+    ]
 
 
 @pytest.mark.parametrize("words", [smooth(700), nasty(700), nasty(1), [struct.pack("<d", -0.0)] * 900, []])
@@ -180,7 +206,9 @@ def test_a_column_that_is_written_in_no_known_way_is_refused():
 
 
 def test_a_fork_of_a_network_has_its_past_and_its_own_future():
-    ring = Network([c40.assemble("        .text\nstart:  addi 1,r5\n        b start\n")] * 2, links=["0.3:1.0"], turn_order=3)
+    ring = Network(
+        [c40.assemble("        .text\nstart:  addi 1,r5\n        b start\n")] * 2, links=["0.3:1.0"], turn_order=3
+    )
     ring.run(max_cycles=100)
     other = ring.fork()
     assert other.snapshot() == ring.snapshot()

@@ -19,10 +19,17 @@ print("left")
 
 def test_a_pool_that_is_left_ends_its_workers_without_a_traceback() -> None:
     env = {"PYTHONPATH": str(Path(cmrc.__file__).parent.parent)}
-    done = subprocess.run([sys.executable, "-c", POOL], env=env, capture_output=True, text=True, check=False, timeout=50)
+    done = subprocess.run(
+        [sys.executable, "-c", POOL], env=env, capture_output=True, text=True, check=False, timeout=50
+    )
     assert (done.returncode, done.stdout, done.stderr) == (0, "left\n", "")
     loud = POOL.replace(", signals.end_quietly", "")
-    assert "SIGTERM" in subprocess.run([sys.executable, "-c", loud], env=env, capture_output=True, text=True, check=False, timeout=50).stderr
+    assert (
+        "SIGTERM"
+        in subprocess.run(
+            [sys.executable, "-c", loud], env=env, capture_output=True, text=True, check=False, timeout=50
+        ).stderr
+    )
 
 
 def test_the_pools_of_the_package_have_such_workers() -> None:

@@ -1,4 +1,5 @@
-"""Each entry point with a wrong value: the message names the argument, the given value, and what would be right, in our own words and not pybind11's."""
+"""Each entry point with a wrong value: the message names the argument, the given value, and what would be right, in our
+own words and not pybind11's."""
 
 import math
 from collections.abc import Callable
@@ -35,7 +36,12 @@ W = TypeError
 V = ValueError
 NO_INSTANT = "time_s: "
 # Typed as Any: what is wrong on purpose.
-RUNS: dict[str, Callable[..., Any]] = {"Simulation": cmrc.Simulation, "run": cmrc.run, "limits": cmrc.limits, "compare": cmrc.compare}
+RUNS: dict[str, Callable[..., Any]] = {
+    "Simulation": cmrc.Simulation,
+    "run": cmrc.run,
+    "limits": cmrc.limits,
+    "compare": cmrc.compare,
+}
 SHARED: list[tuple[dict[str, Any], type[Exception], str]] = [
     ({"settings": [1]}, W, "settings: [1] (list)"),
     ({"settings": "dsps=1"}, W, "settings: 'dsps=1' (str)"),
@@ -57,7 +63,11 @@ SHARED: list[tuple[dict[str, Any], type[Exception], str]] = [
 ]
 CALLS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     **{
-        f"{name}({', '.join(f'{key}={value!r}' for key, value in wrong.items())})": (lambda make=make, wrong=wrong: make(**wrong), error, start)
+        f"{name}({', '.join(f'{key}={value!r}' for key, value in wrong.items())})": (
+            lambda make=make, wrong=wrong: make(**wrong),
+            error,
+            start,
+        )
         for name, make in RUNS.items()
         for wrong, error, start in SHARED
     },
@@ -80,7 +90,11 @@ CALLS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     "at list": (lambda: simulation().at(0.01, "fail", dsp=[0]), V, "dsp: <class 'list'>"),
     "peek text": (lambda: simulation().peek("0"), W, "offset: '0' (str)"),
     "peek -1": (lambda: simulation().peek(-1), V, "offset: -1"),
-    "peek 10000h": (lambda: simulation().peek(0x10000), V, "offset: 65536 is out of range; an offset in shared memory, 0 to FFFFh, is expected"),
+    "peek 10000h": (
+        lambda: simulation().peek(0x10000),
+        V,
+        "offset: 65536 is out of range; an offset in shared memory, 0 to FFFFh, is expected",
+    ),
     "dsp text": (lambda: simulation().dsp("0"), W, "slot: '0' (str)"),
     "dsp float": (lambda: simulation().dsp(1.0), W, "slot: 1.0 (float)"),
     "dsp -1": (lambda: simulation().dsp(-1), IndexError, "there is no slot -1; the slots are 0 to 3"),
@@ -127,7 +141,11 @@ CALLS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     "memory = float": (lambda: processor().memory.__setitem__(0x300000, 1.5), W, "a word: 1.5 (float)"),
     "memory = too much": (lambda: processor().memory.__setitem__(0x300000, 2**32), V, "a word: 4294967296"),
     "memory slice = word": (lambda: processor().memory.__setitem__(slice(0x300000, 0x300001), 1), W, "memory: 1 (int)"),
-    "memory slice = texts": (lambda: processor().memory.__setitem__(slice(0x300000, 0x300002), ["x", "y"]), W, "a word: 'x' (str)"),
+    "memory slice = texts": (
+        lambda: processor().memory.__setitem__(slice(0x300000, 0x300002), ["x", "y"]),
+        W,
+        "a word: 'x' (str)",
+    ),
     "memory word = list": (lambda: processor().memory.__setitem__(0x300000, [1]), W, "a word: [1] (list)"),
     "read_floats": (lambda: processor().memory.read_floats("x", 1), W, "memory: 'x' (str)"),
     "write_floats": (lambda: processor().memory.write_floats(0x300000, ["x"]), W, "values[0]: 'x' (str)"),
@@ -158,7 +176,11 @@ CALLS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     "Network program": (lambda: network.Network([3]), W, "programs: 3 (int)"),
     "Network links": (lambda: network.Network([LOOP], links=3), W, "links: 3 (int)"),
     "Network link": (lambda: network.Network([LOOP, LOOP], links=[3]), W, "links[0]: 3 (int)"),
-    "Network link cycles": (lambda: network.Network([LOOP, LOOP], links=[("0.0:1.3", {"word_cycles": "x"})]), W, "links[0], word_cycles: 'x' (str)"),
+    "Network link cycles": (
+        lambda: network.Network([LOOP, LOOP], links=[("0.0:1.3", {"word_cycles": "x"})]),
+        W,
+        "links[0], word_cycles: 'x' (str)",
+    ),
     "Network topology": (lambda: network.Network(LOOP, topology=3), W, "topology: 3 (int)"),
     "Network clocks": (lambda: chips(clocks_mhz="x"), W, "clocks_mhz: 'x' (str)"),
     "Network boards": (lambda: chips(boards=3), W, "boards: 3 (int)"),
@@ -177,7 +199,11 @@ CALLS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     "Network.cut nan": (lambda: chips().cut(0, math.nan), V, "at_us: nan"),
     "Network.hold": (lambda: chips().hold(-1, 1), V, "chip: -1"),
     "Network.memory": (lambda: chips().memory(3), IndexError, "number: there is no shared memory 3"),
-    "Network.write_memory": (lambda: chips().write_memory(3, 0, [1]), IndexError, "number: there is no shared memory 3"),
+    "Network.write_memory": (
+        lambda: chips().write_memory(3, 0, [1]),
+        IndexError,
+        "number: there is no shared memory 3",
+    ),
 }
 
 

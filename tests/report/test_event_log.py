@@ -99,9 +99,7 @@ def test_listeners_hear_the_final_order_and_change_nothing() -> None:
     for event in events:
         log.add(*event)
     log.flush()
-    assert recorder.lines == [
-        report.event_text(*event) for event in sorted(events, key=lambda event: event[:2])
-    ]
+    assert recorder.lines == [report.event_text(*event) for event in sorted(events, key=lambda event: event[:2])]
     assert log.hash() == silent.hash()
 
 
@@ -114,7 +112,9 @@ def test_text_of_events() -> None:
         report.event_text(3_000_000_000_001, 0xFFFF, LATCH, [0xFFFFFFFF, 2047, 0xFFFFF801, 0, 7])
         == "3.000000000001 [plant] latch s=-1 psi=2047 phi=-2047 l=0 kappa=7"
     )
-    assert report.event_text(0, 7, 99, [1]) == "0.000000000000 [component 7] event 99 a0=0x1 a1=0x0 a2=0x0 a3=0x0 a4=0x0"
+    assert (
+        report.event_text(0, 7, 99, [1]) == "0.000000000000 [component 7] event 99 a0=0x1 a1=0x0 a2=0x0 a3=0x0 a4=0x0"
+    )
 
 
 def test_hashing_keeps_up_with_a_run() -> None:

@@ -94,8 +94,17 @@ def job(rng: random.Random, tick: int) -> dict[str, object]:
     claimed = released + rng.randrange(300)
     finished = claimed + rng.randrange(1, 900)
     on = finished - claimed
-    return {"kind": rng.randrange(2), "progress": rng.choice(["finished", "finished", "running", "waiting", "lost", "dropped"]), "released": released,
-            "deadline": released + 700, "claimed": claimed, "finished": finished, "now": finished, "tick": tick, "causes": [on // 3, on - on // 3]}
+    return {
+        "kind": rng.randrange(2),
+        "progress": rng.choice(["finished", "finished", "running", "waiting", "lost", "dropped"]),
+        "released": released,
+        "deadline": released + 700,
+        "claimed": claimed,
+        "finished": finished,
+        "now": finished,
+        "tick": tick,
+        "causes": [on // 3, on - on // 3],
+    }
 
 
 def booked(one: report.TaskAccount, jobs: list[dict[str, object]]) -> report.TaskAccount:

@@ -30,7 +30,11 @@ def test_summary_is_exact(samples: list[int]) -> None:
     summary = report.summary(samples)
     assert (summary.count, summary.best, summary.worst) == (len(samples), min(samples), max(samples))
     assert summary.mean == pytest.approx(float(Fraction(sum(samples), len(samples))), rel=1e-15)
-    for value, share in ((summary.p50, Fraction(1, 2)), (summary.p99, Fraction(99, 100)), (summary.p99_9, Fraction(999, 1000))):
+    for value, share in (
+        (summary.p50, Fraction(1, 2)),
+        (summary.p99, Fraction(99, 100)),
+        (summary.p99_9, Fraction(999, 1000)),
+    ):
         # Nearest rank, by its definition: enough samples at or below it, and not enough below it.
         assert value in samples
         assert sum(sample <= value for sample in samples) >= share * len(samples)
@@ -101,7 +105,15 @@ def test_outcomes_always_sum_to_released() -> None:
         claimed = released + rng.randrange(1000)
         deadline = rng.choice([None, released + rng.randrange(2000)])
         finished = claimed + rng.randrange(1000)
-        book.add(rng.randrange(2), progress, released=released, deadline=deadline, claimed=claimed, finished=finished, now=3000)
+        book.add(
+            rng.randrange(2),
+            progress,
+            released=released,
+            deadline=deadline,
+            claimed=claimed,
+            finished=finished,
+            now=3000,
+        )
     for task in tasks(book).values():
         assert task["released"] == sum(task[outcome] for outcome in OUTCOMES) > 500
 
@@ -120,7 +132,15 @@ def test_jitter_is_taken_between_neighbouring_ticks_only() -> None:
 def test_a_tick_that_comes_63_later_still_has_both_its_neighbours() -> None:
     book = account()
     for tick in (0, *range(2, 65), 1):
-        book.add(0, "finished", released=tick * PERIOD, claimed=tick * PERIOD, finished=tick * PERIOD + 5, now=65 * PERIOD, tick=tick)
+        book.add(
+            0,
+            "finished",
+            released=tick * PERIOD,
+            claimed=tick * PERIOD,
+            finished=tick * PERIOD + 5,
+            now=65 * PERIOD,
+            tick=tick,
+        )
     assert tasks(book)["pid"]["start_jitter_ps"]["count"] == 64
 
 
@@ -133,7 +153,16 @@ def test_text_counts_the_misses_and_fits_100_columns() -> None:
     book = account()
     for tick in range(3):
         released = tick * PERIOD
-        book.add(0, "finished", released=released, deadline=released + PERIOD, claimed=10**9, finished=10**9 + 10, now=10**9, tick=tick)
+        book.add(
+            0,
+            "finished",
+            released=released,
+            deadline=released + PERIOD,
+            claimed=10**9,
+            finished=10**9 + 10,
+            now=10**9,
+            tick=tick,
+        )
     run = report.RunReport()
     run.set_tasks(book)
     text = run.to_text()

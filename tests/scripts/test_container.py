@@ -31,12 +31,16 @@ def test_the_devcontainer_starts_from_a_stage_of_the_container() -> None:
 
 
 HOOKS = [
-    hook for repository in yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text())["repos"] for hook in repository["hooks"]
+    hook
+    for repository in yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text())["repos"]
+    for hook in repository["hooks"]
 ]
 
 
 def test_hooks_are_local() -> None:
-    assert {each["repo"] for each in yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text())["repos"]} == {"local"}
+    assert {each["repo"] for each in yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text())["repos"]} == {
+        "local"
+    }
 
 
 @pytest.mark.parametrize("hook", HOOKS, ids=lambda hook: hook["id"])

@@ -8,7 +8,9 @@ import pytest
 from locations import ROOT
 
 COSTS = [sys.executable, ROOT / "scripts" / "host_costs"]
-needs_valgrind = pytest.mark.skipif(shutil.which("valgrind") is None, reason="valgrind is missing (apt-get install valgrind)")
+needs_valgrind = pytest.mark.skipif(
+    shutil.which("valgrind") is None, reason="valgrind is missing (apt-get install valgrind)"
+)
 
 
 @needs_valgrind

@@ -30,6 +30,8 @@ def test_every_name_is_a_test() -> None:
     assert len(NAMES) == len(set(NAMES)) > 100
 
 
-@pytest.mark.parametrize("name", ["tests/no/test_file.py::test_it", f"{Path(__file__).relative_to(ROOT)}::test_of_yesterday"])
+@pytest.mark.parametrize(
+    "name", ["tests/no/test_file.py::test_it", f"{Path(__file__).relative_to(ROOT)}::test_of_yesterday"]
+)
 def test_a_name_that_is_gone_is_found(name: str) -> None:
     assert stale([*NAMES[:3], name]) == [name]

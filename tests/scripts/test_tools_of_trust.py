@@ -62,12 +62,19 @@ def test_every_room_has_tests_that_are_put_first() -> None:
 
 
 def line(number: int, count: int, *branches: tuple[int, bool]) -> dict[str, Any]:
-    return {"line_number": number, "count": count, "branches": [{"count": times, "throw": throw} for times, throw in branches]}
+    return {
+        "line_number": number,
+        "count": count,
+        "branches": [{"count": times, "throw": throw} for times, throw in branches],
+    }
 
 
 def test_a_line_of_a_template_counts_when_any_instance_is_reached() -> None:
     record: dict[str, Any] = {"lines": {}, "branches": {}}
-    coverage.add(record, [line(3, 0, (0, False), (2, False)), line(3, 4, (1, False), (0, False)), line(5, 0), line(6, 2, (0, True))])
+    coverage.add(
+        record,
+        [line(3, 0, (0, False), (2, False)), line(3, 4, (1, False), (0, False)), line(5, 0), line(6, 2, (0, True))],
+    )
     assert record == {"lines": {"3": 4, "5": 0, "6": 2}, "branches": {"3": [1, 2]}}
     table = coverage.table({"emulator/isa/decode.cpp": record})
     assert "| `emulator/isa/` | 1 | 3 | 66.7 % | 2 | 100.0 % |" in table

@@ -1,4 +1,5 @@
-"""Every encoding with its operand forms (c40-isa.md 3 and 6), as builders of random words, some with a program around."""
+"""Every encoding with its operand forms (c40-isa.md 3 and 6), as builders of random words, some with a program
+around."""
 
 from __future__ import annotations
 

@@ -19,7 +19,8 @@ NOP = 0x0C800000
 
 @dataclass(frozen=True)
 class Program:
-    """The instruction at 1000h, what stands behind it, the registers it needs, and how many instructions are executed."""
+    """The instruction at 1000h, what stands behind it, the registers it needs, and how many instructions are
+    executed."""
 
     words: tuple[int, ...]
     steps: int = 1
@@ -71,7 +72,8 @@ def immediate_16(rng: Random) -> int:
 
 
 def perhaps_the_pointer(rng: Random, register: int, n: int, codes: list[int]) -> int:
-    """Now and then the ARn of an indirect operand instead, whose update comes before the register is read or written."""
+    """Now and then the ARn of an indirect operand instead, whose update comes before the register is read or
+    written."""
     return 8 + n if 8 + n in codes and rng.random() < 0.15 else register
 
 

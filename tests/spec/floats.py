@@ -1,7 +1,7 @@
 """Floating-point arithmetic (c40-isa.md 7.1 to 7.7, 7.10, 2.3): operands and results are 40-bit registers.
 
-Every function gives (result, flags). The result of an operation is its exact value, or the exact value of what alignment
-leaves, taken to 32 bits of mantissa towards minus infinity.
+Every function gives (result, flags). The result of an operation is its exact value, or the exact value of what
+alignment leaves, taken to 32 bits of mantissa towards minus infinity.
 """
 
 from __future__ import annotations
@@ -143,7 +143,8 @@ def frieee(word: int) -> Result:
     return finish(-magnitude if negative else magnitude)
 
 
-# The seeds (c40-isa.md 7.10) are the text's recommended model: eight fraction bits, of the middle of the operand's interval.
+# The seeds (c40-isa.md 7.10) are the text's recommended model: eight fraction bits, of the middle of the operand's
+# interval.
 
 
 def nearest(x: Fraction) -> int:

@@ -1,6 +1,7 @@
 """Integer arithmetic, logic, shifts and part-words (c40-isa.md 5, 6.1 to 6.3, 7.8, 7.9, 7.11) in unlimited integers.
 
-Every function takes 32-bit words (a the minuend or the value shifted, b the other source) and ST, and gives (word, flags).
+Every function takes 32-bit words (a the minuend or the value shifted, b the other source) and ST, and gives (word,
+flags).
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """Registers, memory and operands (c40-isa.md 1 and 3): the parts of instructions.
 
-Of one instruction: effective addresses come from the old registers, then the updates of address registers happen, then reads
-(registers see the updates), then writes. Of two accesses of one kind, the one of the byte in bits 15..8 comes first.
+Of one instruction: effective addresses come from the old registers, then the updates of address registers happen, then
+reads (registers see the updates), then writes. Of two accesses of one kind, the one of the byte in bits 15..8 comes
+first.
 """
 
 from __future__ import annotations

@@ -183,7 +183,9 @@ def test_address_updates(processor: Any, modn: int, ar: int, ir: tuple[int, int]
 @given(dp=words, offset=some.integers(0, 0xFFFF), value=words)
 def test_direct_addresses_take_sixteen_bits_of_the_page(processor: Any, dp: int, offset: int, value: int) -> None:
     address = (dp << 16 | offset) & WORD
-    if not 0x0FF0 < address < 0x1010 and not 0x100000 <= address < 0x100100:  # the program; peripheral registers (ruling 34)
+    if (
+        not 0x0FF0 < address < 0x1010 and not 0x100000 <= address < 0x100100
+    ):  # the program; peripheral registers (ruling 34)
         compare(processor, 0x08200000 | offset, {DP: dp}, {address: value})
         processor.poke(address, 0)
 

@@ -1,4 +1,5 @@
-"""The emulator's instruction table against the tables of the reference text: mnemonics, flag classes, cycles, families."""
+"""The emulator's instruction table against the tables of the reference text: mnemonics, flag classes, cycles,
+families."""
 
 import pytest
 from cmrc._core import isa

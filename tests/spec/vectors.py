@@ -104,7 +104,8 @@ def shown(code: int, value: int) -> str:
 
 
 class RejectedError(Exception):
-    """The drawn state leads to something that another core need not do the same: a change of the program's own words."""
+    """The drawn state leads to something that another core need not do the same: a change of the program's own
+    words."""
 
 
 def run(machine: Machine, steps: int) -> None:

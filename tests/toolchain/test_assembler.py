@@ -65,7 +65,9 @@ def test_constants_may_be_used_before_they_are_defined_and_repeated_unchanged() 
 
 
 def test_labels_and_constants_end_up_in_the_symbols() -> None:
-    image = toolchain.assemble("base .set 10h\nrate .set 0.5\nhere: nop\nthere nop\nsize .set there-here\n", symbols={"N": 3})
+    image = toolchain.assemble(
+        "base .set 10h\nrate .set 0.5\nhere: nop\nthere nop\nsize .set there-here\n", symbols={"N": 3}
+    )
     assert image.symbols == {"base": 0x10, "rate": 0xFF000000, "here": 0x300000, "there": 0x300001, "size": 1, "N": 3}
 
 
@@ -84,7 +86,12 @@ def test_data_directives() -> None:
     ]  # fmt: skip
     assert words("\tnop\n\t.align 4\n\tnop\n\t.space 2\n") == [0x0C800000] * 5 + [0, 0]
     assert words("\t.word $,$-start\nstart: .word $\n") == [0x300000, 0xFFFFFFFE, 0x300002]
-    assert words("x .set 1.5\n\t.word single(x*2)\n\t.float x,-x,3\n") == [0x01400000, 0x00400000, 0x00C00000, 0x01400000]
+    assert words("x .set 1.5\n\t.word single(x*2)\n\t.float x,-x,3\n") == [
+        0x01400000,
+        0x00400000,
+        0x00C00000,
+        0x01400000,
+    ]
 
 
 def test_numbers_take_a_word_per_character_and_strings_a_word_per_four() -> None:
@@ -127,7 +134,12 @@ def test_predefined_symbols_and_the_processors_version() -> None:
 
 
 def test_labels_may_have_the_names_of_instructions() -> None:
-    assert words("B .set 5\n\tldi B,r0\nstore ldi 1,r0\nOR: nop\nabsf\tnop\n") == [0x08600005, 0x08600001, 0x0C800000, 0x0C800000]
+    assert words("B .set 5\n\tldi B,r0\nstore ldi 1,r0\nOR: nop\nabsf\tnop\n") == [
+        0x08600005,
+        0x08600001,
+        0x0C800000,
+        0x0C800000,
+    ]
 
 
 def test_structures_name_places_in_records() -> None:
@@ -168,8 +180,10 @@ b1      .tag    box
 
 
 def test_what_compilers_and_listings_need_is_accepted() -> None:
-    ignored = ".title \"x\"|.page|.list|.nolist|.length 60|.width 132|.option B|.sym _f,_f,32,2,0|.func 6|.line 2|.file \"a.c\"" \
-              "|.stag .fake0,96|.member _a,0,15,8,32|.eos|.endfunc 29,000000000H,2|.sblock \".text\"|.mlib \"m.lib\"|.fclist|.tab 8"
+    ignored = (
+        '.title "x"|.page|.list|.nolist|.length 60|.width 132|.option B|.sym _f,_f,32,2,0|.func 6|.line 2|.file "a.c"'
+        '|.stag .fake0,96|.member _a,0,15,8,32|.eos|.endfunc 29,000000000H,2|.sblock ".text"|.mlib "m.lib"|.fclist|.tab 8'
+    )
     assert words("".join(f"\t{line}\n" for line in ignored.split("|")) + "\tnop\n\t.END\nrubbish (\n") == [0x0C800000]
 
 

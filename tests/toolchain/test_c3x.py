@@ -1,4 +1,5 @@
-"""Programs of the C3x: assembled, linked, disassembled; and the commands that refuse to run them (docs/assembler.md, The C3x)."""
+"""Programs of the C3x: assembled, linked, disassembled; and the commands that refuse to run them (docs/assembler.md,
+The C3x)."""
 
 import json
 import struct
@@ -127,7 +128,9 @@ def test_what_it_does_not_have_is_refused_by_name(line: str, message: str) -> No
     ],
 )
 @pytest.mark.parametrize("dialect", ["ti", "gnu"])
-def test_without_the_switch_a_name_of_the_c3x_is_refused_with_the_c40s_counterpart(line: str, message: str, dialect: str) -> None:
+def test_without_the_switch_a_name_of_the_c3x_is_refused_with_the_c40s_counterpart(
+    line: str, message: str, dialect: str
+) -> None:
     assert message in refusal(f" {line}\n", "c40", dialect=dialect)
 
 
@@ -160,7 +163,13 @@ def test_what_the_two_share_reads_the_same_and_the_rest_does_not() -> None:
     other = {"br", "brd", "call", "rptb", "trap?", "sigi", "maxspeed", "lopower"}
     c40 = {row["picture"]: row["mnemonic"] for row in isa.rows() if not row["c4x_only"]}
     c3x = {row["picture"]: row["mnemonic"] for row in isa.rows("c3x")}
-    assert {name for picture, name in c3x.items() if c40.get(picture) != name} == {"trap?", "sigi", "maxspeed", "lopower", "idle2"}
+    assert {name for picture, name in c3x.items() if c40.get(picture) != name} == {
+        "trap?",
+        "sigi",
+        "maxspeed",
+        "lopower",
+        "idle2",
+    }
     assert {name for picture, name in c40.items() if picture not in c3x} == {"trap?"}
     for word in corpus.every_form(cpu="c3x")[::37]:
         decoded = isa.decode(word, "c3x")
@@ -168,7 +177,9 @@ def test_what_the_two_share_reads_the_same_and_the_rest_does_not() -> None:
         if decoded["mnemonic"] in other or any(name in isa.disassemble(word, cpu="c3x") for name in registers.values()):
             continue
         assert isa.disassemble(word, 5, cpu="c3x") == isa.disassemble(word, 5)
-    assert isa.reserved_reason(0x1C000000 | 1 << 21, "c3x") and isa.reserved_reason(0x1C000000 | 1 << 21) is None  # FRIEEE
+    assert (
+        isa.reserved_reason(0x1C000000 | 1 << 21, "c3x") and isa.reserved_reason(0x1C000000 | 1 << 21) is None
+    )  # FRIEEE
     assert "register" in str(isa.reserved_reason(0x0800001C, "c3x"))  # LDI R8,R0
     with pytest.raises(ValueError, match='"c50" is unknown; "c40" or "c3x" is expected'):
         isa.decode(0, "c50")
@@ -181,17 +192,37 @@ def test_objects_say_whose_they_are_and_link_to_what_one_assembly_gives() -> Non
         data = toolchain.object_bytes(o, version)
         again = toolchain.read_object(data, "a.o")
         assert (struct.unpack_from("<H", data, 18)[0] & C40_FLAG, again.cpu) == (0, "c3x")
-        assert [r.type for r in again.sections[0].relocations] == ["R_PARTMS8", "R_PARTLS16", "R_REL24", "R_REL24", "R_REL24"]
+        assert [r.type for r in again.sections[0].relocations] == [
+            "R_PARTMS8",
+            "R_PARTLS16",
+            "R_REL24",
+            "R_REL24",
+            "R_REL24",
+        ]
         image, _ = toolchain.link([again])
         assert image.cpu == "c3x"
-        assert [(s.name, s.address, list(s.words)) for s in image.sections] == [(s.name, s.address, list(s.words)) for s in whole.sections]
+        assert [(s.name, s.address, list(s.words)) for s in image.sections] == [
+            (s.name, s.address, list(s.words)) for s in whole.sections
+        ]
 
 
 def test_absolute_branches_between_objects() -> None:
-    a = toolchain.assemble_object(" .global far,near\nstart: call far\n br far+2\nnear: br start\n", name="a.o", cpu="c3x")
+    a = toolchain.assemble_object(
+        " .global far,near\nstart: call far\n br far+2\nnear: br start\n", name="a.o", cpu="c3x"
+    )
     b = toolchain.assemble_object(" .global far,near\n nop\nfar: br near\n rptb far+1\n nop\n", name="b.o", cpu="c3x")
-    image, _ = toolchain.link([a, b], map='[memory]\nm = { origin = 0x809800, length = 0x800 }\n[sections]\n".text" = "m"\n')
-    assert list(image.sections[0].words) == [0x62809804, 0x60809806, 0x60809800, 0x0C800000, 0x60809802, 0x64809805, 0x0C800000]
+    image, _ = toolchain.link(
+        [a, b], map='[memory]\nm = { origin = 0x809800, length = 0x800 }\n[sections]\n".text" = "m"\n'
+    )
+    assert list(image.sections[0].words) == [
+        0x62809804,
+        0x60809806,
+        0x60809800,
+        0x0C800000,
+        0x60809802,
+        0x64809805,
+        0x0C800000,
+    ]
 
 
 def test_objects_of_two_processors_are_not_linked() -> None:
@@ -249,7 +280,9 @@ def test_disassembly_gives_a_source_that_assembles_to_the_same(emulator: Path, b
     assert head[head.index("--cpu") + 1] == "c3x"
     (built / "again.asm").write_text(source)
     options = [word for word in head[head.index("OUT") + 1 :]]
-    done = run(emulator, "asm", built / "again.asm", *options, "-o", built / "again.out", "--listing", built / "again.lst")
+    done = run(
+        emulator, "asm", built / "again.asm", *options, "-o", built / "again.out", "--listing", built / "again.lst"
+    )
     assert done.returncode == 0, done.stderr
     assert (built / "again.lst").read_text().startswith("cpu c3x\n")
     once, again = toolchain.read_coff(built / "p.out"), toolchain.read_coff(built / "again.out")
@@ -288,7 +321,11 @@ def test_the_debug_adapter_refuses_it(emulator: Path, built: Path) -> None:
         body = json.dumps({"seq": sequence, "type": "request", "command": command, "arguments": arguments}).encode()
         return b"Content-Length: %d\r\n\r\n" % len(body) + body
 
-    requests = message(1, "initialize", adapterID="x") + message(2, "launch", program=str(built / "p.out")) + message(3, "disconnect")
+    requests = (
+        message(1, "initialize", adapterID="x")
+        + message(2, "launch", program=str(built / "p.out"))
+        + message(3, "disconnect")
+    )
     done = subprocess.run([emulator, "dap"], input=requests, capture_output=True, timeout=60, check=False)
     assert b"a program of the TMS320C3x" in done.stdout
 

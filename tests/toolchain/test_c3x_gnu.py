@@ -1,4 +1,5 @@
-"""Objects of the C3x against GNU as and ld for tic4x with -m30, which `make oracles` builds; without them these tests are skipped."""
+"""Objects of the C3x against GNU as and ld for tic4x with -m30, which `make oracles` builds; without them these tests
+are skipped."""
 
 import re
 import subprocess
@@ -58,17 +59,32 @@ there:  .word   5,far
 
 def gnu_object(source: str, folder: Path, name: str, *options: str) -> toolchain.Object:
     (folder / f"{name}.s").write_text(source)
-    command = [GNU / "tic4x-as", "-m30", "-midle2", "-mlowpower", *options, folder / f"{name}.s", "-o", folder / f"{name}.o"]
+    command = [
+        GNU / "tic4x-as",
+        "-m30",
+        "-midle2",
+        "-mlowpower",
+        *options,
+        folder / f"{name}.s",
+        "-o",
+        folder / f"{name}.o",
+    ]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[:2000]
     return toolchain.read_object((folder / f"{name}.o").read_bytes(), name)
 
 
 def test_both_assemblers_make_the_same_words_of_the_corpus(tmp_path: Path) -> None:
-    """69,000 lines: every row, condition, addressing form and register. The differences are those of the C40 (test_gnu.py)."""
+    """69,000 lines: every row, condition, addressing form and register. The differences are those of the C40
+    (test_gnu.py)."""
     words, lines = [], []
     for word in corpus.every_form(cpu="c3x"):
-        text = isa.disassemble(word, len(words), lambda address: f"L0+{address}" if address < 1 << 24 else f"L0-{(1 << 32) - address}", cpu="c3x")
+        text = isa.disassemble(
+            word,
+            len(words),
+            lambda address: f"L0+{address}" if address < 1 << 24 else f"L0-{(1 << 32) - address}",
+            cpu="c3x",
+        )
         if "=" not in text:
             words.append(word)
             lines.append(f"\t{text}\n")
@@ -84,13 +100,21 @@ def test_both_assemblers_make_the_same_words_of_the_corpus(tmp_path: Path) -> No
             continue
         decimal = re.search(r" (-?\d+\.\d+)", line)
         counts["zero" if zero.search(line) else "float"] += 1
-        assert isa.disassemble(their, cpu="c3x") == zero.sub(r"*\2", line.strip()) if zero.search(line) else decimal and abs(our - their) == 1, line
+        assert (
+            isa.disassemble(their, cpu="c3x") == zero.sub(r"*\2", line.strip())
+            if zero.search(line)
+            else decimal and abs(our - their) == 1
+        ), line
     assert 0 < counts["zero"] < 2000 and counts["float"] < 20
 
 
 def test_gnus_own_test_sources_give_the_same_words(tmp_path: Path) -> None:
     """Lines of -m30 that we refuse are left out; each has its reason."""
-    refused = {"is needed here, not the register": "nop +AR0", "is not a number": ".*0e", "takes 2 operands": r"\w+ +A?R0$"}
+    refused = {
+        "is needed here, not the register": "nop +AR0",
+        "is not a number": ".*0e",
+        "takes 2 operands": r"\w+ +A?R0$",
+    }
     counts = {}
     for name in ("opcodes", "addressing", "registers"):
         source = (GNU.parent / "testsuite" / f"{name}.s").read_text().replace("&", "\n")
@@ -106,7 +130,11 @@ def test_gnus_own_test_sources_give_the_same_words(tmp_path: Path) -> None:
             except toolchain.AssemblyError as error:
                 for diagnostic in error.diagnostics:
                     at = diagnostic["line"] - 1 - len(symbols)
-                    reasons = [reason for reason, shape in refused.items() if reason in diagnostic["message"] and re.match(shape, lines[at].strip())]
+                    reasons = [
+                        reason
+                        for reason, shape in refused.items()
+                        if reason in diagnostic["message"] and re.match(shape, lines[at].strip())
+                    ]
                     assert reasons, (diagnostic["message"], lines[at])
                 for diagnostic in error.diagnostics:
                     lines[diagnostic["line"] - 1 - len(symbols)] = ""
@@ -135,7 +163,11 @@ def test_objects_of_either_link_to_the_same_with_either_linker(tmp_path: Path, v
             files = [f"a.{first}.o", f"b.{second}.o"]
             subprocess.run([GNU / "tic4x-ld", "-T", "l.ld", *files, "-o", "p.out"], cwd=tmp_path, check=True)
             theirs = toolchain.read_coff(tmp_path / "p.out")
-            ours, _ = toolchain.link([toolchain.read_object((tmp_path / file).read_bytes(), file) for file in files], map=MAP)
+            ours, _ = toolchain.link(
+                [toolchain.read_object((tmp_path / file).read_bytes(), file) for file in files], map=MAP
+            )
             assert theirs.cpu == ours.cpu == "c3x"
-            results += [{s.name: (s.address, list(s.words)) for s in image.sections if s.words} for image in (theirs, ours)]
+            results += [
+                {s.name: (s.address, list(s.words)) for s in image.sections if s.words} for image in (theirs, ours)
+            ]
     assert all(result == results[0] for result in results) and len(results[0][".text"][1]) > 15

@@ -72,7 +72,13 @@ def test_equal_programs_give_equal_files_and_the_header_is_that_of_version_2(tmp
     data = (tmp_path / "a").read_bytes()
     assert data == (tmp_path / "b").read_bytes()
     magic, sections, _, _, _, optional, flags, target = struct.unpack_from("<HHIIIHHH", data)
-    assert (magic, sections, optional, flags, target) == (0xC2, 4, 28, 0x0113, 0x93)  # executable, no relocations, lines
+    assert (magic, sections, optional, flags, target) == (
+        0xC2,
+        4,
+        28,
+        0x0113,
+        0x93,
+    )  # executable, no relocations, lines
 
 
 COPIES = (2, 0x2000, 77, 78, 1, 0x2010, 79, 0)  # What the loader sets: records up to a count of 0.
@@ -174,7 +180,11 @@ def test_a_file_cut_anywhere_is_refused_with_a_reason(name: str) -> None:
 
 def test_a_file_cut_short_says_what_should_be_where() -> None:
     good = (HERE / "coff" / "p_crc.O2.out").read_bytes()
-    for length, part in ((21, "the target should be at bytes 20 to 22"), (30, "the optional header should be at bytes 22 to 50"), (3146, "the string table should be at bytes 3122 to 3151")):
+    for length, part in (
+        (21, "the target should be at bytes 20 to 22"),
+        (30, "the optional header should be at bytes 22 to 50"),
+        (3146, "the string table should be at bytes 3122 to 3151"),
+    ):
         with pytest.raises(toolchain.CoffError, match=f"cut short: {part}, but the file has {length}"):
             toolchain.read_coff_bytes(good[:length])
 
@@ -186,7 +196,9 @@ def test_damaged_files_are_read_or_refused_but_harm_nothing() -> None:
     for _ in range(5000):
         bad = bytearray(good)
         for _ in range(rng.randint(1, 8)):
-            bad[rng.randrange(300 if rng.random() < 0.7 else len(bad))] = rng.choice([0, 1, 0x7F, 0x80, 0xFF, rng.randrange(256)])
+            bad[rng.randrange(300 if rng.random() < 0.7 else len(bad))] = rng.choice(
+                [0, 1, 0x7F, 0x80, 0xFF, rng.randrange(256)]
+            )
         try:
             toolchain.read_coff_bytes(bytes(bad))
         except toolchain.CoffError:
@@ -197,16 +209,23 @@ def test_damaged_files_are_read_or_refused_but_harm_nothing() -> None:
 def test_the_build_tools_status_and_files(tmp_path: Path, emulator: Path) -> None:
     tool = emulator.parent / BUILD_BIN
     source = tmp_path / "p.asm"
-    source.write_text("\t.include \"n.inc\"\n\tldi N,r0\n")
+    source.write_text('\t.include "n.inc"\n\tldi N,r0\n')
     (tmp_path / "inc").mkdir()
     (tmp_path / "inc" / "n.inc").write_text("N .set 5\n")
     command = [tool, source, "-o", tmp_path / "p.out"]
     failed = subprocess.run(command, capture_output=True, text=True, check=False)
     assert failed.returncode == 2 and "p.asm:1:11: error: no file 'n.inc'" in failed.stderr
     assert not list(tmp_path.glob("p.out*"))
-    done = subprocess.run([*command, "-I", tmp_path / "inc", "--listing", tmp_path / "p.lst"], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [*command, "-I", tmp_path / "inc", "--listing", tmp_path / "p.lst"], capture_output=True, text=True, check=False
+    )
     assert (done.returncode, done.stderr) == (0, "")
     assert list(toolchain.read_coff(tmp_path / "p.out").sections[0].words) == [0x08600005]
     assert "08600005" in (tmp_path / "p.lst").read_text()
-    for bad in ([], ["-o"], [source, "--frob", "-o", "x"], [source, "-o", tmp_path / "none" / "x", "-I", tmp_path / "inc"]):
+    for bad in (
+        [],
+        ["-o"],
+        [source, "--frob", "-o", "x"],
+        [source, "-o", tmp_path / "none" / "x", "-I", tmp_path / "inc"],
+    ):
         assert subprocess.run([tool, *bad], check=False, capture_output=True).returncode == 2

@@ -1,4 +1,5 @@
-"""Ruling 33: `ldp` as TI's assembler and as GNU as read it, and what decides which it is. Words from the ruling's table, which TI-built objects and GNU as confirm."""
+"""Ruling 33: `ldp` as TI's assembler and as GNU as read it, and what decides which it is. Words from the ruling's
+table, which TI-built objects and GNU as confirm."""
 
 import re
 import subprocess
@@ -11,7 +12,9 @@ from locations import BUILD
 
 
 def words(source: str, dialect: str | None = None) -> list[int]:
-    return list(toolchain.assemble(source, sections={".text": 0x301000, ".data": 0x80123456}, dialect=dialect).sections[0].words)
+    return list(
+        toolchain.assemble(source, sections={".text": 0x301000, ".data": 0x80123456}, dialect=dialect).sections[0].words
+    )
 
 
 LDP = [
@@ -153,7 +156,9 @@ def test_python_and_the_commands_take_it(tmp_path: Path) -> None:
     (tmp_path / "p.hex").write_text("6A00FFFF\n")
 
     def run(tool: str, *arguments: object) -> subprocess.CompletedProcess[str]:
-        return subprocess.run([BUILD / "bin" / tool, *map(str, arguments)], capture_output=True, text=True, cwd=tmp_path, check=False)
+        return subprocess.run(
+            [BUILD / "bin" / tool, *map(str, arguments)], capture_output=True, text=True, cwd=tmp_path, check=False
+        )
 
     for tool, first in (("emulator", ["asm"]), ("c40_asm", [])):
         made = run(tool, *first, source, "-o", "p.out", "--dialect", "gnu")
@@ -229,7 +234,11 @@ def test_bare_symbols_halves_and_register_marks(line: str, ti: int | None, gnu: 
             assert words(source, dialect)[0] == expected, dialect
 
 
-MARKS = [("ldi ^x,r0", "the upper half of an address: --dialect gnu, or hi16"), ("ldi #x,r0", "the lower half"), ("ldi %r1,r0", "--dialect gnu")]
+MARKS = [
+    ("ldi ^x,r0", "the upper half of an address: --dialect gnu, or hi16"),
+    ("ldi #x,r0", "the lower half"),
+    ("ldi %r1,r0", "--dialect gnu"),
+]
 
 
 @pytest.mark.parametrize(("line", "message"), MARKS)

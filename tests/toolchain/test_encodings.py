@@ -106,7 +106,13 @@ def test_the_3_of_three_operands_may_always_be_left_out() -> None:
     compares = ("cmpf3", "cmpi3", "tstb3")  # Of two operands, these would be general ones.
     three = [word for word in corpus.every_form() if word >> 29 == 1 or word >> 28 in (8, 12, 13, 14, 15)]
     words = [word for word in rng.sample(three, 4000) if not isa.disassemble(word).startswith(compares)]
-    texts = [" || ".join(half.replace("3 ", " ", 1) if half.split()[0][-1] == "3" else half for half in isa.disassemble(word).split(" || ")) for word in words]
+    texts = [
+        " || ".join(
+            half.replace("3 ", " ", 1) if half.split()[0][-1] == "3" else half
+            for half in isa.disassemble(word).split(" || ")
+        )
+        for word in words
+    ]
     assert assemble_words(texts) == words
 
 
@@ -122,7 +128,8 @@ def test_every_row_with_the_corner_values_of_every_field_is_a_fixed_point() -> N
         picture = row["picture"].replace(" ", "")
         letters = [letter for letter in dict.fromkeys(picture) if letter.isalpha()]
         choices = [
-            [value << (31 - picture.rindex(letter)) for value in field_values(picture.count(letter), rng)] for letter in letters
+            [value << (31 - picture.rindex(letter)) for value in field_values(picture.count(letter), rng)]
+            for letter in letters
         ]
         tries = {row["match"] | sum(rng.choice(values) for values in choices) for _ in range(400)}
         legal = [word for word in sorted(tries) if isa.decode(word) is not None][:150]
@@ -132,7 +139,9 @@ def test_every_row_with_the_corner_values_of_every_field_is_a_fixed_point() -> N
 
 
 def test_every_indirect_form_is_a_fixed_point_in_every_place() -> None:
-    general = [0x08400000 | modn << 11 | ar << 8 | disp for modn in range(26) for ar in (0, 7) for disp in (0, 1, 2, 255)]
+    general = [
+        0x08400000 | modn << 11 | ar << 8 | disp for modn in range(26) for ar in (0, 7) for disp in (0, 1, 2, 255)
+    ]
     type1 = [0x20E00000 | a << 11 | 1 << 8 | b << 3 | 2 for a in range(26) for b in range(26)]
     type2 = [0x31600000 | a << 8 | b for a in range(0, 256, 7) for b in range(256)]
     type2 += [0x31200000 | 5 << 8 | b for b in range(256)]

@@ -1,4 +1,5 @@
-"""What stands behind a complete line is an error, in the column where it stands: for every directive and an instruction."""
+"""What stands behind a complete line is an error, in the column where it stands: for every directive and an
+instruction."""
 
 from pathlib import Path
 
@@ -30,5 +31,8 @@ def test_nothing_may_stand_behind_a_complete_line(source: str, tmp_path: Path) -
 
 @pytest.mark.parametrize("directive", [".space", ".align", ".bes", ".rept", ".if"])
 def test_a_value_that_is_not_known_is_marked_where_it_stands(directive: str) -> None:
-    with pytest.raises(toolchain.AssemblyError, match=rf"<text>:2:{len(directive) + 6}: error: .* must be an integer that is known here"):
+    with pytest.raises(
+        toolchain.AssemblyError,
+        match=rf"<text>:2:{len(directive) + 6}: error: .* must be an integer that is known here",
+    ):
         toolchain.assemble(f"x: nop\n {directive}    x\n")

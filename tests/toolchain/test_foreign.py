@@ -19,7 +19,9 @@ ASSEMBLED = {"helios": (151, 154), "cps": (73, 119), "cruisin": (61, 70)}
 def test_public_sources_assemble_as_the_page_says(name: str) -> None:
     if not (ROOT / "build-foreign" / name).is_dir():
         pytest.skip(f"scripts/foreign {name} has not been run here")
-    done = subprocess.run([sys.executable, ROOT / "scripts" / "foreign", name], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, ROOT / "scripts" / "foreign", name], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stdout
     found = re.search(r"(\d+) of (\d+) files assemble", done.stdout)
     assert found and (int(found[1]), int(found[2])) == ASSEMBLED[name]
@@ -29,7 +31,9 @@ def test_public_sources_assemble_as_the_page_says(name: str) -> None:
 def test_programs_of_gcc_print_what_the_page_says() -> None:
     if not ((ROOT / "build-foreign" / "gcc").exists() or (ROOT / "build-gcc-c4x" / "cc1").exists()):
         pytest.skip("neither scripts/gcc_c4x nor scripts/foreign gcc --from FOLDER has been run here")
-    done = subprocess.run([sys.executable, ROOT / "scripts" / "foreign", "gcc"], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, ROOT / "scripts" / "foreign", "gcc"], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     page = (ROOT / "docs" / "from-c.md").read_text()
     counted = re.findall(r"(\d+ of \d+) (?:programs|with)", done.stdout)
@@ -37,7 +41,12 @@ def test_programs_of_gcc_print_what_the_page_says() -> None:
 
 
 def test_gcc_without_a_folder_says_what_is_missing(tmp_path) -> None:  # type: ignore[no-untyped-def]
-    done = subprocess.run([sys.executable, ROOT / "scripts" / "foreign", "gcc", "--from", tmp_path / "none"], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, ROOT / "scripts" / "foreign", "gcc", "--from", tmp_path / "none"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 2 and "no folder" in done.stderr
 
 
@@ -65,7 +74,19 @@ def test_what_tis_compiler_wrote_in_1992_computes_with_our_run_time_what_it_comp
         pytest.skip("scripts/foreign helios has not been run here")
     ours = tmp_path / "mand.out"
     done = subprocess.run(
-        [sys.executable, ROOT / "scripts" / "link_c", folder / "manddsp.asm", folder / "interrup.asm", "-o", ours, "--arguments", "stack"], capture_output=True, text=True, check=False
+        [
+            sys.executable,
+            ROOT / "scripts" / "link_c",
+            folder / "manddsp.asm",
+            folder / "interrup.asm",
+            "-o",
+            ours,
+            "--arguments",
+            "stack",
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert done.returncode == 0, done.stderr
     line = mandelbrot_line(ours, 64)
@@ -117,7 +138,12 @@ open(sys.argv[sys.argv.index("-o") + 1], "w").write(text)
 @pytest.mark.skipif(BUILD != ROOT / "build", reason="the script takes the emulator of build/")
 @pytest.mark.parametrize(
     ("version", "right", "flags", "explained"),
-    [("3.4", 73, "-O2 -funroll-loops", True), ("3.4", 74, "-O2 -funroll-loops", False), ("3.4", 73, "-O2", False), ("2.95", 73, "-O2 -funroll-loops", False)],
+    [
+        ("3.4", 73, "-O2 -funroll-loops", True),
+        ("3.4", 74, "-O2 -funroll-loops", False),
+        ("3.4", 73, "-O2", False),
+        ("2.95", 73, "-O2 -funroll-loops", False),
+    ],
 )
 def test_unrolling_explains_a_difference_only_of_gcc_3_4_and_only_if_the_program_is_right_without_the_loop_counter(
     tmp_path: Path, version: str, right: int, flags: str, explained: bool

@@ -1,4 +1,5 @@
-"""TI's run-time library of 1999: our assembler's words against TI's, and TI's objects through our linker on the emulated chip (docs/assembler.md, Old sources)."""
+"""TI's run-time library of 1999: our assembler's words against TI's, and TI's objects through our linker on the
+emulated chip (docs/assembler.md, Old sources)."""
 
 from __future__ import annotations
 
@@ -35,33 +36,61 @@ class OfTi(Library):
 
     def __init__(self, library: str, folder: Path) -> None:
         names = [*FUNCTIONS, *TWO, *WHOLE]
-        (folder / "main.asm").write_text(f"\t.global _main, {', '.join(names)}\n\t.text\n_main:\trets\n\t.word {','.join(names)}\n")
-        assert subprocess.run([EMULATOR, "asm", "-c", folder / "main.asm", "-o", folder / "main.o"], check=False).returncode == 0
-        assert link([folder / "main.o", FOLDER / "Release" / "lib" / f"{library}.lib"], folder / "all.out", "--c-model", "rom", "--map-output", folder / "map") == ""
+        (folder / "main.asm").write_text(
+            f"\t.global _main, {', '.join(names)}\n\t.text\n_main:\trets\n\t.word {','.join(names)}\n"
+        )
+        assert (
+            subprocess.run(
+                [EMULATOR, "asm", "-c", folder / "main.asm", "-o", folder / "main.o"], check=False
+            ).returncode
+            == 0
+        )
+        assert (
+            link(
+                [folder / "main.o", FOLDER / "Release" / "lib" / f"{library}.lib"],
+                folder / "all.out",
+                "--c-model",
+                "rom",
+                "--map-output",
+                folder / "map",
+            )
+            == ""
+        )
         self.convention = "stack" if library in STACKED else "registers"
         self.chip = c40.Processor(c40.read_coff(folder / "all.out"))
-        assert self.chip.pc == self.chip.address("_c_int00") and re.search(r"^\.stack .* 400h", (folder / "map").read_text(), re.MULTILINE)
+        assert self.chip.pc == self.chip.address("_c_int00") and re.search(
+            r"^\.stack .* 400h", (folder / "map").read_text(), re.MULTILINE
+        )
         assert self.chip.run(100_000, until="_main").reason == "until"  # boot.asm has copied the initial values
 
-
     def enter(self, name: str, pushed: list[int], kept: tuple[str, ...]) -> None:
-        """In the small memory model DP is that of .bss, for all functions. R4, R5 and R8 are kept as integers, R6 and R7 as floats."""
+        """In the small memory model DP is that of .bss, for all functions. R4, R5 and R8 are kept as integers, R6 and
+        R7 as floats."""
         super().enter(name, pushed, tuple(register for register in kept if register.startswith("AR")))
 
 
 @here
 @pytest.mark.skipif(BUILD != ROOT / "build", reason="the script takes the emulator of build/")
 def test_every_source_assembles_and_every_object_is_tis_but_for_how_ldp_is_written() -> None:
-    done = subprocess.run([sys.executable, ROOT / "scripts" / "foreign", "ti"], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, ROOT / "scripts" / "foreign", "ti"], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     page = (ROOT / "docs" / "assembler.md").read_text()
-    objects, words, as_ldp = re.search(r"(\d+) objects, (\d+) words beside TI's own: (\d+) words of LDP .*; 0 other differences", done.stdout).groups()  # type: ignore[union-attr]
+    objects, words, as_ldp = re.search(
+        r"(\d+) objects, (\d+) words beside TI's own: (\d+) words of LDP .*; 0 other differences", done.stdout
+    ).groups()  # type: ignore[union-attr]
     assert f"{objects} objects, {int(words):,} words" in page and f"{as_ldp} words" in page
 
 
-@pytest.mark.skipif(not all((ROOT / "build-foreign" / name).is_dir() for name in ("helios", "cps", "cruisin", "ti")), reason="scripts/foreign has not been run for all four here")
+@pytest.mark.skipif(
+    not all((ROOT / "build-foreign" / name).is_dir() for name in ("helios", "cps", "cruisin", "ti")),
+    reason="scripts/foreign has not been run for all four here",
+)
 def test_the_page_has_the_directives_of_all_four_collections_and_all_are_known() -> None:
-    done = subprocess.run([sys.executable, ROOT / "scripts" / "foreign", "directives"], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, ROOT / "scripts" / "foreign", "directives"], capture_output=True, text=True, check=False
+    )
     page = (ROOT / "docs" / "assembler.md").read_text()
     assert done.returncode == 0 and f"<!-- directives -->\n{done.stdout}<!-- end -->" in page
     for name in re.findall(r"^\| `(\.\w+)`", done.stdout, re.MULTILINE):
@@ -110,8 +139,18 @@ def test_tis_sprintf_writes_what_the_hosts_does(library: str, tmp_path: Path) ->
 def test_a_library_of_the_c3x_is_linked_for_the_c3x_alone(library: str, tmp_path: Path) -> None:
     (tmp_path / "main.asm").write_text("\t.global _main, _sprintf\n\t.text\n_main:\tcall _sprintf\n\trets\n")
     for cpu, refused in (("c3x", False), ("c40", True)):
-        assert subprocess.run([EMULATOR, "asm", "-c", tmp_path / "main.asm", "-o", tmp_path / "main.o", "--cpu", cpu], check=False).returncode == 0
-        said = link([tmp_path / "main.o", FOLDER / "Release" / "lib" / f"{library}.lib"], tmp_path / "all.out", "--c-model", "ram")
+        assert (
+            subprocess.run(
+                [EMULATOR, "asm", "-c", tmp_path / "main.asm", "-o", tmp_path / "main.o", "--cpu", cpu], check=False
+            ).returncode
+            == 0
+        )
+        said = link(
+            [tmp_path / "main.o", FOLDER / "Release" / "lib" / f"{library}.lib"],
+            tmp_path / "all.out",
+            "--c-model",
+            "ram",
+        )
         assert ("all of a program are of one processor" in said) == refused
     done = subprocess.run([EMULATOR, "exec", tmp_path / "all.out"], capture_output=True, text=True, check=False)
     assert done.returncode == 2 and "C3x" in done.stderr

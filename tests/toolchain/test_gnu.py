@@ -39,7 +39,8 @@ def short_float(bits: int) -> Fraction:
 
 
 def test_both_assemblers_make_the_same_words_of_the_corpus(tmp_path: Path) -> None:
-    """118,000 lines. Two differences are known (gnu_differences.toml): displacements of 0, and GNU's rounding of decimals."""
+    """118,000 lines. Two differences are known (gnu_differences.toml): displacements of 0, and GNU's rounding of
+    decimals."""
     words, lines = [], []
     for word in corpus.every_form():
         text = isa.disassemble(word, len(words), label)
@@ -97,7 +98,10 @@ a:\t.word 1,-1,0FFFFFFFFh,'A'
 \t.align
 \tldi r0,r0
 """
-    ours, theirs = list(toolchain.assemble(source, sections={".text": 0}, dialect="gnu").sections[0].words), gnu_words(source, tmp_path)
+    ours, theirs = (
+        list(toolchain.assemble(source, sections={".text": 0}, dialect="gnu").sections[0].words),
+        gnu_words(source, tmp_path),
+    )
     assert ours == theirs[: len(ours)] and set(theirs[len(ours) :]) <= {0, 0x0C800000}
 
 
@@ -122,13 +126,22 @@ def test_gnus_own_test_sources_give_the_same_words(tmp_path: Path) -> None:
             except toolchain.AssemblyError as error:
                 for diagnostic in error.diagnostics:
                     at = diagnostic["line"] - 1 - len(symbols)
-                    reasons = [reason for reason, shape in refused.items() if reason in diagnostic["message"] and re.match(shape, lines[at].strip())]
+                    reasons = [
+                        reason
+                        for reason, shape in refused.items()
+                        if reason in diagnostic["message"] and re.match(shape, lines[at].strip())
+                    ]
                     assert reasons, (diagnostic["message"], lines[at])
                 for diagnostic in error.diagnostics:
                     lines[diagnostic["line"] - 1 - len(symbols)] = ""
         (tmp_path / "gnu.s").write_text("\n".join(lines) + "\n")
         define = [word for symbol, value in symbols.items() for word in ("--defsym", f"{symbol}={value}")]
-        subprocess.run([GNU / "tic4x-as", "-m40", "-midle2", *define, "gnu.s", "-o", "gnu.o"], cwd=tmp_path, check=True, capture_output=True)
+        subprocess.run(
+            [GNU / "tic4x-as", "-m40", "-midle2", *define, "gnu.s", "-o", "gnu.o"],
+            cwd=tmp_path,
+            check=True,
+            capture_output=True,
+        )
         theirs = toolchain.read_object((tmp_path / "gnu.o").read_bytes())
         assert list(ours.sections[0].words) == list(theirs.sections[0].words)
         counts[name] = len(ours.sections[0].words)
@@ -140,7 +153,11 @@ def test_gnu_ld_links_our_objects_and_we_link_gnus(tmp_path: Path) -> None:
     emulator = BUILD / "bin" / "emulator"
     for name in "ab":
         subprocess.run([GNU / "tic4x-as", "-m40", here / f"{name}.s", "-o", tmp_path / f"{name}.gnu.o"], check=True)
-        subprocess.run([emulator, "asm", here / f"{name}.s", "--dialect", "gnu", "-c", "-o", tmp_path / f"{name}.our.o"], check=True, capture_output=True)
+        subprocess.run(
+            [emulator, "asm", here / f"{name}.s", "--dialect", "gnu", "-c", "-o", tmp_path / f"{name}.our.o"],
+            check=True,
+            capture_output=True,
+        )
     (tmp_path / "l.ld").write_text(
         'OUTPUT_FORMAT("coff2-tic4x")\nENTRY(_start)\nSECTIONS { .text 0x300000 : { *(.text) } .data 0x300100 : { *(.data) }'
         " more 0x300200 : { *(more) } .bss 0x300300 : { *(.bss) } }\n"
@@ -156,16 +173,37 @@ def test_gnu_ld_links_our_objects_and_we_link_gnus(tmp_path: Path) -> None:
 
 def test_disassembly_of_random_words_differs_only_as_explained() -> None:
     """The sample of the campaign scripts/compare_with_gnu (docs/oracles.md)."""
-    done = subprocess.run([ROOT / "scripts/compare_with_gnu", "--words", "1e6", "--seed", "11", "--build", BUILD], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [ROOT / "scripts/compare_with_gnu", "--words", "1e6", "--seed", "11", "--build", BUILD],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stdout + done.stderr
-    counts = {name.split("   e.g.")[0]: int(number.replace(",", "")) for number, name in re.findall(r"^ *([\d,]+)  (.*)$", done.stdout, re.MULTILINE)}
-    assert counts["words"] == 1_000_000 and counts["equal instructions"] > 300_000 and counts["reserved for both"] > 300_000
+    counts = {
+        name.split("   e.g.")[0]: int(number.replace(",", ""))
+        for number, name in re.findall(r"^ *([\d,]+)  (.*)$", done.stdout, re.MULTILINE)
+    }
+    assert (
+        counts["words"] == 1_000_000
+        and counts["equal instructions"] > 300_000
+        and counts["reserved for both"] > 300_000
+    )
 
 
 def test_every_explanation_is_of_something_that_occurs() -> None:
     table = tomllib.loads((Path(__file__).parent / "gnu_differences.toml").read_text())
-    done = subprocess.run([ROOT / "scripts/compare_with_gnu", "--words", "4e6", "--seed", "3", "--build", BUILD], capture_output=True, text=True, check=True)
-    classes = [line.split("  ", 1)[1].split("   e.g.")[0] for line in map(str.strip, done.stdout.splitlines()) if "   e.g." in line]
+    done = subprocess.run(
+        [ROOT / "scripts/compare_with_gnu", "--words", "4e6", "--seed", "3", "--build", BUILD],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    classes = [
+        line.split("  ", 1)[1].split("   e.g.")[0]
+        for line in map(str.strip, done.stdout.splitlines())
+        if "   e.g." in line
+    ]
     for entry in table["difference"]:
         if entry.get("rare"):
             continue

@@ -62,7 +62,9 @@ def outcome(source: str) -> str:
         toolchain.assemble(source, include_dirs=[EXAMPLES])
         result = "fine"
     except toolchain.AssemblyError as error:
-        assert error.diagnostics and all(d["line"] >= 0 and d["column"] >= 1 and d["message"] for d in error.diagnostics)
+        assert error.diagnostics and all(
+            d["line"] >= 0 and d["column"] >= 1 and d["message"] for d in error.diagnostics
+        )
         assert len(error.diagnostics) <= 1001
         result = "refused"
     try:
@@ -87,9 +89,15 @@ def damaged(text: str, rng: random.Random) -> str:
             lines = lines or [""]
         elif kind == 3:
             place = rng.randint(0, len(line))
-            lines[at] = line[:place] + rng.choice("*+-()%,;:'\"\\$?@#&|=<>~!^.0x9hb_ \t\0\x80\xff") * rng.choice([1, 2, 40]) + line[place:]
+            lines[at] = (
+                line[:place]
+                + rng.choice("*+-()%,;:'\"\\$?@#&|=<>~!^.0x9hb_ \t\0\x80\xff") * rng.choice([1, 2, 40])
+                + line[place:]
+            )
         elif kind == 4:
-            lines[at] = line.replace(rng.choice("0123456789"), rng.choice(["", "99999999999999999999", "-", "0FFFFFFFFh", "1e999"]))
+            lines[at] = line.replace(
+                rng.choice("0123456789"), rng.choice(["", "99999999999999999999", "-", "0FFFFFFFFh", "1e999"])
+            )
         elif kind == 5:
             other = rng.choice(lines)
             lines[at] = line[: rng.randint(0, len(line))] + other[rng.randint(0, len(other)) :]
@@ -116,7 +124,7 @@ def test_damaged_sources_are_assembled_or_refused() -> None:
 @given(st.text(alphabet="*+-()%,;:'\"\\$?@|=<>~!.0xhbrai12 \t\nldifwos", max_size=120))
 def test_any_text_is_assembled_or_refused(text: str) -> None:
     outcome(text)
-    outcome("m .macro a\n " + text + "\n .endm\n m 1\n m \"x,y\"\n")
+    outcome("m .macro a\n " + text + '\n .endm\n m 1\n m "x,y"\n')
 
 
 @settings(max_examples=300, deadline=None)
@@ -127,13 +135,20 @@ def test_any_order_of_directives_is_assembled_or_refused(lines: list[str]) -> No
 
 def nested(depth: int) -> str:
     """Macros that call one another, `depth` deep."""
-    return "".join(f"m{n} .macro\n\tm{n + 1}\n\t.endm\n" for n in range(1, depth)) + f"m{depth} .macro\n\tnop\n\t.endm\n\tm1\n"
+    return (
+        "".join(f"m{n} .macro\n\tm{n + 1}\n\t.endm\n" for n in range(1, depth))
+        + f"m{depth} .macro\n\tnop\n\t.endm\n\tm1\n"
+    )
 
 
 @pytest.mark.parametrize(
     ("most", "more", "message"),
     [
-        ("\tnop ;" + "x" * (65536 - 6) + "\n", "\tnop ;" + "x" * (65536 - 5) + "\n", "a line of 65537 characters; 65536 are the most"),
+        (
+            "\tnop ;" + "x" * (65536 - 6) + "\n",
+            "\tnop ;" + "x" * (65536 - 5) + "\n",
+            "a line of 65537 characters; 65536 are the most",
+        ),
         (nested(100), nested(101), "nested deeper than 100"),
     ],
 )
@@ -196,9 +211,13 @@ def test_nothing_is_written_when_something_is_wrong(tmp_path: Path, emulator: Pa
         ("asm", "bad.asm", "-o", "x.out", "--listing", "x.lst"), ("asm", "bad.asm", "-c", "-o", "x.o"), ("link", "cut.o", "-o", "x.out", "--map-output", "x.map"),
         ("link", "huge.out", "-o", "x.out"), ("disasm", "huge.out"), ("disasm", "cut.o"), ("exec", "huge.out"), ("exec", "bad.asm"),
     ):  # fmt: skip
-        done = subprocess.run([emulator, *arguments], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=20)
+        done = subprocess.run(
+            [emulator, *arguments], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=20
+        )
         assert done.returncode == 2 and done.stderr.startswith("emulator: ") and done.stdout == "", arguments
-    done = subprocess.run([emulator, "asm", "bad.asm", "-o", "x.out"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [emulator, "asm", "bad.asm", "-o", "x.out"], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
     assert [line.split(": ", 1)[0] for line in done.stderr.removeprefix("emulator: ").splitlines() if "error:" in line] == [
         "bad.asm:1:6", "bad.asm:2:9", "bad.asm:3:7",
     ]  # fmt: skip

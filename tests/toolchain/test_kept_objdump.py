@@ -25,7 +25,9 @@ def text() -> str:
 
 def compared(text: str, words: list[int], directory: Path) -> "subprocess.CompletedProcess[str]":
     (directory / "words").write_bytes(struct.pack(f"<{len(words)}I", *words))
-    return subprocess.run([TOOL, "text", directory / "words"], input=text, capture_output=True, text=True, check=False, timeout=60)
+    return subprocess.run(
+        [TOOL, "text", directory / "words"], input=text, capture_output=True, text=True, check=False, timeout=60
+    )
 
 
 def test_our_text_is_objdumps_but_for_differences_that_are_explained(text: str, tmp_path: Path) -> None:
@@ -33,8 +35,14 @@ def test_our_text_is_objdumps_but_for_differences_that_are_explained(text: str, 
     done = compared(text, words, tmp_path)
     assert done.returncode == 0, done.stderr
     classes = {line.split("\t")[0]: line.split("\t")[1:] for line in done.stdout.splitlines()}
-    assert [classes.pop(name) for name in ("words", "equal instructions", "reserved for both")] == [["3000"], ["1120"], ["1504"]]
-    known = [re.compile(entry["class"]) for entry in tomllib.loads((HERE / "gnu_differences.toml").read_text())["difference"]]
+    assert [classes.pop(name) for name in ("words", "equal instructions", "reserved for both")] == [
+        ["3000"],
+        ["1120"],
+        ["1504"],
+    ]
+    known = [
+        re.compile(entry["class"]) for entry in tomllib.loads((HERE / "gnu_differences.toml").read_text())["difference"]
+    ]
     assert [name for name in classes if not any(pattern.fullmatch(name) for pattern in known)] == []
     assert sum(int(count) for count, *_ in classes.values()) == 3000 - 1120 - 1504
 
@@ -46,7 +54,11 @@ def test_the_words_are_those_of_the_seed(text: str) -> None:
 
 def test_text_that_is_not_of_these_words_is_refused(text: str, tmp_path: Path) -> None:
     words = [int(word, 16) for word in LINE.findall(text)]
-    for other, why in ((words[:-1], "more lines than words"), ([*words, 0], "fewer lines than words"), ([1, *words[1:]], "a word that differs from the file")):
+    for other, why in (
+        (words[:-1], "more lines than words"),
+        ([*words, 0], "fewer lines than words"),
+        ([1, *words[1:]], "a word that differs from the file"),
+    ):
         done = compared(text, other, tmp_path)
         assert done.returncode != 0 and why in done.stderr
 

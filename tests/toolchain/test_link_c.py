@@ -32,7 +32,9 @@ _main:
 
 
 def link_c(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([sys.executable, ROOT / "scripts" / "link_c", *arguments], capture_output=True, text=True, check=False)
+    return subprocess.run(
+        [sys.executable, ROOT / "scripts" / "link_c", *arguments], capture_output=True, text=True, check=False
+    )
 
 
 @pytest.mark.skipif(BUILD != ROOT / "build", reason="the script takes the emulator of build/")

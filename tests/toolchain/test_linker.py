@@ -1,4 +1,5 @@
-"""Relocatable objects and the linker: compared with GNU as and ld, and with one assembly of all sources; what the linker refuses."""
+"""Relocatable objects and the linker: compared with GNU as and ld, and with one assembly of all sources; what the
+linker refuses."""
 
 import random
 import subprocess
@@ -53,7 +54,11 @@ def test_objects_of_either_assembler_link_to_what_gnu_ld_makes_of_them(first, se
     image, _ = toolchain.link(again, map=MAP)
     assert contents(image) == contents(expected)
     assert image.entry == expected.entry
-    assert all(image.symbols[name] == value for name, value in expected.symbols.items() if not name.startswith(".") and name != "more")
+    assert all(
+        image.symbols[name] == value
+        for name, value in expected.symbols.items()
+        if not name.startswith(".") and name != "more"
+    )
 
 
 def test_relocations_are_those_of_gnu_as() -> None:
@@ -64,11 +69,23 @@ def test_relocations_are_those_of_gnu_as() -> None:
         ]  # fmt: skip
 
     assert of(from_us("a")) == of(from_gnu("a"))
-    assert {kind for _, _, kind, _ in of(from_us("a"))} == {"R_PARTMS8", "R_PARTLS16", "R_PCR24", "R_PCRWORD", "R_RELLONG"}
+    assert {kind for _, _, kind, _ in of(from_us("a"))} == {
+        "R_PARTMS8",
+        "R_PARTLS16",
+        "R_PCR24",
+        "R_PCRWORD",
+        "R_RELLONG",
+    }
 
 
-@pytest.mark.parametrize("source", [*sorted((ROOT / "tests/toolchain/bench").glob("*.s")), ROOT / "c40_programs/dsp.asm"], ids=lambda p: p.name)
-def test_one_object_linked_by_the_standard_map_is_the_program_assembled_at_once(source: Path, tmp_path: Path, emulator: Path) -> None:
+@pytest.mark.parametrize(
+    "source",
+    [*sorted((ROOT / "tests/toolchain/bench").glob("*.s")), ROOT / "c40_programs/dsp.asm"],
+    ids=lambda p: p.name,
+)
+def test_one_object_linked_by_the_standard_map_is_the_program_assembled_at_once(
+    source: Path, tmp_path: Path, emulator: Path
+) -> None:
     include = ["-I", ROOT / "c40_programs/include", "-I", ROOT / "c40_programs"]
     at_once, linked = tmp_path / "at_once.out", tmp_path / "linked.out"
     subprocess.run([emulator, "asm", source, "-o", at_once, *include], check=True)
@@ -76,7 +93,9 @@ def test_one_object_linked_by_the_standard_map_is_the_program_assembled_at_once(
     subprocess.run([emulator, "link", tmp_path / "x.o", "-o", linked], check=True)
     a, b = toolchain.read_coff(at_once), toolchain.read_coff(linked)
     assert contents(a) == contents(b) and a.entry == b.entry and len(contents(a)[".text"][1]) > 10
-    assert {n: v for n, v in a.symbols.items() if not n.startswith(".")} == {n: v for n, v in b.symbols.items() if not n.startswith(".")}
+    assert {n: v for n, v in a.symbols.items() if not n.startswith(".")} == {
+        n: v for n, v in b.symbols.items() if not n.startswith(".")
+    }
 
 
 def test_halves_of_addresses_carry_into_each_other() -> None:
@@ -116,13 +135,15 @@ all = {{ origin = {origin:#x}, length = 0x100000 }}
 """)  # fmt: skip
         words = contents(image)[".text"][1]
         here, there = image.symbols["here"], image.symbols["there"]
-        targets = [isa.disassemble(word, origin + i).split()[1] for i, word in enumerate(words[:8]) if i not in (3, 4, 5)]
+        targets = [
+            isa.disassemble(word, origin + i).split()[1] for i, word in enumerate(words[:8]) if i not in (3, 4, 5)
+        ]
         assert targets == [hex(here), hex(there), hex(there), "0x300000", hex(origin)]
 
 
 def test_a_conditional_branch_into_a_section_of_more_than_32767_words() -> None:
     """An offset from the section's start would not fit into 16 bits. A reference to a symbol at the target does."""
-    source = "\t.text\n\tbz target\n\t.sect \"big\"\n\t.space 40000\n\tnop\ntarget: nop\n"
+    source = '\t.text\n\tbz target\n\t.sect "big"\n\t.space 40000\n\tnop\ntarget: nop\n'
     image = link(source, map='[memory]\nm = { origin = 0, length = 0x10000 }\n[sections]\n"big" = "m"\n')
     text_at, words = contents(image)[".text"]
     assert isa.disassemble(words[0], text_at) == f"beq {image.symbols['target']:#x}" == "beq 0x9c41"
@@ -137,7 +158,10 @@ def test_sections_of_one_name_follow_each_other_aligned() -> None:
 
 
 def test_a_blocked_section_stays_within_a_page() -> None:
-    image = link('\t.space 65000\nx .usect "pagewise",1000,1\n\t.def x\n', map="[memory]\nm = { origin = 0x300000, length = 0x100000 }\n")
+    image = link(
+        '\t.space 65000\nx .usect "pagewise",1000,1\n\t.def x\n',
+        map="[memory]\nm = { origin = 0x300000, length = 0x100000 }\n",
+    )
     assert image.symbols["x"] == 0x310000
 
 
@@ -178,7 +202,9 @@ limit = 0xDEADBEEF
 
 def test_all_errors_of_a_link_come_at_once_with_object_and_place() -> None:
     errors = link_errors(
-        "\t.ref lost,far\n\tnop\n\tcall lost\n\t.word lost\n", "\t.ref gone\n\t.def f\nf: .word gone\n", "\t.def f\nf: nop\n"
+        "\t.ref lost,far\n\tnop\n\tcall lost\n\t.word lost\n",
+        "\t.ref gone\n\t.def f\nf: .word gone\n",
+        "\t.def f\nf: nop\n",
     )
     assert sorted(errors) == [
         "a.o: .text+1h: undefined symbol 'lost'", "b.o: .text+0h: undefined symbol 'gone'", "c.o: 'f' is defined already in b.o",
@@ -202,7 +228,11 @@ all = { origin = 0, length = 0x100000000 }
 "far" = { address = 0x400000 }
 "away" = { address = 0x40000000 }
 """
-    errors = link_errors(f'\t.ref far,away\n\tnop\n\t{instruction}\n', '\t.def far,away\n\t.sect "far"\nfar: nop\n\t.sect "away"\naway: nop\n', map=where)
+    errors = link_errors(
+        f"\t.ref far,away\n\tnop\n\t{instruction}\n",
+        '\t.def far,away\n\t.sect "far"\nfar: nop\n\t.sect "away"\naway: nop\n',
+        map=where,
+    )
     assert len(errors) == 1 and errors[0].startswith("a.o: .text+1h: ") and message in errors[0]
 
 
@@ -287,6 +317,7 @@ def test_sections_at_given_places_may_touch_and_not_share_a_word() -> None:
 
 def test_a_free_section_goes_into_the_gap_only_where_it_fits() -> None:
     """Behind .text at 1000h there are 8 words before `fixed`."""
+
     def at(words: int) -> int:
         image = link(f'\t.space 10h\n\t.data\n\t.space {words}\n\t.sect "fixed"\n\t.space 4\n', map=MEMORY.format(
             length=0x100, sections='"fixed" = { address = 0x1018 }\n".text" = "m"\n".data" = "m"'))  # fmt: skip
@@ -305,6 +336,7 @@ def test_an_aligned_section_stays_where_its_alignment_is_met() -> None:
 
 def test_a_blocked_section_of_a_whole_page_and_one_that_just_fits_before_its_end() -> None:
     """A blocked section crosses no border of 64 K words, unless it is longer than a page."""
+
     def at(space: int, words: int) -> int:
         source = f'\t.space {space}\nx .usect "pagewise",{words},1\n\t.def x\n'
         image = link(source, map="[memory]\nm = { origin = 0x300000, length = 0x100000 }\n")
@@ -323,7 +355,10 @@ def test_a_blocked_section_of_a_whole_page_and_one_that_just_fits_before_its_end
         ("[memory]\nm = { origin = 0 }", "<map>:2:5: m: origin and length are needed"),
         ("[memory]\nm = { origin = 0, length = 0x100000001 }", "1 to 4294967296 words"),
         ("[memory]\na = { origin = 0, length = 8 }\nb = { origin = 4, length = 8 }", "'a' and 'b' overlap"),
-        ("[memory]\nm = { origin = 0, length = 8 }\n[sections]\n\".text\" = \"n\"", "<map>:4:11: .text: there is no memory 'n'"),
+        (
+            '[memory]\nm = { origin = 0, length = 8 }\n[sections]\n".text" = "n"',
+            "<map>:4:11: .text: there is no memory 'n'",
+        ),
         ("[memory]\nm = { origin = 0, length = 8, speed = 3 }", "no such key 'speed'; known are origin, length"),
         ("[memory]\nm = { origin = -1, length = 8 }", "is not within 0 to"),
         ("[memory]\nm = { origin = 0, length = 8 }\n[sections]\nx = { align = 3 }", "power of 2"),
@@ -346,7 +381,9 @@ def test_members_of_a_library_come_in_when_they_are_wanted(tmp_path: Path, emula
         (tmp_path / f"{name}.asm").write_text(text)
         subprocess.run([emulator, "asm", f"{name}.asm", "--object", "-o", f"{name}.o"], cwd=tmp_path, check=True)
     subprocess.run(["ar", "rc", "lib.a", "h.o", "g.o", "a_member_of_a_long_name.o"], cwd=tmp_path, check=True)
-    subprocess.run([emulator, "link", "main.o", "lib.a", "-o", "p.out", "--map-output", "p.map"], cwd=tmp_path, check=True)
+    subprocess.run(
+        [emulator, "link", "main.o", "lib.a", "-o", "p.out", "--map-output", "p.map"], cwd=tmp_path, check=True
+    )
     image = toolchain.read_coff(tmp_path / "p.out")
     text = [isa.disassemble(w, 0x300000 + i) for i, w in enumerate(image.sections[0].words)]
     assert text == ["call 0x300001", "bu 0x300002", "retsu"]
@@ -355,7 +392,13 @@ def test_members_of_a_library_come_in_when_they_are_wanted(tmp_path: Path, emula
     damaged = (tmp_path / "lib.a").read_bytes()
     for length in (9, 40, 70, 200, len(damaged) - 1):
         (tmp_path / "cut.a").write_bytes(damaged[:length])
-        failed = subprocess.run([emulator, "link", "main.o", "cut.a", "-o", "q.out"], cwd=tmp_path, capture_output=True, text=True, check=False)
+        failed = subprocess.run(
+            [emulator, "link", "main.o", "cut.a", "-o", "q.out"],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
         assert failed.returncode == 2 and "cut.a" in failed.stderr
     assert not list(tmp_path.glob("q.out*"))
 
@@ -388,11 +431,24 @@ def test_the_command_lines_errors(tmp_path: Path, emulator: Path) -> None:
 
 
 def test_an_object_runs_by_itself(tmp_path: Path, emulator: Path) -> None:
-    (tmp_path / "p.asm").write_text("\t.global START\n\tnop\nSTART:\tldi 5,r0\n\tldp x\n\tsti r0,@x\ndone:\tb done\n\t.data\nx:\t.word 0\n")
+    (tmp_path / "p.asm").write_text(
+        "\t.global START\n\tnop\nSTART:\tldi 5,r0\n\tldp x\n\tsti r0,@x\ndone:\tb done\n\t.data\nx:\t.word 0\n"
+    )
     subprocess.run([emulator, "asm", "-c", "p.asm", "-o", "p.o"], cwd=tmp_path, check=True)
-    done = subprocess.run([emulator, "exec", "p.o", "--until", "done", "--dump", "x:1"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [emulator, "exec", "p.o", "--until", "done", "--dump", "x:1"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     assert done.stdout.splitlines()[-1] == "00300005: 00000005"
-    listed = subprocess.run([emulator, "exec", HERE / "b.gnu.o", "--max-cycles", "1", "--entry", "ext"], capture_output=True, text=True, check=False)
+    listed = subprocess.run(
+        [emulator, "exec", HERE / "b.gnu.o", "--max-cycles", "1", "--entry", "ext"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert "00300001" in listed.stdout
 
 

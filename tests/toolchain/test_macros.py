@@ -43,7 +43,12 @@ each    .macro  items
 
 
 def test_a_function_may_look_for_a_comma() -> None:
-    assert words("\t.asg \"ab,c,d\",s\n\t.word $firstch(s,','),$lastch(s,','),$firstch(s,'d'),$symlen(s)\n") == [3, 5, 6, 6]
+    assert words("\t.asg \"ab,c,d\",s\n\t.word $firstch(s,','),$lastch(s,','),$firstch(s,'d'),$symlen(s)\n") == [
+        3,
+        5,
+        6,
+        6,
+    ]
 
 
 def test_local_labels_last_until_the_block_ends() -> None:

@@ -55,7 +55,11 @@ def test_a_register_as_a_size_gives_its_number_with_a_warning(register: str, num
     source = f'x .usect "ram",{register}\ny .usect "ram",1\n .word y-x\n'
     image = toolchain.assemble(source)
     assert next(section for section in image.sections if section.name == ".text").words == [number]
-    assert len(image.warnings) == 1 and f"is a register: its number, {number}, is taken as the size" in image.warnings[0] and "<text>:1:" in image.warnings[0]
+    assert (
+        len(image.warnings) == 1
+        and f"is a register: its number, {number}, is taken as the size" in image.warnings[0]
+        and "<text>:1:" in image.warnings[0]
+    )
     with pytest.raises(toolchain.AssemblyError, match="cannot be part of an expression"):
         toolchain.assemble(source, dialect="gnu")
 
@@ -80,9 +84,12 @@ MISTAKES = [
     (" .word ''\n", "one to four characters"),
     (" .word 'ab\n", "one to four characters"),
     (" EQU 5\n", "'EQU'"),
-    ('x .usect "ram",R0+1\n', ":1:16: error: the register R0 cannot be part of an expression: a number or a symbol is needed"),
-    ('x .bss y,r0\n', "the register r0 cannot be part of an expression"),
-    (' .word r0\n', "the register r0 cannot be part of an expression"),
+    (
+        'x .usect "ram",R0+1\n',
+        ":1:16: error: the register R0 cannot be part of an expression: a number or a symbol is needed",
+    ),
+    ("x .bss y,r0\n", "the register r0 cannot be part of an expression"),
+    (" .word r0\n", "the register r0 cannot be part of an expression"),
 ]
 
 

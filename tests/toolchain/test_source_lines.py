@@ -51,7 +51,19 @@ def run(emulator: Path, folder: Path, *arguments: str) -> str:
 def linked(emulator: Path, folder: Path, version: str = "2") -> Path:
     for name in ("main", "fir"):
         run(emulator, folder, "asm", "--object", f"{name}.asm", "-o", f"{name}.obj", "--coff-version", version)
-    run(emulator, folder, "link", "main.obj", "fir.obj", "-o", "program.out", "--entry", "start", "--coff-version", version)
+    run(
+        emulator,
+        folder,
+        "link",
+        "main.obj",
+        "fir.obj",
+        "-o",
+        "program.out",
+        "--entry",
+        "start",
+        "--coff-version",
+        version,
+    )
     return folder / "program.out"
 
 
@@ -88,7 +100,9 @@ def test_profile_and_diagram_of_a_linked_program_show_its_source(emulator: Path,
     assert "call fir" in out[out.index("pipeline, cycles") :]  # by its symbol
 
 
-def test_sources_stand_beside_the_program(emulator: Path, sources: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
+def test_sources_stand_beside_the_program(
+    emulator: Path, sources: Path, tmp_path_factory: pytest.TempPathFactory
+) -> None:
     program = linked(emulator, sources)
     elsewhere = tmp_path_factory.mktemp("elsewhere")
     out = run(emulator, elsewhere, "exec", str(program), "--board", "flat", "--profile")
@@ -128,7 +142,8 @@ def test_the_entries_as_the_format_has_them(emulator: Path, sources: Path) -> No
 
 
 def of_a_compiler(lines: list[tuple[int, int]], where: int | None = None) -> bytes:
-    """An executable of version 2 with one section of four words, as compilers describe it: file, function, .bf and line entries."""
+    """An executable of version 2 with one section of four words, as compilers describe it: file, function, .bf and line
+    entries."""
     text = struct.pack("<4I", 0x08600003, 0x0C800000, 0x0C800000, 0x6A00FFFF)
     body = 22 + 28 + 48
     at_lines, packed = body + 16, b"".join(struct.pack("<IH", *line) for line in lines)
@@ -156,7 +171,9 @@ def test_lines_of_a_compiler_count_from_their_function(tmp_path: Path) -> None:
     (tmp_path / "filter.c").write_text("".join(f"line {n}\n" for n in range(1, 40)))
     (tmp_path / "filter.out").write_bytes(of_a_compiler(COMPILED))
     image = c40.read_coff(tmp_path / "filter.out")
-    assert lines_of(image) == [(0x300000 + n, "filter.c", line, f"line {line}") for n, line in enumerate([20, 22, 32, 35])]
+    assert lines_of(image) == [
+        (0x300000 + n, "filter.c", line, f"line {line}") for n, line in enumerate([20, 22, 32, 35])
+    ]
 
 
 @pytest.mark.parametrize("lines", [

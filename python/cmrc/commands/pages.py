@@ -105,7 +105,9 @@ def _plot(run: Path, plots: Path | None, given: argparse.Namespace) -> None:
             f"{run}: recordings in JSON are no longer read; run the configuration again (cmrc page CONFIG.toml)"
         )
     if plots is None or given.out or given.set:
-        raise ValueError(f"{run}: only --plots is possible for a page; a configuration (.toml) is expected for all else")
+        raise ValueError(
+            f"{run}: only --plots is possible for a page; a configuration (.toml) is expected for all else"
+        )
     _check_outputs(run, None, plots)
     _draw(run, plots)
 

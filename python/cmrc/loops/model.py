@@ -4,8 +4,8 @@
     C(z) = 1 + (h / T_i) / (z - 1) + a N (z - 1) / (z - a)      a = T_d / (T_d + N h)
     H(s) = (1 - exp(-s h)) / (s h)
 
-w is the bandwidth, r what the gain assumes of the inertia over what the drive really moves. C is PID's law written as a transfer
-function of its difference equations (plant-and-bus.md 2.1); H holds the code for a period h.
+w is the bandwidth, r what the gain assumes of the inertia over what the drive really moves. C is PID's law written as a
+transfer function of its difference equations (plant-and-bus.md 2.1); H holds the code for a period h.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 SAMPLE_TO_LATCH_S = 1e-4
-"""s from the instant at which PID reads the encoders to the latch at which the drives take its codes: the tick's block is claimed
-and has read them some 25 us after the tick, and the drives' next latch is 125 us after it."""
+"""s from the instant at which PID reads the encoders to the latch at which the drives take its codes: the tick's block
+is claimed and has read them some 25 us after the tick, and the drives' next latch is 125 us after it."""
 FREQUENCIES: Array = 2 * math.pi * np.logspace(-1, 2.65, 8000)
 """rad/s, up to 450 Hz: below half the servo's rate."""
 

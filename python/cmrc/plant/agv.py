@@ -13,7 +13,8 @@ from cmrc.plant.parts import AgvDrive, AgvParameters, AgvSnapshot, Pose
 
 @dataclass(frozen=True)
 class AgvStatus:
-    """An AGV at an instant: pose (m, rad), speeds along and across itself (m/s), yaw rate (rad/s), steering angles (rad), drive force (N)."""
+    """An AGV at an instant: pose (m, rad), speeds along and across itself (m/s), yaw rate (rad/s), steering angles
+    (rad), drive force (N)."""
 
     time_s: float
     x: float

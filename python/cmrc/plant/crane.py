@@ -186,7 +186,8 @@ class Crane:
         qd: Sequence[float] | Array = (0.0,) * 7,
         torques: Sequence[float] | Array = (0.0,) * 5,
     ) -> None:
-        """Time zero, at these coordinates, speeds and motor torques (N m), faults cleared. Raises ValueError beyond the joints' limits or a drive's largest torque."""
+        """Time zero, at these coordinates, speeds and motor torques (N m), faults cleared. Raises ValueError beyond the
+        joints' limits or a drive's largest torque."""
         self._core.reset(numbers("q", q, 7), numbers("qd", qd, 7), numbers("torques", torques, 5))
 
     def set_load(self, mass: float, inertia: float = 0.0) -> None:

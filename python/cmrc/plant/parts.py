@@ -28,7 +28,8 @@ mover_place = _core.plant.mover_place
 wind_speed = _core.plant.wind_speed
 """``wind_speed(wind_parameters, seconds)``: m/s, the mean and the seeded gusts, at an instant or an array of them."""
 Dock = _core.plant.Dock
-"""The dock with the devices that a controller sees: integer codes, times in picoseconds. ``Scene`` is the same in SI units."""
+"""The dock with the devices that a controller sees: integer codes, times in picoseconds. ``Scene`` is the same in SI
+units."""
 DockConfig = _core.plant.DockConfig
 """A dock's configuration."""
 CraneParameters = _core.plant.CraneParameters
@@ -50,7 +51,8 @@ ContainerPlace = _core.plant.ContainerPlace
 LaneSegment = _core.plant.LaneSegment
 Pose = _core.plant.Pose
 Signal = _core.plant.Signal
-"""The crane at a latch: joints (their names in JOINTS), motor torques N m, codes, sway rad, tip and payload m, tension N (``Scene.signal``)."""
+"""The crane at a latch: joints (their names in JOINTS), motor torques N m, codes, sway rad, tip and payload m, tension
+N (``Scene.signal``)."""
 AgvSignal = _core.plant.AgvSignal
 """An AGV at a latch: m, rad, m/s (``Scene.agv``)."""
 ContainerStatus = _core.plant.ContainerStatus
@@ -65,10 +67,12 @@ AgvSnapshot = _core.plant.AgvAloneState
 Handover = _core.plant.Handover
 """Phase of a container's hand-over, whether it is released, attempts (``Scene.handover``)."""
 Switch = _core.plant.Switch
-"""Energy (J) and momentum (kg m/s, kg m2/s) before and after a change between levels, an attach or a detach (``Scene.switches``)."""
+"""Energy (J) and momentum (kg m/s, kg m2/s) before and after a change between levels, an attach or a detach
+(``Scene.switches``)."""
 Momentum = _core.plant.Momentum
 Linkage = _core.plant.Linkage
-"""The level-luffing double-link jib as a differential-algebraic system (IDA): place, advance, angles, nose, energy, holding_torque."""
+"""The level-luffing double-link jib as a differential-algebraic system (IDA): place, advance, angles, nose, energy,
+holding_torque."""
 LinkageParameters = _core.plant.LinkageParameters
 
 

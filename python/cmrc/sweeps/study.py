@@ -72,8 +72,8 @@ class Sweep:
     @property
     def runs(self) -> list[dict[str, Any]]:
         """What is known of each run without its report: ``place`` (its value on every axis), ``seed``, ``status``
-        (done, refused, failed), ``message``, ``settings`` (with preset, config and events), ``hash``, ``build``, ``emulator_version``, ``elapsed_s``,
-        ``host``, ``key``."""
+        (done, refused, failed), ``message``, ``settings`` (with preset, config and events), ``hash``, ``build``,
+        ``emulator_version``, ``elapsed_s``, ``host``, ``key``."""
         return [{**run, "place": dict(run["place"]), "settings": dict(run["settings"])} for run in self._runs]
 
     @property
@@ -197,9 +197,7 @@ class Sweep:
         text = f"\n{counts[store.DONE]} runs done, {counts[store.REFUSED]} refused, {counts[store.FAILED]} failed.\n"
         spreads = [one for summary in summaries for _, one in summary if one.n > 1]
         if spreads and not any(one.varies for one in spreads):
-            text += (
-                "All repeats of every point agree: these numbers have no randomness, and no intervals.\n"
-            )
+            text += "All repeats of every point agree: these numbers have no randomness, and no intervals.\n"
         elif any(one.varies for one in spreads):
             text += "Intervals of 95 %: Wilson's of shares of runs, else bootstrap of the mean; "
             text += "none where all repeats agree.\n"
@@ -288,7 +286,11 @@ def _order(run: Mapping[str, Any], axes: Sequence[str]) -> tuple[Any, ...]:
     """By place, then by seed: numbers by size, words by the alphabet, what has no value last."""
     values = [run["place"].get(name) for name in axes]
     order = [
-        (2 if value is None else int(isinstance(value, str)), value if isinstance(value, (int, float)) else 0, str(value))
+        (
+            2 if value is None else int(isinstance(value, str)),
+            value if isinstance(value, (int, float)) else 0,
+            str(value),
+        )
         for value in values
     ]
     return (order, -1 if run["seed"] is None else run["seed"])

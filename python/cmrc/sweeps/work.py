@@ -60,7 +60,8 @@ _same_build: set[str] = set()
 
 
 def _check(key: str, config: _core.cmrc.Config) -> None:
-    """The key says that this worker would make the same run. Where no files are named, one key of a build says it of all."""
+    """The key says that this worker would make the same run. Where no files are named, one key of a build says it of
+    all."""
     if not _core.cmrc.inputs_of(config) and build() in _same_build:
         return
     try:

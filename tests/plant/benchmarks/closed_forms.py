@@ -76,7 +76,9 @@ def pendulum_while_the_rope_pays_out() -> tuple[float, float]:
     drives = p.drives
     drives[3].rotor_inertia = 1e8  # a drum that nothing disturbs
     p.drives = drives
-    m, s, i = motion(p, (0, 0, 0.8, l0, sway(l0), 0, 0), (0, 0, 0, v, rate, 0, 0), free=(L, ALPHA), external=vector(L, -MASS * G))
+    m, s, i = motion(
+        p, (0, 0, 0.8, l0, sway(l0), 0, 0), (0, 0, 0, v, rate, 0, 0), free=(L, ALPHA), external=vector(L, -MASS * G)
+    )
     m.advance(s, i, 10.0)
     return abs(s.q[ALPHA] - sway(l0 + 10 * v)) / size, 1e-5
 
@@ -167,7 +169,8 @@ def load_running_off_an_open_drum() -> tuple[float, float]:
 
 
 def vehicle_in_a_steady_curve() -> tuple[float, float]:
-    # Both axles steered by d against each other, a neutral vehicle at low lateral acceleration: radius = half wheelbase / tan d.
+    # Both axles steered by d against each other, a neutral vehicle at low lateral acceleration: radius = half wheelbase
+    # / tan d.
     dock = plant.Dock(plant.default_dock())
     angle, speed, ms = 0.1, 1.0, 10**9
     dock.agv_period(0, 20000, 0)

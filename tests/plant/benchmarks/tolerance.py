@@ -1,4 +1,5 @@
-"""Error against cost of the crane by itself, by order and tolerance: what the default of ``Crane`` and ``CraneEnv`` is chosen by (docs/plant.md).
+"""Error against cost of the crane by itself, by order and tolerance: what the default of ``Crane`` and ``CraneEnv`` is
+chosen by (docs/plant.md).
 
 python tests/plant/benchmarks/tolerance.py            # the table of errors, the same on every machine
 python tests/plant/benchmarks/tolerance.py --speed    # processor time, beside MuJoCo on a comparable tree
@@ -16,12 +17,15 @@ TARGET = (14.0, 18.0, 10.0)
 
 
 def actions() -> np.ndarray:
-    """Shares of the largest torques that keep the crane near its home for 10 s: what holds it, and pushes that change at each step."""
+    """Shares of the largest torques that keep the crane near its home for 10 s: what holds it, and pushes that change
+    at each step."""
     crane = Crane(load_mass=20e3, home=HOME)
     hold = np.zeros(5)
     for _ in range(3):
         crane.reset(crane.state.q, torques=hold)
-        hold = hold - np.linalg.solve(crane.linearize().A[7:14, 14:][list(ACTUATED)], crane.acceleration()[list(ACTUATED)])
+        hold = hold - np.linalg.solve(
+            crane.linearize().A[7:14, 14:][list(ACTUATED)], crane.acceleration()[list(ACTUATED)]
+        )
     return hold / crane.maximum_torques + np.random.default_rng(1).normal(size=(STEPS, 5)) * 0.05
 
 
@@ -44,7 +48,9 @@ def errors(shares: np.ndarray) -> None:
     for order in (3, 4, 5):
         for tolerance in (1e-4, 1e-5, 1e-6, 1e-7, 1e-8):
             off = np.abs(path(shares, tolerance=tolerance, order=order) - exact).max(axis=0)
-            print(f"| {order} | {tolerance:.0e} | {(off[list(ACTUATED)] / count).max():.1e} | {off[4:6].max() / np.radians(10.0) * 2048:.1e} |")
+            print(
+                f"| {order} | {tolerance:.0e} | {(off[list(ACTUATED)] / count).max():.1e} | {off[4:6].max() / np.radians(10.0) * 2048:.1e} |"
+            )
 
 
 def steps_per_second(shares: np.ndarray, repeat: int = 5, **config: float) -> float:
@@ -71,7 +77,8 @@ TREE = """<mujoco><option timestep="0.001" integrator="RK4" gravity="0 0 -9.81"/
 
 
 def mujoco_steps_per_second(repeat: int = 5) -> float:
-    """The same tree of seven freedoms with motors at the joints, RK4 of 1 ms, ten of them for a step; no friction, lag or events."""
+    """The same tree of seven freedoms with motors at the joints, RK4 of 1 ms, ten of them for a step; no friction, lag
+    or events."""
     import mujoco
 
     model = mujoco.MjModel.from_xml_string(TREE)
@@ -96,7 +103,8 @@ def seconds_of(work, repeat: int = 5) -> float:
 
 
 def million_steps_of_crane(steps: int = 20_000) -> float:
-    """Processor time of a million steps of 1 ms with torques that change by 1 % at each, s; each step a call from Python."""
+    """Processor time of a million steps of 1 ms with torques that change by 1 % at each, s; each step a call from
+    Python."""
     crane, torques = Crane(), np.array([40.0, 60.0, -30.0, 50.0, 5.0])
 
     def work() -> None:
@@ -136,10 +144,14 @@ def main() -> None:
         return errors(shares)
     for order in (3, 4, 5):
         for tolerance in (1e-5, 1e-6, 1e-7, 1e-8):
-            print(f"CraneEnv, order {order}, tolerance {tolerance:.0e}: {steps_per_second(shares, order=order, tolerance=tolerance):.0f} steps/s")
+            print(
+                f"CraneEnv, order {order}, tolerance {tolerance:.0e}: {steps_per_second(shares, order=order, tolerance=tolerance):.0f} steps/s"
+            )
     print(f"CraneEnv as it stands: {steps_per_second(shares):.0f} steps/s")
     print(f"MuJoCo: {mujoco_steps_per_second():.0f} steps/s")
-    print(f"a million steps of 1 ms, other torques at each: Crane {million_steps_of_crane():.1f} s, MuJoCo {million_steps_of_mujoco():.1f} s")
+    print(
+        f"a million steps of 1 ms, other torques at each: Crane {million_steps_of_crane():.1f} s, MuJoCo {million_steps_of_mujoco():.1f} s"
+    )
     print(f"a simulated second of an AGV: {second_of_agv():.2f} ms")
 
 
