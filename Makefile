@@ -81,11 +81,11 @@ MUTANTS := 200
 mutants: build
 	$(PYTHON) scripts/mutants --count $(MUTANTS)
 
-# Layout of the C++ (.clang-format, one version of the tool), style and types of the Python, width of the pages, citations.
+# Layout of the C++ (.clang-format, one version of the tool), layout, style and types of the Python, width of the pages, citations.
 lint:
 	@scripts/setup dev
 	git ls-files '*.cpp' '*.hpp' | xargs $(VENV)/bin/clang-format --dry-run -Werror
-	$(PYTHON) -m ruff check python tests
+	scripts/check --python
 	$(PYTHON) -m mypy --strict python/cmrc
 	$(PYTHON) -m pytest -q tests/docs/test_prose.py tests/docs/test_citations.py -k 'not sections_that_programs_name'
 

@@ -13,7 +13,7 @@ DOCS = Path(__file__).resolve().parent.parent
 ROOT = DOCS.parent
 REFERENCE = DOCS / "reference"
 sys.path.insert(0, str(ROOT / "tests" / "docs"))
-from citations import anchors, citations  # noqa: E402
+from citations import anchors, citations
 
 CONTENTS = "```{{toctree}}\n:hidden:\n:caption: {caption}\n\n{pages}\n```\n"
 

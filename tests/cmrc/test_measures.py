@@ -238,7 +238,7 @@ def test_what_the_operator_sets_happens_in_the_ideal_run_too() -> None:
     assert result.errors["load_m"]["peak"] < 1e-3  # the ideal run's crane lost the same drive
 
 
-# ---- how runs end -------------------------------------------------------------------------------------------------------------
+# ---- how runs end ----------------------------------------------------------------------------------------------------
 
 
 def test_when_the_last_dsp_is_gone_the_plant_goes_on_braked() -> None:

@@ -187,21 +187,20 @@ def test_what_did_not_run_owes_nothing() -> None:
 
 
 def test_an_object_enters_where_nothing_was_or_nearer_by_a_jump() -> None:
-    readings = [30000, 14000, 13990, 13400, 12700, 12690, 30000, 15000, 14999, 14999, 3000]
-    #           nothing | enters | closer, closer (590) | 700 nearer: another | closer | gone | at the field's end, out | enters | - | another
-    assert scheduling.objects_entered(readings, 15000) == [
-        False,
-        True,
-        False,
-        False,
-        True,
-        False,
-        False,
-        False,
-        True,
-        False,
-        True,
-    ]
+    readings_mm = {
+        "nothing": [(30000, False)],
+        "enters": [(14000, True)],
+        "closer": [(13990, False), (13400, False)],
+        "700 nearer: another": [(12700, True)],
+        "closer again": [(12690, False)],
+        "gone": [(30000, False)],
+        "at the field's end": [(15000, False)],
+        "enters again": [(14999, True)],
+        "stays": [(14999, False)],
+        "another again": [(3000, True)],
+    }
+    readings, entered = zip(*(row for rows in readings_mm.values() for row in rows), strict=True)
+    assert scheduling.objects_entered(list(readings), 15000) == list(entered)
     assert scheduling.objects_entered([4000], 15000) == [True]  # there when the first reading is made
     assert scheduling.objects_entered([4000], 3000) == [False]
 

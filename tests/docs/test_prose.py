@@ -1,9 +1,12 @@
-"""Prose of the Markdown pages: lines of at most 120 columns, and the usual words.
+"""Prose of the Markdown pages: lines of at most 120 columns, and the usual words. Comments and docstrings of Python.
 
 Tables, code and output, comments, headings, and lines that are one link or one word may be longer.
 """
 
+import ast
+import io
 import re
+import tokenize
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -84,6 +87,42 @@ def test_words_are_the_usual_ones(page: Path) -> None:
         for match in re.finditer(pattern, text, re.IGNORECASE)
     ]
     assert not found
+
+
+def python_files() -> list[Path]:
+    """The package, tests, examples, and scripts, which have no suffix."""
+    named = [path for folder in ("python", "tests", "examples") for path in (ROOT / folder).rglob("*.py*")]
+    scripts = [path for path in (ROOT / "scripts").iterdir() if path.is_file()]
+    begun = [path for path in scripts if re.match(r"#!.*python", path.read_text(encoding="utf-8"))]
+    return sorted({*(path for path in [*named, *scripts] if path.suffix in (".py", ".pyi")), *begun})
+
+
+def prose_lines(text: str) -> set[int]:
+    """Numbers of the lines of a Python file that are a comment by themselves, or part of a docstring."""
+    tokens = tokenize.generate_tokens(io.StringIO(text).readline)
+    found = {
+        token.start[0]
+        for token in tokens
+        if token.type == tokenize.COMMENT and not token.line[: token.start[1]].strip()
+    }
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
+            found.update(range(node.lineno, (node.end_lineno or node.lineno) + 1))
+    return found
+
+
+@pytest.mark.parametrize("file", python_files(), ids=lambda file: str(file.relative_to(ROOT)))
+def test_comments_and_docstrings_have_a_width(file: Path) -> None:
+    text = file.read_text(encoding="utf-8")
+    lines = text.split("\n")
+    assert not [
+        f"{file.name}:{n}: {len(lines[n - 1])} columns" for n in sorted(prose_lines(text)) if len(lines[n - 1]) > WIDTH
+    ]
+
+
+def test_what_is_prose_in_python() -> None:
+    text = '# a\nx = """b\nc"""  # d\ndef f():\n    """e\n    f"""\n    return 1\n'
+    assert prose_lines(text) == {1, 5, 6}
 
 
 def test_code_and_tables_are_no_prose() -> None:

@@ -75,7 +75,8 @@ class CraneEnv(_Environment):  # type: ignore[misc]
         for k, low, high in zip(ACTUATED, p.lower, p.upper, strict=True):
             least[k], most[k] = low, high
         self.action_space = _Box(-1.0, 1.0, shape=(5,), dtype=np.float64)
-        """Five shares of ``crane.maximum_torques``: a Box of gymnasium, or one with low, high, shape, dtype, contains and sample."""
+        """Five shares of ``crane.maximum_torques``: a Box of gymnasium, or one with low, high, shape, dtype, contains
+        and sample."""
         self.observation_space = _Box(least, most, shape=(17,), dtype=np.float64)
 
     def reset(
