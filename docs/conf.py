@@ -11,7 +11,7 @@ sys.path[:0] = [str(DOCS / "_site"), str(BUILD / "python")]
 
 project = "CMRC emulator"
 author = "the CMRC emulator's authors"
-copyright = "the CMRC emulator's authors; Apache-2.0"  # noqa: A001 -- the name that Sphinx reads
+copyright = "the CMRC emulator's authors; Apache-2.0"
 root_doc = "index"
 extensions = ["myst_parser", "sphinx.ext.autodoc", "breathe", "pages"]
 exclude_patterns = ["_site"]
