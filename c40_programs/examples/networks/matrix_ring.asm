@@ -5,8 +5,8 @@
 ; from row and column k m on. It computes its rows of C in `c_part`. The columns go round the ring past every chip.
 ;
 ; To see: all chips send at the same time, so no chip may send a whole part before it reads. Two FIFOs hold 16 words,
-; and a ring of chips that all wait for room is a deadlock (the emulator would report it). So a chip alternates: it sends eight words,
-; then reads eight.
+; and a ring of chips that all wait for room is a deadlock (the emulator would report it). So a chip sends eight words,
+; then reads eight, then sends the next eight.
 
                 .include "../examples.inc"
                 .include "ports.inc"
