@@ -1,16 +1,16 @@
-// The start of the program: cli/command_line.cpp reads the arguments, cli/ has the commands.
+// The start of the program: cli/arguments/command_line.cpp reads the arguments, cli/ has the commands.
 #include <exception>
 #include <functional>
 
-#include "cli/command_line.hpp"
+#include "cli/arguments/command_line.hpp"
 #include "cmrc/configuration/config.hpp"
 #include "io/file_roles.hpp"
 #include "io/output_file.hpp"
 #include "io/print.hpp"
 #include "io/signals.hpp"
 #include "io/standard_streams.hpp"
-#include "machine/board_file.hpp"
-#include "machine/network.hpp"
+#include "machine/boards/board_file.hpp"
+#include "machine/networks/network.hpp"
 #include "toolchain/linker/linker.hpp"
 #include "toolchain/linker/memory_map.hpp"
 #include "toolchain/objects/coff.hpp"

@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "c40/chip.hpp"
-#include "c40/snapshot.hpp"
+#include "c40/chip/chip.hpp"
+#include "c40/chip/snapshot.hpp"
 #include "fuzz/target.hpp"
 
 namespace fuzz {
@@ -45,23 +45,23 @@ End run(Start start, c40::Cycles limit, Advance&& advance) {
 }
 
 inline void expect_alike(const char* way, const End& first, const End& second) {
-  const auto told = [&](const std::string& what) {
+  const auto differ = [&](const std::string& what) {
     broken(std::string(way) + " ends otherwise than by blocks: " + what);
   };
   if (first.stop.reason != second.stop.reason)
-    told(std::string(name(first.stop.reason)) + " and " + std::string(name(second.stop.reason)));
-  if (first.stop.fault.has_value() != second.stop.fault.has_value()) told("one has a fault");
+    differ(std::string(name(first.stop.reason)) + " and " + std::string(name(second.stop.reason)));
+  if (first.stop.fault.has_value() != second.stop.fault.has_value()) differ("one has a fault");
   if (first.stop.fault &&
       (first.stop.fault->kind != second.stop.fault->kind || first.stop.fault->message != second.stop.fault->message))
-    told(first.stop.fault->message + " and " + second.stop.fault->message);
-  if (first.seen.size() != second.seen.size()) told("what is in cache or FIFOs");
+    differ(first.stop.fault->message + " and " + second.stop.fault->message);
+  if (first.seen.size() != second.seen.size()) differ("what is in cache or FIFOs");
   for (std::size_t n = 0; n < first.seen.size(); ++n)
     if (first.seen[n] != second.seen[n])
-      told("number " + std::to_string(n) + " of its snapshot: " + std::to_string(first.seen[n]) + " and " +
-           std::to_string(second.seen[n]));
-  if (first.memory != second.memory) told("memory");
+      differ("number " + std::to_string(n) + " of its snapshot: " + std::to_string(first.seen[n]) + " and " +
+             std::to_string(second.seen[n]));
+  if (first.memory != second.memory) differ("memory");
   if (first.answers != second.answers)
-    told(std::to_string(first.answers) + " and " + std::to_string(second.answers) + " accesses through windows");
+    differ(std::to_string(first.answers) + " and " + std::to_string(second.answers) + " accesses through windows");
 }
 
 /// \param make always gives the same start \param cuts lengths of the pieces in cycles, used cyclically

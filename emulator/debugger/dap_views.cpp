@@ -284,10 +284,10 @@ Json Session::source(const Json& arguments) {
 
 Json Session::loaded_sources(const Json&) {
   Json all = Json::array();
-  std::vector<std::string> told;
+  std::vector<std::string> listed;
   for (const auto& program : core().programs())
     for (const std::string& file : program.files())
-      if (std::ranges::find(told, file) == told.end()) told.push_back(file), all.push_back(source_of(file));
+      if (std::ranges::find(listed, file) == listed.end()) listed.push_back(file), all.push_back(source_of(file));
   return {{"sources", all}};
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Files that are read whole: sources, objects, configurations. To read line by line: cli/text_lines.hpp.
+// Files that are read whole: sources, objects, configurations. To read line by line: cli/arguments/text_lines.hpp.
 #include <fmt/format.h>
 
 #include <cstddef>

@@ -2,6 +2,7 @@
 // The known word that a user most likely meant.
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <numeric>
 #include <string>
 #include <string_view>
@@ -35,10 +36,13 @@ std::string_view nearest(std::string_view given, const Words& words, std::size_t
 }
 
 /// "; did you mean \"waits\"?", or nothing if no word is near.
+inline std::string suggestion(std::string_view near, char quote = '"') {
+  return near.empty() ? std::string() : "; did you mean " + std::string(1, quote).append(near) + quote + "?";
+}
+
 template <class Words>
 std::string did_you_mean(std::string_view given, const Words& words) {
-  const std::string_view best = nearest(given, words, std::max<std::size_t>(2, given.size() / 2));
-  return best.empty() ? std::string() : "; did you mean \"" + std::string(best) + "\"?";
+  return suggestion(nearest(given, words, std::max<std::size_t>(2, given.size() / 2)));
 }
 
 /// The symbol of a program that a user most likely meant. Programs have many short symbols, so fewer letters may
@@ -46,6 +50,17 @@ std::string did_you_mean(std::string_view given, const Words& words) {
 template <class Words>
 std::string_view nearest_symbol(std::string_view given, const Words& symbols) {
   return nearest(given, symbols, std::max<std::size_t>(1, given.size() / 3));
+}
+
+/// "a, b or c"
+template <class Words>
+std::string one_of(const Words& words) {
+  std::string all;
+  for (auto word = words.begin(); word != words.end(); ++word) {
+    if (word != words.begin()) all += std::next(word) == words.end() ? " or " : ", ";
+    all += *word;
+  }
+  return all;
 }
 
 }  // namespace io

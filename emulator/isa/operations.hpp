@@ -26,9 +26,9 @@ enum class Operation : std::uint8_t {
 
 /// The group of handlers of the chip to which an operation belongs.
 enum class OperationKind : std::uint8_t {
-  integer,   ///< a body of c40/integer.hpp, or a move of integers
+  integer,   ///< a body of c40/values/integer.hpp, or a move of integers
   floating,  ///< a body on 40-bit floats, or a move of them
-  control    ///< branches, the stack, repeats, IDLE and the like: c40/handlers_control.cpp
+  control    ///< branches, the stack, repeats, IDLE and the like: c40/instructions/handlers_control.cpp
 };
 
 struct OperationRow {

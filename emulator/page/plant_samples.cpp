@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "cmrc/tasks/ti_float.hpp"
-#include "machine/machine.hpp"
+#include "machine/system/machine.hpp"
 #include "page/columns.hpp"
 #include "plant/numerics/math.hpp"
 #include "plant/scene/scene.hpp"

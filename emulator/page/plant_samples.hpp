@@ -7,7 +7,7 @@
 
 #include "cmrc/run/simulation.hpp"
 #include "isa/word.hpp"
-#include "machine/time.hpp"
+#include "machine/time/time.hpp"
 #include "nlohmann/json.hpp"
 #include "plant/dock/dock.hpp"
 

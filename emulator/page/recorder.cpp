@@ -8,8 +8,8 @@
 #include "bus_model/bus.hpp"
 #include "cmrc/configuration/config.hpp"
 #include "cmrc/tasks/job_kinds.hpp"
-#include "machine/machine.hpp"
-#include "machine/scripted_events.hpp"
+#include "machine/system/machine.hpp"
+#include "machine/system/scripted_events.hpp"
 #include "page/columns.hpp"
 #include "report/event.hpp"
 

@@ -1,7 +1,7 @@
 // Board files. A chip can be put on a board that is accepted, if the board is small.
-#include "machine/board_file.hpp"
+#include "machine/boards/board_file.hpp"
 
-#include "c40/chip.hpp"
+#include "c40/chip/chip.hpp"
 #include "fuzz/target.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

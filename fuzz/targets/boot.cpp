@@ -2,7 +2,7 @@
 #include <array>
 
 #include "fuzz/ways.hpp"
-#include "machine/boot.hpp"
+#include "machine/chips/boot.hpp"
 
 namespace {
 

@@ -1,7 +1,7 @@
 // Arguments, one per line, and the configuration that those of a run make. No file that they name is opened.
-#include "cli/command_line.hpp"
+#include "cli/arguments/command_line.hpp"
 
-#include "cli/settings.hpp"
+#include "cli/arguments/settings.hpp"
 #include "fuzz/target.hpp"
 
 namespace {

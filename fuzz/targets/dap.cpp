@@ -7,7 +7,7 @@
 #include "debugger/dap_stream.hpp"
 #include "fuzz/target.hpp"
 #include "machine/debug/network_debuggee.hpp"
-#include "machine/network.hpp"
+#include "machine/networks/network.hpp"
 #include "toolchain/assembler/assembler.hpp"
 
 namespace {

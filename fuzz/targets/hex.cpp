@@ -1,5 +1,5 @@
 // Programs of hexadecimal words, and the place that a user gives one.
-#include "cli/program.hpp"
+#include "cli/arguments/program.hpp"
 
 #include "fuzz/target.hpp"
 #include "toolchain/linker/linker.hpp"

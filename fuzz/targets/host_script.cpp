@@ -1,12 +1,12 @@
 // Host scripts and words for devices of a board, and devices that are sent them: a console, a FIFO, a mailbox and a
 // timer, which a program touches in any order and at any time.
-#include "machine/host_script.hpp"
+#include "machine/boards/host_script.hpp"
 
 #include <string>
 #include <vector>
 
 #include "fuzz/target.hpp"
-#include "machine/board_devices.hpp"
+#include "machine/boards/board_devices.hpp"
 #include "state/archive.hpp"
 
 namespace {
@@ -43,21 +43,21 @@ class Seen {
  public:
   explicit Seen(const std::vector<machine::DeviceDescription>& devices) : devices_(devices) {
     devices_.on_pin = [this](c40::Pin pin, bool level, c40::Cycles cycle) {
-      told_ += std::to_string(static_cast<int>(pin)) + (level ? " high " : " low ") + std::to_string(cycle) + '\n';
+      output_ += std::to_string(static_cast<int>(pin)) + (level ? " high " : " low ") + std::to_string(cycle) + '\n';
     };
   }
   void access(const c40::ExternalAccess& access) {
     devices_.advance_to(access.cycle);
     const auto answer = devices_.access(access);
-    if (answer) told_ += std::to_string(answer->value) + '\n';
+    if (answer) output_ += std::to_string(answer->value) + '\n';
   }
   void advance_to(c40::Cycles now) { devices_.advance_to(now); }
   BoardDevices& devices() { return devices_; }
-  const std::string& told() const { return told_; }
+  const std::string& output() const { return output_; }
 
  private:
   BoardDevices devices_;
-  std::string told_;
+  std::string output_;
 };
 
 /// One run stops at every cycle, another is saved and loaded: the program sees no difference.
@@ -80,14 +80,14 @@ void touch(const std::vector<HostStep>& steps, fuzz::Input input) {
     cut.access(access);
     if (n == 20) {
       state::load(loaded.devices(), state::save(whole.devices()));
-      before = whole.told();
+      before = whole.output();
     } else if (n > 20) {
       loaded.access(access);
     }
-    fuzz::expect(whole.told() == cut.told(), "devices that are cut do something else");
+    fuzz::expect(whole.output() == cut.output(), "devices that are cut do something else");
   }
   if (!before.empty())
-    fuzz::expect(before + loaded.told() == whole.told(), "devices that are loaded do something else");
+    fuzz::expect(before + loaded.output() == whole.output(), "devices that are loaded do something else");
 }
 
 /// Words come in the order of the script, however long the program lets them wait.

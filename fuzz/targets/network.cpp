@@ -1,5 +1,5 @@
 // Network files, of programs that do nothing. A small network that is accepted runs for two microseconds.
-#include "machine/network_file.hpp"
+#include "machine/networks/network_file.hpp"
 
 #include "fuzz/target.hpp"
 #include "toolchain/assembler/assembler.hpp"

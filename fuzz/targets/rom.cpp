@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "fuzz/target.hpp"
-#include "machine/boot.hpp"
+#include "machine/chips/boot.hpp"
 #include "toolchain/objects/rom_file.hpp"
 
 namespace {

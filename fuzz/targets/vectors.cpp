@@ -1,7 +1,7 @@
 // Files of single-step vectors, plain or compressed, through the command itself.
-#include "cli/options.hpp"
-#include "cli/text_lines.hpp"
-#include "cli/vector_line.hpp"
+#include "cli/arguments/options.hpp"
+#include "cli/arguments/text_lines.hpp"
+#include "cli/arguments/vector_line.hpp"
 #include "fuzz/target.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -203,13 +203,13 @@ bool overlaps(const Solid& a, const Solid& b, double margin) {
 
 namespace {
 
-struct Stretch {
+struct Interval {
   double from, to;
   Solid solid;
 };
 
 // The part of a line along x at `y` that lies over the solid; from >= to if there is none.
-Stretch stretch_over(const Solid& solid, double y) {
+Interval interval_over(const Solid& solid, double y) {
   const double dy = y - solid.y;
   double from = -1e9, to = 1e9;
   const auto clip = [&](double slope, double at_centre, double half) {  // |slope (x - solid.x) + at_centre| <= half
@@ -232,13 +232,13 @@ double bay_height(const DockConfig& config, const DockState& state, double x_fro
   const ShipPose ship = ship_at(config, state.containers, state.seconds());
   Solid deck = make_solid(Solid::Kind::ship, -1, 0.0, y, 0.0, 0.0, 0.0, 0.0, config.layout.deck);
   if (ship.moves) ride(deck, ship);
-  std::vector<Stretch> stretches;
+  std::vector<Interval> intervals;
   std::vector<double> ends = {x_from, x_to};
   for (const ContainerData& container : state.containers) {
     if (container.state != ContainerState::on_ship) continue;
-    const Stretch s = stretch_over(solid_of(container, -1, state.agvs, ship), y);
+    const Interval s = interval_over(solid_of(container, -1, state.agvs, ship), y);
     if (s.from >= s.to || s.to <= x_from || s.from >= x_to) continue;
-    stretches.push_back(s);
+    intervals.push_back(s);
     for (const double end : {s.from, s.to})
       if (end > x_from && end < x_to) ends.push_back(end);
   }
@@ -247,7 +247,7 @@ double bay_height(const DockConfig& config, const DockState& state, double x_fro
   for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
     const double middle = 0.5 * (ends[i] + ends[i + 1]);
     double top = deck.top_at(middle, y);
-    for (const Stretch& s : stretches)
+    for (const Interval& s : intervals)
       if (middle > s.from && middle < s.to) top = std::max(top, s.solid.top_at(middle, y));
     sum += top * (ends[i + 1] - ends[i]);
   }

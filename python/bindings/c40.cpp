@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "c40/chip.hpp"
-#include "machine/board_file.hpp"
-#include "machine/boot.hpp"
+#include "c40/chip/chip.hpp"
+#include "machine/boards/board_file.hpp"
+#include "machine/chips/boot.hpp"
 #include "machine/debug/chip_debuggee.hpp"
 #include "python/bindings/chip_inspection.hpp"
 #include "python/bindings/debug.hpp"

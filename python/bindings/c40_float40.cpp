@@ -1,7 +1,7 @@
 // The 40-bit arithmetic.
 #include <pybind11/stl.h>
 
-#include "c40/float40.hpp"
+#include "c40/values/float40.hpp"
 #include "python/bindings/c40.hpp"
 #include "python/bindings/chip_inspection.hpp"
 

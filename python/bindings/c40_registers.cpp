@@ -4,7 +4,7 @@
 #include <string>
 
 #include "c40/peripherals/register_map.hpp"
-#include "machine/boot.hpp"
+#include "machine/chips/boot.hpp"
 #include "python/bindings/c40.hpp"
 #include "toolchain/objects/image.hpp"
 

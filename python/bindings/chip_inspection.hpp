@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "c40/chip.hpp"
-#include "c40/float40.hpp"
+#include "c40/chip/chip.hpp"
+#include "c40/chip/snapshot.hpp"
 #include "c40/peripherals/register_map.hpp"
-#include "c40/snapshot.hpp"
+#include "c40/values/float40.hpp"
 #include "isa/types.hpp"
-#include "machine/board_reserved.hpp"
+#include "machine/boards/board_reserved.hpp"
 #include "python/bindings/bindings.hpp"
 #include "state/archive.hpp"
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "machine/board_devices.hpp"
-#include "machine/host_script.hpp"
+#include "machine/boards/board_devices.hpp"
+#include "machine/boards/host_script.hpp"
 #include "python/bindings/bindings.hpp"
 #include "state/archive.hpp"
 

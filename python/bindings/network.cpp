@@ -1,5 +1,5 @@
 // cmrc._core.network: chips, links, memories in one virtual time.
-#include "machine/network.hpp"
+#include "machine/networks/network.hpp"
 #include "machine/debug/network_debuggee.hpp"
 
 #include <pybind11/stl.h>

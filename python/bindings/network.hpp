@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "machine/network.hpp"
+#include "machine/networks/network.hpp"
 #include "python/bindings/bindings.hpp"
 
 /// A network from its parts as Python gives them. \throws machine::NetworkError

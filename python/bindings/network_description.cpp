@@ -1,7 +1,7 @@
 // Networks from a description: Python's lists, or a file.
 #include <pybind11/stl.h>
 
-#include "machine/network_file.hpp"
+#include "machine/networks/network_file.hpp"
 #include "python/bindings/devices.hpp"
 #include "python/bindings/network.hpp"
 

@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "machine/boot.hpp"
-#include "machine/network.hpp"
+#include "machine/chips/boot.hpp"
+#include "machine/networks/network.hpp"
 #include "python/bindings/chip_inspection.hpp"
 #include "python/bindings/ctrl_c.hpp"
 #include "toolchain/assembler/assembler.hpp"

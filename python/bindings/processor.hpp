@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "c40/chip.hpp"
+#include "c40/chip/chip.hpp"
+#include "c40/observers/self_check.hpp"
 #include "c40/peripherals/events.hpp"
-#include "c40/self_check.hpp"
-#include "machine/board_file.hpp"
-#include "machine/board_reserved.hpp"
+#include "machine/boards/board_file.hpp"
+#include "machine/boards/board_reserved.hpp"
 #include "python/bindings/devices.hpp"
 #include "state/file.hpp"
 #include "toolchain/objects/image.hpp"

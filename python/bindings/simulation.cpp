@@ -15,7 +15,7 @@
 #include "cmrc/run/simulation.hpp"
 #include "cmrc/tasks/job_kinds.hpp"
 #include "cmrc/tasks/words.hpp"
-#include "machine/machine.hpp"
+#include "machine/system/machine.hpp"
 #include "page/html.hpp"
 #include "page/recorder.hpp"
 #include "plant/dock/dock.hpp"

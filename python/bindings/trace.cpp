@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "isa/types.hpp"
-#include "machine/instruction_trace.hpp"
+#include "machine/program_text/instruction_trace.hpp"
 #include "python/bindings/bindings.hpp"
 #include "report/trace_text.hpp"
 

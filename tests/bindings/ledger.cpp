@@ -108,13 +108,13 @@ class LedgerInPicoseconds {
   void removed(std::size_t block) { ledger_.removed(block); }
   void slot_failed(unsigned slot, std::int64_t at) { ledger_.slot_failed(slot, Time{at}); }
   std::string report_json(std::int64_t now, const std::vector<std::vector<std::int64_t>>& causes) const {
-    cmrc::Ledger::Report told = ledger_.tell(
+    cmrc::Ledger::Report ledger = ledger_.tell(
         Time{now}, [&](unsigned slot) { return slot < causes.size() ? causes[slot] : cmrc::CauseTimes{}; });
     report::RunReport run;
-    run.tasks = std::move(told.tasks);
-    run.missed = std::move(told.misses);
-    run.misses_left_out = told.misses_left_out;
-    run.audit = std::move(told.audit);
+    run.tasks = std::move(ledger.tasks);
+    run.missed = std::move(ledger.misses);
+    run.misses_left_out = ledger.misses_left_out;
+    run.audit = std::move(ledger.audit);
     return to_json(run);
   }
 
@@ -146,7 +146,8 @@ void bind_ledger(py::module_& test) {
       .def("slot_failed", &LedgerInSeconds::slot_failed)
       .def("violations", &LedgerInSeconds::violations)
       .def("report", &LedgerInSeconds::report);
-  py::class_<LedgerInPicoseconds>(m, "LedgerInPicoseconds", "A ledger whose events are told by hand; picoseconds.")
+  py::class_<LedgerInPicoseconds>(m, "LedgerInPicoseconds",
+                                  "A ledger whose events a test gives one by one; picoseconds.")
       .def(py::init<std::size_t>(), "kept"_a = 1000)
       .def("release", &LedgerInPicoseconds::release, "block"_a, "kind"_a, "released"_a, "deadline"_a = py::none(),
            "robot"_a = 0)

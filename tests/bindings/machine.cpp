@@ -1,5 +1,5 @@
 // Several DSPs on their buses with a host that follows a script.
-#include "machine/machine.hpp"
+#include "machine/system/machine.hpp"
 
 #include <pybind11/stl.h>
 
@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "bus_model/bus.hpp"
-#include "c40/chip.hpp"
-#include "machine/chip_stop.hpp"
+#include "c40/chip/chip.hpp"
+#include "machine/chips/chip_stop.hpp"
 #include "plant/dock/dock.hpp"
 #include "tests/bindings/bindings.hpp"
 #include "toolchain/objects/image.hpp"

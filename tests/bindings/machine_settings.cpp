@@ -1,7 +1,7 @@
 // How a machine is set, and what it tells of its slots.
 #include <pybind11/stl.h>
 
-#include "machine/machine.hpp"
+#include "machine/system/machine.hpp"
 #include "tests/bindings/bindings.hpp"
 
 using namespace machine;

@@ -1,7 +1,7 @@
 // The tables of which one row adds one thing, as pages show them (scripts/doc_figures.py).
 #include <pybind11/stl.h>
 
-#include "c40/types.hpp"
+#include "c40/values/types.hpp"
 #include "cmrc/tasks/job_kinds.hpp"
 #include "tests/bindings/bindings.hpp"
 

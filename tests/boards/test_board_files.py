@@ -32,20 +32,20 @@ def test_all_errors_are_told_at_once_with_their_lines(tmp_path: Path) -> None:
     )
     errors = refused(tmp_path, text)
     expected = [
-        (1, "clock_mhz: the frequency of CLKIN"),
+        (1, "clock_mhz: a number from 0.001 to 1000 is expected"),
         (
             2,
             'no such key gmicrr; known are name, clock_mhz, gmicr, lmicr, pins, reserved, region, device; did you mean "gmicr"?',
         ),
         (10, "no such key region.buss"),
-        (11, "region.waits: a whole number from 0 to 15"),
+        (11, "region.waits: an integer from 0 to 15"),
         (12, "region.bus of RAM: local or global is expected"),
         (
             23,
             'device.kind of D: "fofo" is unknown; console, registers, led, fifo, mailbox, timer, vic068a, vme is expected; did you mean "fifo"?',
         ),
         (30, "device.pin of T: IIOF0 to IIOF3 or NMI is expected"),
-        (31, "device.count_cycles of T: a whole number from 1"),
+        (31, "device.count_cycles of T: an integer from 1"),
         (32, "no such key device.dept"),
         (38, "device.depth of lamp: a led has none; fifo has"),
         (41, 'no such key pins.romem; known are romen, resetloc, iiof; did you mean "romen"?'),
@@ -61,10 +61,11 @@ def test_a_missing_key_or_name_hides_no_other_error(tmp_path: Path) -> None:
         "1: region 1: base is missing",
         "1: region 1: words is missing",
         "3: region.bus of RAM: local or global is expected",
-        "4: region.waits: a whole number from 0 to 15 is expected",
+        "4: region.waits: an integer from 0 to 15 is expected",
         "5: region.kind of RAM: ram, window (to a shared bus), fault or ignore is expected",
         "7: pins.romen: true (the boot ROM is at 0) or false is expected",
         '8: pins.iiof: the levels of IIOF3 to IIOF0 are expected, as "1111"',
+        "9: device 1: name is missing",
         '10: device.kind of 1: "leds" is unknown; console, registers, led, fifo, mailbox, timer, vic068a, vme is expected; did you mean "led"?',
     ]
     errors = refused(tmp_path, text)

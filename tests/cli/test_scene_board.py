@@ -81,7 +81,7 @@ def test_wait_states_of_the_program_memory(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ("[[region]]", "clock_mhz = 0\n[[region]]", "clock_mhz: the frequency"),
+        ("[[region]]", "clock_mhz = 0\n[[region]]", "clock_mhz: a number from 0.001 to 1000 is expected"),
         ("waits = 1\n", "waits = 16\n", "region.waits"),
         ('kind = "window"', 'kind = "bus"', "region.kind of window to bus B"),
         ('kind = "window"', 'kind = "window"\nwaits = 1', "region.waits of window to bus B"),

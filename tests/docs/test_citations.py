@@ -107,7 +107,7 @@ def test_sections_that_programs_name_exist() -> None:
     from cmrc import _core
 
     isa = {row["section"] for row in _core.isa.rows()}
-    checks = read("emulator/c40/self_check.cpp")
+    checks = read("emulator/c40/observers/self_check.cpp")
     named = set(re.findall(r'"(\d+(?:\.\d+)?)"', checks))
     assert isa and len(named) > 5
     places = anchors(REFERENCE)

@@ -1,6 +1,6 @@
 """What every reason for which a chip stops means to every front end. Rows come from the C++ enum: a new reason fails
 here until it has its row, and in C++ does not compile until it has a name and a meaning
-(emulator/machine/chip_stop.hpp)."""
+(emulator/machine/chips/chip_stop.hpp)."""
 
 import json
 import subprocess

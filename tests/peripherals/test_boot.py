@@ -253,7 +253,7 @@ def test_pins_choose_the_reset_vector(emulator: Path, tmp_path: Path, location: 
 
 @pytest.mark.parametrize(("old", "new", "message"), [
     ("romen = true", "romen = 1", "b.toml:4: pins.romen: true (the boot ROM is at 0) or false is expected"),
-    ("resetloc = 0", "resetloc = 4", "b.toml:5: pins.resetloc: a whole number from 0 to 3 is expected"),
+    ("resetloc = 0", "resetloc = 4", "b.toml:5: pins.resetloc: an integer from 0 to 3 is expected"),
     ('"0111"', '"111"', "b.toml:6: pins.iiof: the levels of IIOF3 to IIOF0 are expected"),
     ('"0111"', "7", "pins.iiof: text in quotes is expected"),
     ('"0111"', '"0110"', "IIOF0, must be 1 for the boot loader"),

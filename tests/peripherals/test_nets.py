@@ -526,7 +526,7 @@ def test_nets_of_a_file(command: Any) -> None:
     ('rest = "low"', 'rest = "down"', 'net.toml:14: net.rest: "high" or "low" is expected'),
     ('rest = "low"', "open_drain = 1", "net.toml:14: net.open_drain: true or false is expected"),
     ('receivers = ["1.IIOF2"]', 'receivers = ["1.IIOF1"]', "net.toml:11: net line (>1.IIOF1): pin 1.IIOF1 is already on net sync"),
-    ('net = "line"', 'chip = "root"', "net.toml:15: event: pulse needs a net"),
+    ('net = "line"', 'chip = "root"', "net.toml:18: event: pulse needs a net"),
     ("width_us = 2\n", "", "net.toml:15: event: width_us is missing"),
     ('action = "pulse"', 'action = "low"', "only a pulse has one"),
     ('receivers = ["1.IIOF2"]\n', "", "net.toml:11: net: receivers is missing"),

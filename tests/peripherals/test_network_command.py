@@ -126,6 +126,52 @@ def test_a_network_file(run: Any, tmp_path: Path) -> None:
         assert bad.returncode == 2 and bad.stdout == "" and message in bad.stderr, (new, bad.stderr)
 
 
+def test_all_errors_of_a_network_file_at_once(run: Any, tmp_path: Path) -> None:
+    """Of the chips first; then of what connects them, by their names; then of the events, by the names of both."""
+    wrong_chips = """[[chip]]
+name = 1
+program = "lost.asm"
+clock_mhz = 0
+[[chip]]
+boot = "yes"
+entri = "start"
+"""
+    (tmp_path / "network.toml").write_text(wrong_chips)
+    bad = run("--network", "network.toml")
+    assert bad.returncode == 2 and bad.stderr.splitlines() == [
+        "emulator: network.toml:2: name: text in quotes is expected",
+        "network.toml:3: program: there is no file lost.asm",
+        "network.toml:4: clock_mhz: a number from 0.001 to 1000 is expected",
+        'network.toml:5: chip 1 has no program, and does not boot; program = "FILE" or boot = true is expected',
+        "network.toml:6: boot: true or false is expected",
+        (
+            "network.toml:7: no such key chip.entri; known are number, name, program, board, clock_mhz, entry, until, "
+            'boot; did you mean "entry"?'
+        ),
+    ]
+    wrong_links = FILE.replace('ports = "left.0:1.3"', 'ports = "left.0:4.3"\n[[link]]\nports = "left.1:1.4"\n[[link]]\n'
+                               'ports = "left.1:1.5"\n[[memory]]\nname = "m"\n[[net]]')  # fmt: skip
+    (tmp_path / "network.toml").write_text(wrong_links)
+    bad = run("--network", "network.toml")
+    assert bad.returncode == 2 and bad.stderr.splitlines() == [
+        "emulator: network.toml:9: link left.0:4.3: 4.3: there is no chip 4; the network has chips 0 to 1",
+        "network.toml:13: link 0.1:1.5: port 1 of chip 0 already has link 0.1:1.4; a port has one link",
+        "network.toml:14: memory: words is missing",
+        "network.toml:16: net: receivers is missing",
+        "network.toml:17: no such key net.word_cycles; known are name, drivers, receivers, open_drain, rest",
+    ]
+    wrong_events = FILE.replace("at_us = 1.0", "at_us = -1.0").replace('action = "cut"', 'action = "bite"')
+    (tmp_path / "network.toml").write_text(wrong_events)
+    bad = run("--network", "network.toml")
+    assert bad.returncode == 2 and bad.stderr.splitlines() == [
+        "emulator: network.toml:12: event.at_us: a number from 0 to 1000000000000 is expected",
+        (
+            'network.toml:13: there is no action "bite"; cut, restore, reset, hold, release, pull_out, low, high, open, '
+            "pulse is expected"
+        ),
+    ]
+
+
 def test_what_is_done_to_a_network_from_the_command_line_as_from_a_file(run: Any, tmp_path: Path) -> None:
     (tmp_path / "network.toml").write_text(FILE)
     from_file = json.loads(run("--network", "network.toml", "--json").stdout)

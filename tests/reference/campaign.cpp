@@ -16,8 +16,8 @@
 #include <string>
 #include <thread>
 
-#include "c40/bind.hpp"
-#include "c40/handler_tables.hpp"
+#include "c40/instructions/bind.hpp"
+#include "c40/instructions/handler_tables.hpp"
 #include "cases.hpp"
 
 namespace {

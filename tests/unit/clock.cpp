@@ -1,5 +1,5 @@
 // Clocks against exact rationals (ruling 1).
-#include "c40/clock.hpp"
+#include "c40/values/clock.hpp"
 
 #include <doctest/doctest.h>
 

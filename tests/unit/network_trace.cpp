@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "machine/network.hpp"
+#include "machine/networks/network.hpp"
 #include "state/archive.hpp"
 #include "toolchain/assembler/assembler.hpp"
 

@@ -1,5 +1,5 @@
 // One instruction's row of the pipeline diagram, drawn by hand.
-#include "c40/pipeline_diagram.hpp"
+#include "c40/pipeline/pipeline_diagram.hpp"
 
 #include <doctest/doctest.h>
 

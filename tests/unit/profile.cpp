@@ -1,5 +1,5 @@
 // Calls as a profile sees them: by the instruction that calls, and where the program goes on.
-#include "c40/profile.hpp"
+#include "c40/observers/profile.hpp"
 
 #include <doctest/doctest.h>
 

@@ -4,13 +4,13 @@
 
 #include <string_view>
 
+#include "c40/observers/self_check.hpp"
 #include "c40/peripherals/link.hpp"
-#include "c40/self_check.hpp"
-#include "c40/types.hpp"
+#include "c40/values/types.hpp"
 #include "isa/operations.hpp"
-#include "machine/board_device.hpp"
-#include "machine/network.hpp"
-#include "machine/scripted_events.hpp"
+#include "machine/boards/board_device.hpp"
+#include "machine/networks/network.hpp"
+#include "machine/system/scripted_events.hpp"
 #include "report/task_account.hpp"
 #include "state/enumerators.hpp"
 

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "c40/bench/plain_interpreter.hpp"
-#include "c40/chip.hpp"
+#include "c40/chip/chip.hpp"
 #include "isa/types.hpp"
 
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "c40/float40.hpp"
+#include "c40/values/float40.hpp"
 
 namespace c40::bench {
 

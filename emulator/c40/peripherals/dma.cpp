@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "c40/addressing.hpp"
+#include "c40/instructions/addressing.hpp"
 #include "c40/peripherals/comm_port.hpp"
 
 namespace c40 {

@@ -10,7 +10,7 @@
 
 #include "c40/peripherals/dma_registers.hpp"
 #include "c40/peripherals/dma_wait.hpp"
-#include "c40/timing.hpp"
+#include "c40/pipeline/timing.hpp"
 
 namespace c40 {
 

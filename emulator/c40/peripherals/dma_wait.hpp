@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "c40/types.hpp"
+#include "c40/values/types.hpp"
 
 namespace c40 {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "c40/types.hpp"
+#include "c40/values/types.hpp"
 
 namespace c40 {
 

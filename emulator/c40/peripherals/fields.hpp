@@ -3,7 +3,7 @@
 /// page docs/peripherals.md.
 #include <string_view>
 
-#include "c40/types.hpp"
+#include "c40/values/types.hpp"
 
 namespace c40 {
 

@@ -27,8 +27,8 @@
 #include <optional>
 #include <string>
 
-#include "c40/clock.hpp"
 #include "c40/peripherals/comm_port.hpp"
+#include "c40/values/clock.hpp"
 
 namespace state {
 class Visitor;

@@ -1,11 +1,11 @@
 #pragma once
-/// The pins of a chip that nets connect (machine/net.hpp): those that the outside drives, and those that the chip
-/// drives.
+/// The pins of a chip that nets connect (machine/networks/net.hpp): those that the outside drives, and those that the
+/// chip drives.
 #include <array>
 #include <cstdint>
 #include <string_view>
 
-#include "c40/types.hpp"
+#include "c40/values/types.hpp"
 
 namespace c40 {
 

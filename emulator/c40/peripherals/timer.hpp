@@ -7,7 +7,7 @@
 #include <cstddef>
 
 #include "c40/peripherals/fields.hpp"
-#include "c40/timing_parameters.hpp"
+#include "c40/pipeline/timing_parameters.hpp"
 
 namespace state {
 class Visitor;

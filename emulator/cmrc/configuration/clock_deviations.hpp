@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "cmrc/configuration/config.hpp"
-#include "machine/time.hpp"
+#include "machine/time/time.hpp"
 
 namespace cmrc {
 

@@ -12,8 +12,8 @@
 
 #include "cmrc/configuration/machine_topology.hpp"
 #include "cmrc/programs/servo_law.hpp"
-#include "machine/net.hpp"
-#include "machine/slot_links.hpp"
+#include "machine/dsps/slot_links.hpp"
+#include "machine/networks/net.hpp"
 #include "plant/scene/wind.hpp"
 
 namespace cmrc {

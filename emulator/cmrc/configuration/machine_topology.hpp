@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "machine/bus_topology.hpp"
+#include "machine/system/bus_topology.hpp"
 
 namespace cmrc {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "cmrc/configuration/value.hpp"
-#include "machine/scripted_events.hpp"
+#include "machine/system/scripted_events.hpp"
 
 namespace cmrc {
 
@@ -35,7 +35,7 @@ struct TimedAction {
   std::string_view meaning;
   const machine::ScriptedAction* scripted;  ///< the machine's action; null: the host does it
 };
-/// The actions of machine/scripted_events.hpp, and "set".
+/// The actions of machine/system/scripted_events.hpp, and "set".
 std::span<const TimedAction> timed_actions();
 
 /// The target of its action: "dsp", "bus", "joint", "axis" or "".

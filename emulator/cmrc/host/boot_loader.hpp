@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "cmrc/tasks/words.hpp"
-#include "machine/machine.hpp"
+#include "machine/system/machine.hpp"
 
 namespace state {
 class Visitor;

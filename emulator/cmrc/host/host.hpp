@@ -41,7 +41,7 @@
 #include "cmrc/tasks/task_list.hpp"
 #include "cmrc/tasks/user_tasks.hpp"
 #include "cmrc/tasks/words.hpp"
-#include "machine/machine.hpp"
+#include "machine/system/machine.hpp"
 #include "report/event.hpp"
 #include "report/run_report.hpp"
 

@@ -12,7 +12,7 @@
 
 #include "cmrc/measures/event_times.hpp"
 #include "cmrc/measures/milestone.hpp"
-#include "machine/time.hpp"
+#include "machine/time/time.hpp"
 #include "plant/parameters/basics.hpp"
 
 namespace plant {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "machine/time.hpp"
+#include "machine/time/time.hpp"
 
 namespace state {
 class Visitor;

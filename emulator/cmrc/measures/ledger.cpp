@@ -114,7 +114,6 @@ void Ledger::release(std::size_t block, JobKind kind, Time released, std::option
   open.tries.emplace_back();
   open.tries.back().waits_from = released;
   if (released <= refresh_.began) open.tries.back().first_refresh = refresh_.began;
-  if (watcher_ != nullptr) watcher_->released(open.name, open.released, open.deadline);
   open_[block] = std::move(open);
 }
 
@@ -142,10 +141,8 @@ void Ledger::skipped(JobKind kind, Time released, Time deadline, std::optional<s
   for (const auto& [block, other] : open_) {
     if (other.kind == kind && other.name.robot == robot) missed.previous = other.name.number;
   }
-  if (watcher_ != nullptr) {
-    watcher_->released(open.name, released, deadline);
+  if (watcher_ != nullptr)
     watcher_->ended({open.name, report::Outcome::dropped, true, released, deadline, {}, deadline, true});
-  }
   why_.missed(missed, timeline_, audit_, watcher_);
 }
 
@@ -399,10 +396,8 @@ void Ledger::book_open(Time now, const std::function<CauseTimes(unsigned)>& caus
 
 void Ledger::introduce(RunWatcher& watcher, const std::function<Word(std::size_t)>& generation) const {
   timeline_.introduce(watcher);
-  for (const auto& [block, open] : open_) {
-    watcher.released(open.name, open.released, open.deadline);
+  for (const auto& [block, open] : open_)
     if (open.slot && !open.finished) watcher.took(*open.slot, {open.name, block, generation(block), open.claimed()});
-  }
 }
 
 void Ledger::close(Time now, const std::function<CauseTimes(unsigned)>& causes, RunWatcher& watcher) const {

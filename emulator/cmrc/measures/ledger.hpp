@@ -17,7 +17,7 @@
 #include "cmrc/tasks/block_audit.hpp"
 #include "cmrc/tasks/job_kinds.hpp"
 #include "cmrc/tasks/words.hpp"
-#include "machine/time.hpp"
+#include "machine/time/time.hpp"
 #include "report/task_account.hpp"
 
 namespace cmrc {

@@ -2,7 +2,7 @@
 // What a robot has reached in its work: the points by which two runs are compared.
 #include <cstdint>
 
-#include "machine/time.hpp"
+#include "machine/time/time.hpp"
 
 namespace cmrc {
 

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "machine/profile.hpp"
+#include "machine/program_text/profile.hpp"
 
 namespace cmrc {
 namespace {

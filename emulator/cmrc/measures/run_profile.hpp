@@ -10,9 +10,9 @@
 #include <optional>
 #include <vector>
 
-#include "c40/profile.hpp"
+#include "c40/observers/profile.hpp"
 #include "cmrc/measures/ledger.hpp"
-#include "machine/machine.hpp"
+#include "machine/system/machine.hpp"
 #include "report/profile_report.hpp"
 
 namespace toolchain {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "cmrc/measures/missed_job.hpp"
-#include "machine/machine.hpp"
+#include "machine/system/machine.hpp"
 #include "report/task_account.hpp"
 #include "report/why_late.hpp"
 
@@ -80,7 +80,6 @@ class RunWatcher {
   virtual void list(unsigned /*owner*/, Time /*at*/) {}
 
   // Jobs
-  virtual void released(const report::JobName&, Time /*released*/, std::optional<Time> /*deadline*/) {}
   /// Called when the host has seen the end of a job, or given it up; for open jobs at the end of the run.
   virtual void ended(const EndedJob&) {}
   /// After ended() of the same job.

@@ -23,9 +23,6 @@ void RunWatchers::refused(unsigned slot, Time at) {
 void RunWatchers::list(unsigned owner, Time at) {
   for (RunWatcher* one : all_) one->list(owner, at);
 }
-void RunWatchers::released(const report::JobName& job, Time released, std::optional<Time> deadline) {
-  for (RunWatcher* one : all_) one->released(job, released, deadline);
-}
 void RunWatchers::ended(const EndedJob& job) {
   for (RunWatcher* one : all_) one->ended(job);
 }

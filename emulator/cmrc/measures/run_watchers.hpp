@@ -17,7 +17,6 @@ class RunWatchers final : public RunWatcher {
   void held_up(unsigned slot, machine::Window window, Time from, Time to) override;
   void refused(unsigned slot, Time at) override;
   void list(unsigned owner, Time at) override;
-  void released(const report::JobName& job, Time released, std::optional<Time> deadline) override;
   void ended(const EndedJob& job) override;
   void missed(const MissedWaits& waits) override;
   void refreshed(const RefreshTimes& times, Time end, std::size_t blocks) override;

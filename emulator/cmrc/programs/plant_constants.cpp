@@ -9,7 +9,7 @@
 
 #include "cmrc/configuration/value.hpp"
 #include "cmrc/tasks/ti_float.hpp"
-#include "machine/shared_numbers.hpp"
+#include "machine/system/shared_numbers.hpp"
 #include "plant/dock/sensors.hpp"
 #include "plant/numerics/math.hpp"
 

@@ -6,12 +6,12 @@
 #include <set>
 #include <stdexcept>
 
-#include "c40/chip.hpp"
+#include "c40/chip/chip.hpp"
 #include "cmrc/configuration/config.hpp"
 #include "cmrc/tasks/job_kinds.hpp"
+#include "machine/bus_agents/shared_memory.hpp"
 #include "machine/debug/error.hpp"
-#include "machine/machine.hpp"
-#include "machine/shared_memory.hpp"
+#include "machine/system/machine.hpp"
 #include "plant/parameters/config.hpp"
 #include "state/archive.hpp"
 

@@ -2,9 +2,9 @@
 
 #include <optional>
 
-#include "c40/chip.hpp"
+#include "c40/chip/chip.hpp"
 #include "cmrc/configuration/config.hpp"
-#include "machine/machine.hpp"
+#include "machine/system/machine.hpp"
 #include "report/event.hpp"
 
 namespace cmrc {

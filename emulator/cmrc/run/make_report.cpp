@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "bus_model/bus.hpp"
-#include "c40/chip.hpp"
+#include "c40/chip/chip.hpp"
 #include "cmrc/measures/error_log.hpp"
 #include "cmrc/measures/measures.hpp"
 #include "cmrc/run/setup.hpp"

@@ -13,7 +13,7 @@
 #include "cmrc/measures/run_profile.hpp"
 #include "cmrc/measures/wind_watch.hpp"
 #include "cmrc/tasks/words.hpp"
-#include "machine/machine.hpp"
+#include "machine/system/machine.hpp"
 #include "plant/dock/dock.hpp"
 #include "report/event_log.hpp"
 

@@ -9,12 +9,12 @@
 #include <stdexcept>
 #include <utility>
 
-#include "c40/chip.hpp"
+#include "c40/chip/chip.hpp"
 #include "cmrc/run/ideal_run.hpp"
 #include "cmrc/run/simulation.hpp"
 #include "io/child_process.hpp"
 #include "io/stop.hpp"
-#include "machine/machine.hpp"
+#include "machine/system/machine.hpp"
 #include "report/comparison.hpp"
 #include "state/archive.hpp"
 

@@ -4,7 +4,7 @@
 
 #include "cmrc/configuration/config.hpp"
 #include "cmrc/host/host.hpp"
-#include "machine/machine.hpp"
+#include "machine/system/machine.hpp"
 #include "plant/dock/dock.hpp"
 #include "report/event.hpp"
 #include "state/archive.hpp"

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <optional>
 
-#include "machine/time.hpp"
+#include "machine/time/time.hpp"
 #include "report/run_report.hpp"
 
 namespace machine {

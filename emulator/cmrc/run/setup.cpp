@@ -13,7 +13,7 @@
 #include "cmrc/programs/servo_law.hpp"
 #include "cmrc/run/ideal_run.hpp"
 #include "cmrc/tasks/ti_float.hpp"
-#include "machine/board_file.hpp"
+#include "machine/boards/board_file.hpp"
 #include "plant/parameters/check.hpp"
 #include "plant/parameters/layout_file.hpp"
 

@@ -11,7 +11,7 @@
 #include "cmrc/processes/crane_steps.hpp"
 #include "cmrc/processes/fleet.hpp"
 #include "cmrc/run/observer.hpp"
-#include "machine/machine.hpp"
+#include "machine/system/machine.hpp"
 #include "plant/dock/dock.hpp"
 #include "report/event_log.hpp"
 #include "report/run_report.hpp"

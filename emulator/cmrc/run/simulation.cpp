@@ -12,7 +12,7 @@
 #include "cmrc/run/setup.hpp"
 #include "cmrc/run/simulation_parts.hpp"
 #include "io/stop.hpp"
-#include "machine/board_file.hpp"
+#include "machine/boards/board_file.hpp"
 #include "report/event.hpp"
 #include "state/archive.hpp"
 

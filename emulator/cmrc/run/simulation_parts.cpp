@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "c40/chip.hpp"
+#include "c40/chip/chip.hpp"
 #include "cmrc/run/ideal_run.hpp"
 #include "cmrc/run/job_causes.hpp"
 #include "cmrc/run/setup.hpp"

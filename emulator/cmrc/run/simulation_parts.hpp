@@ -17,7 +17,7 @@
 #include "cmrc/run/simulation.hpp"
 #include "cmrc/run/snapshot_origin.hpp"
 #include "cmrc/tasks/words.hpp"
-#include "machine/machine.hpp"
+#include "machine/system/machine.hpp"
 #include "plant/dock/dock.hpp"
 #include "report/event_log.hpp"
 #include "toolchain/objects/image.hpp"

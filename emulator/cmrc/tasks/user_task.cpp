@@ -8,7 +8,7 @@
 
 #include "cmrc/tasks/job_kinds.hpp"
 #include "io/nearest.hpp"
-#include "machine/machine.hpp"
+#include "machine/system/machine.hpp"
 
 namespace cmrc {
 namespace {

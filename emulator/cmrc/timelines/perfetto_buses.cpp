@@ -46,9 +46,9 @@ PerfettoBuses::PerfettoBuses(Trace& trace, const machine::Machine& machine, bool
 void PerfettoBuses::tell(Bus& bus, std::int64_t millisecond) {
   if (millisecond <= bus.millisecond) return;
   const auto count = [&](Master& master, Time at, std::int64_t clocks) {
-    if (clocks == master.told || !window_.contains(at)) return;
+    if (clocks == master.written || !window_.contains(at)) return;
     trace_.count(master.track, at, clocks);
-    master.told = clocks;
+    master.written = clocks;
   };
   for (Master& master : bus.masters) {
     count(master, bus_sample_period * bus.millisecond, master.clocks);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bus_model/bus.hpp"
-#include "machine/machine.hpp"
+#include "machine/system/machine.hpp"
 #include "report/perfetto_trace.hpp"
 #include "report/trace_text.hpp"
 
@@ -26,7 +26,7 @@ class PerfettoBuses {
     Trace::Track track;
     std::string name;
     std::int64_t clocks = 0;  // in the present millisecond
-    std::int64_t told = 0;
+    std::int64_t written = 0;
   };
   struct Bus {
     std::int64_t millisecond = 0;

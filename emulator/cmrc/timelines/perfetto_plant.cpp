@@ -33,9 +33,9 @@ void PerfettoPlant::tell(double value, report::Time now) {
   Signal& signal = signals_.at(next_++);
   constexpr double parts = 1e6;  // parts of a metre or a radian; finer digits cannot be seen
   const double rounded = std::round(value * parts) / parts;
-  if (rounded == signal.told) return;
+  if (rounded == signal.written) return;
   trace_.count(signal.track, now, rounded);
-  signal.told = rounded;
+  signal.written = rounded;
 }
 
 void PerfettoPlant::latched(const plant::Dock& dock, report::Time now) {

@@ -23,7 +23,7 @@ class PerfettoPlant {
  private:
   struct Signal {
     Trace::Track track;
-    double told = std::numeric_limits<double>::quiet_NaN();
+    double written = std::numeric_limits<double>::quiet_NaN();
   };
   void tell(double value, report::Time now);
 

@@ -6,11 +6,11 @@
 #include <functional>
 #include <stdexcept>
 
-#include "c40/float40.hpp"
+#include "c40/values/float40.hpp"
 #include "isa/types.hpp"
-#include "machine/asleep.hpp"
-#include "machine/chip_stop.hpp"
-#include "machine/program_end.hpp"
+#include "machine/chips/asleep.hpp"
+#include "machine/chips/chip_stop.hpp"
+#include "machine/chips/program_end.hpp"
 #include "state/archive.hpp"
 
 namespace machine::debug {

@@ -1,7 +1,7 @@
 #pragma once
 /// A single chip in a debugger. If the chip needs an answer from outside, it counts as ended until the answer comes.
-#include "machine/board_devices.hpp"
-#include "machine/board_reserved.hpp"
+#include "machine/boards/board_devices.hpp"
+#include "machine/boards/board_reserved.hpp"
 #include "machine/debug/debuggee.hpp"
 
 namespace machine::debug {

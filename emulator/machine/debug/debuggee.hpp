@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "c40/chip.hpp"
-#include "c40/probe.hpp"
-#include "machine/time.hpp"
+#include "c40/chip/chip.hpp"
+#include "c40/observers/probe.hpp"
+#include "machine/time/time.hpp"
 #include "toolchain/objects/image.hpp"
 
 namespace machine::debug {

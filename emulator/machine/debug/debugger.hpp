@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "c40/probe.hpp"
+#include "c40/observers/probe.hpp"
 #include "machine/debug/debuggee.hpp"
 #include "machine/debug/error.hpp"
 #include "machine/debug/history.hpp"

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "c40/float40.hpp"
+#include "c40/values/float40.hpp"
 #include "isa/types.hpp"
 #include "machine/debug/debugger_shared.hpp"
 #include "machine/debug/expression.hpp"

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "c40/self_check.hpp"
+#include "c40/observers/self_check.hpp"
 #include "isa/types.hpp"
 #include "machine/debug/expression.hpp"
 

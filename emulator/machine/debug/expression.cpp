@@ -6,8 +6,8 @@
 #include <array>
 #include <functional>
 
-#include "c40/float40.hpp"
 #include "c40/peripherals/register_map.hpp"
+#include "c40/values/float40.hpp"
 #include "isa/types.hpp"
 
 namespace machine::debug {

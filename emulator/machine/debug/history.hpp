@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "machine/time.hpp"
+#include "machine/time/time.hpp"
 
 namespace machine::debug {
 

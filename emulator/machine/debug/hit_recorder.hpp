@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "c40/self_check.hpp"
+#include "c40/observers/self_check.hpp"
 #include "machine/debug/debugger.hpp"
 #include "machine/debug/expression.hpp"
 

@@ -7,8 +7,8 @@
 #include <iterator>
 #include <sstream>
 
-#include "c40/float40.hpp"
 #include "c40/peripherals/register_map.hpp"
+#include "c40/values/float40.hpp"
 #include "isa/decode.hpp"
 #include "isa/disassemble.hpp"
 

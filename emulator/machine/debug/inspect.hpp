@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "machine/address_names.hpp"
 #include "machine/debug/debuggee.hpp"
 #include "machine/debug/error.hpp"
+#include "machine/program_text/address_names.hpp"
 
 namespace machine::debug {
 

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "machine/debug/debuggee.hpp"
-#include "machine/network.hpp"
+#include "machine/networks/network.hpp"
 
 namespace machine::debug {
 

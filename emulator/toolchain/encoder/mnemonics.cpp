@@ -190,9 +190,6 @@ std::string mnemonic_of_other(std::string_view name, Cpu cpu) {
   return belongs_to_other(fmt::format("'{}'", name), "an instruction", cpu, counterpart(pairs, lower(name)));
 }
 
-std::string suggestion(std::string_view name, Cpu cpu) {
-  const std::string nearest = catalogue(cpu).nearest(name);
-  return nearest.empty() ? std::string() : fmt::format("; did you mean '{}'?", nearest);
-}
+std::string suggestion(std::string_view name, Cpu cpu) { return io::suggestion(catalogue(cpu).nearest(name), '\''); }
 
 }  // namespace toolchain

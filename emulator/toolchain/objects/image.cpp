@@ -55,10 +55,9 @@ std::string no_address(std::string_view text, const Image* image) {
   std::vector<std::string_view> symbols;
   if (image != nullptr)
     for (const auto& [name, address] : image->symbols) symbols.push_back(name);
-  const std::string_view near = io::nearest_symbol(text, symbols);
   return fmt::format("\"{}\" is neither {}a 32-bit address (300000h, 0x300000 or decimal){}", text,
                      image != nullptr ? "a symbol of the program nor " : "",
-                     near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near));
+                     io::suggestion(io::nearest_symbol(text, symbols)));
 }
 
 void require_c40(const Image& image, std::string_view name) {

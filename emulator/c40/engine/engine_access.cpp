@@ -1,0 +1,173 @@
+// Accesses of an instruction whose region is not known yet: finds the region, or asks the outside.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "c40/engine/engine.hpp"
+#include "c40/peripherals/register_map.hpp"
+
+namespace c40 {
+
+Engine::Stepped Engine::fail(Fault::Kind kind, std::string message, Address address) {
+  Fault fault;
+  fault.kind = kind;
+  fault.message = std::move(message);
+  fault.pc = state_.core.pc;
+  fault.cycle = state_.cycle;
+  fault.address = address;
+  if (const Memory::Area* area = memory_.find(fault.pc); area != nullptr && area->data != nullptr)
+    fault.word = area->data[fault.pc - area->base];
+  fault_ = std::move(fault);
+  return Stepped::fault;
+}
+
+// A flat board has RAM everywhere, up to a limit.
+Engine::Stepped Engine::nothing_at(std::string_view access, Address address) {
+  if (board_.is_flat)
+    return fail(Fault::Kind::not_modelled,
+                fmt::format("{} {:08X}h: the program uses more than the {} MiB of RAM that board {} may take", access,
+                            address, board_.flat_words_max * sizeof(Word) >> 20, board_.name),
+                address);
+  return fail(Fault::Kind::reserved_address,
+              fmt::format("{} {:08X}h, which is reserved on board {}", access, address, board_.name), address);
+}
+
+// The access's beginning after the beginning of the instruction; the pipeline is in the state `before`.
+Cycles Engine::access_start(const Step& step, std::size_t access, PipelineId before) {
+  Demand demand = step.demand();
+  demand.count = static_cast<std::uint8_t>(access + 1);
+  const int start = pipelines_.transition(before, demand, packed(demand), step.word).timing.start[access];
+  const Access& data = demand.data[access];
+  // Registers on the chip answer a read at the end of the read stage, with their state in the execute stage, in which
+  // they are written (fidelity.md).
+  const int later = data.resource == Resource::peripheral && !data.write ? 1 : 0;
+  return std::max(start + later, 0);
+}
+
+Cycles Engine::access_cycle(const Step& step, std::size_t access) {
+  Cycles cycle = state_.cycle + access_start(step, access, pipeline_.id());
+  for (const Answer& answer : state_.answers)
+    if (answer.given) cycle += answer.waited();
+  return cycle;
+}
+
+// The region of an access is not known: finds it, or stops the chip.
+Engine::Stepped Engine::resolve(Step& step) {
+  const Core& core = state_.core;
+  const std::size_t k = core.miss_access;
+  const Address address = core.miss_address;
+  const bool write = core.miss_write;
+  DecodedSlot& decoded = *step.decoded;
+  const Memory::Area* area = decoded.area[k];
+  if (area == nullptr || !area->contains(address) || decoded.demand.data[k].write != write) {
+    area = decoded.area[k] = memory_.find(address);
+    if (area == nullptr) return nothing_at(write ? "write to" : "read of", address);
+    if (write && area->kind == Region::Kind::rom)
+      return fail(Fault::Kind::reserved_address,
+                  fmt::format("write to {:08X}h, which is in the {}", address, area->name), address);
+    if (!step.paged) pages_ = state_.open_pages;
+    const Memory::AccessInfo met = memory_.meet(*area, address, write, pages_);
+    step.paged |= met.paged;
+    decoded.demand.data[k] = met.access;
+    // An access to an area on two strobes, or with pages, is resolved each time.
+    if (met.paged || met.words != area->words) decoded.area[k] = nullptr;
+  }
+  step.locks |= decoded.bound.row->interlocked && external(area->resource);
+  if (decoded.demand.count <= k) decoded.demand.count = static_cast<std::uint8_t>(k + 1);
+  decoded.data_bits = packed_data(decoded.demand);
+  decoded.forget_transition();
+  step.address[k] = address;
+  Window& window = decoded.ops[0].access[k];
+  if (area->data != nullptr) {
+    // Windows cover whole areas; an area's map of code words follows its data.
+    step.plain &= decoded.area[k] != nullptr && !step.locks;
+    step.repeatable &= step.plain;
+    if (area->set_apart) [[unlikely]] {
+      const Word held = area->data[address - area->base];
+      probe_.note({.address = address, .before = held, .value = write ? core.miss_value : held, .write = write});
+      decoded.area[k] = nullptr;
+      step.plain = step.repeatable = false;
+    }
+    window = {area->data, area->base, area->words};
+    if (trace != nullptr)
+      events_.push_back({address, write ? core.miss_value : area->data[address - area->base], write});
+    return Stepped::done;
+  }
+  step.plain = false;
+  step.repeatable &= area->kind == Region::Kind::external_window && decoded.area[k] != nullptr && step.windows == 0;
+  auto& cell = scratch_[k].cell;
+  cell = {};
+  if (area->kind == Region::Kind::registers && is_port_register(address)) {
+    if (const Stepped why = access_port(step, k, cell[0]); why != Stepped::done) return why;
+  } else if (area->kind == Region::Kind::registers) {
+    step.register_cycle[k] = access_cycle(step, k);
+    if (!peripherals_.read(address, step.register_cycle[k], cell[0]))
+      return fail(Fault::Kind::not_modelled,
+                  fmt::format("{} {:08X}h: {} is not modelled", write ? "write to" : "read of", address,
+                              describe_register(address)),
+                  address);
+    step.register_writes |= static_cast<std::uint8_t>(unsigned{write} << k);
+  } else {
+    if (!access_.is_answer_to(k, address, write)) {
+      const ExternalAccess access{
+          address, write, decoded.bound.row->interlocked, write ? core.miss_value : 0, access_cycle(step, k), -1};
+      if (!answers_at_once(access)) {
+        access_.begin(k, access);
+        return Stepped::external;
+      }
+      access_.forget();
+      state_.answers[k] = opened_.answer;
+    }
+    cell[0] = state_.answers[k].value;
+    step.windows |= static_cast<std::uint8_t>(1u << k);
+  }
+  window = {cell.data(), address, 1};
+  if (probe_.on_data()) [[unlikely]] {
+    const Word value = write ? core.miss_value : cell[0];
+    probe_.note({.address = address, .before = value, .value = value, .write = write});
+  }
+  if (trace != nullptr) events_.push_back({address, write ? core.miss_value : cell[0], write});
+  return Stepped::done;
+}
+
+// Does the access to a port. If the port has a link, or the access has to wait, the chip stops first.
+Engine::Stepped Engine::access_port(const Step& step, std::size_t k, Word& cell) {
+  const Core& core = state_.core;
+  const bool write = core.miss_write;
+  if (!access_.is_answer_to(k, core.miss_address, write)) {
+    access_.begin(k, port_access(core.miss_address, write, write ? core.miss_value : 0, access_cycle(step, k)));
+    if (!ports_.is_free(access_.port())) return Stepped::port;
+    complete_port(access_.cycle());
+  }
+  cell = state_.answers[k].value;
+  return Stepped::done;
+}
+
+void Engine::complete(bool write, Word value, Cycles arbitration, Cycles transfer) {
+  if (dma_side_.request) return complete_dma(write, value, arbitration + transfer);
+  access_.answer_window(write, value, arbitration, transfer);
+}
+
+void Engine::complete_port(Cycles at) {
+  if (!access_.at_port()) throw std::logic_error("the chip waits for no communication port");
+  const PortAccess& access = access_.port();
+  CommPort& side = ports_[access.port];
+  if (!access.ready(side))
+    throw std::logic_error(fmt::format("communication port {}: the {} FIFO is {}", access.port,
+                                       access.write ? "output" : "input", access.write ? "full" : "empty"));
+  if (at < access.cycle) throw std::logic_error("an access cannot take place before it begins");
+  peripherals_.end_dma_block(at);
+  peripherals_.advance_to(at);
+  const Word value = access.perform(side);
+  access_.answer_port(value, at);
+  ports_.accessed(access, value, at, -1);
+}
+
+void Engine::settle_answers() {
+  for (Answer& answer : state_.answers)
+    if (answer.given) settle_answer(std::exchange(answer, {}));
+}
+
+}  // namespace c40

@@ -1,0 +1,93 @@
+// Records blocks: the exact engine executes, and its actions are kept.
+#include "c40/engine/block_recording.hpp"
+#include "c40/engine/engine.hpp"
+
+namespace c40 {
+CodeBlockKey Engine::key() {
+  const Core& core = state_.core;
+  CodeBlockKey key;
+  key.pc = core.pc;
+  key.pipeline = pipeline_.id();
+  const bool repeat = (core.modes & st::RM) != 0;
+  if (repeat) key.repeat_end = core.r[reg::RE];
+  key.mode = ((core.modes & st::SETCOND) != 0 ? CodeBlockKey::set_condition : 0u) |
+             (repeat ? CodeBlockKey::repeat : 0u) |
+             static_cast<std::uint32_t>(core.repeat_single) << CodeBlockKey::repeat_single;
+  if (caching()) {
+    key.mode |= CodeBlockKey::cached | (cache_.frozen() ? CodeBlockKey::frozen : 0u);
+    key.hits = cache_.hits_from(core.pc);
+  }
+  return key;
+}
+
+// PC is the address at which by_blocks() looked.
+CodeBlock* Engine::find_or_record(Cycles limit, Stepped& why) {
+  const CodeBlockKey k = key();
+  CodeBlock* const block = blocks_.find(k);
+  // This exit always leads here, so it is linked to the block. Not at a breakpoint, where each run of blocks ends.
+  if (CodeBlock::Exit* from = onward_.take_exit(); from != nullptr && block != nullptr && from->chained)
+    if (!ends_blocks(k.pc)) from->next = block;
+  if (block != nullptr) {
+    cache_.note_fit(*block);
+    return block;
+  }
+  if (blocks_.full()) flush_blocks();
+  record(k, limit, why);
+  return nullptr;
+}
+
+bool Engine::recordable(const BoundInstruction& bound) const {
+  using enum isa::Operation;
+  // The slots of these are fetched before CF changes.
+  if (caching() && bound.flow == Flow::delayed && (bound.row->operation == lat || bound.row->operation == reti))
+    return false;
+  if (bound.flow == Flow::stop || bound.flow == Flow::annulling) return false;
+  if (bound.reads_status || bound.writes_status || bound.writes_interrupts) return false;
+  return !(bound.writes_repeat && bound.flow == Flow::straight && (state_.core.modes & st::RM) != 0);
+}
+
+// Executes and records. An instruction that no block can contain ends the recording.
+void Engine::record(const CodeBlockKey& k, Cycles limit, Stepped& why) {
+  Core& core = state_.core;
+  BlockRecording recording(k, pipelines_);
+  Step step;
+  while (!recording.closed()) {  // a block cannot end between a branch and its delay slots
+    const std::size_t n = recording.size();
+    if (n != 0 && state_.cycle >= limit) return;
+    if (recording.full() && core.delay_slots == 0) break;
+    if (n != 0 && ends_blocks(core.pc)) {
+      if (core.delay_slots != 0) return;
+      break;
+    }
+    Step look;
+    const bool known = fetch(look);
+    const bool cached = caching();
+    const bool crowded = cached && recording.crowded_by(look.decoded);
+    if (!known || look.paged || crowded || cached != recording.cached() || !recordable(look.decoded->bound)) {
+      if (n == 0) {
+        known ? exact_addresses_.add(k.pc, false) : exact_addresses_.remove(k.pc);
+        why = exact_step(step, false);
+        return;
+      }
+      fault_.reset();
+      if (core.delay_slots != 0) return;
+      break;
+    }
+    BlockRecording::StepContext context{.before = pipeline_.id(), .slots = static_cast<std::uint8_t>(core.delay_slots)};
+    why = exact_step(step, true);
+    if (why != Stepped::done || !step.repeatable) {
+      if (n == 0) why == Stepped::done ? exact_addresses_.add(k.pc, true) : exact_addresses_.remove(k.pc);
+      if (n == 0 || context.slots != 0) return;
+      break;
+    }
+    if (step.windows != 0) context.window_start = access_start(step, step.windows >> 1, context.before);
+    for (std::size_t i = 0; i < step.decoded->demand.count; ++i)
+      if (step.decoded->demand.data[i].write && step.address[i] - k.pc <= n) return;  // the block changes its own code
+    context.after = pipeline_.id();
+    context.delay_taken = core.delay_taken;
+    recording.append(step, context);
+  }
+  blocks_.add(recording.finish(step.decoded->bound), memory_);
+}
+
+}  // namespace c40

@@ -1,0 +1,101 @@
+#pragma once
+/// The instruction cache (c40-hardware.md 6): 4 segments of 32 words, fully associative, least recently used replaced
+/// first, one word loaded per miss. The cache holds copies of the words: after a change in memory, the old code still
+/// runs until CC clears the cache.
+///
+/// Inaccuracies: the fetches of the wrong path behind a branch are not modelled, so they load nothing.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+
+#include "c40/values/types.hpp"
+
+namespace state {
+class Visitor;
+}
+
+namespace c40 {
+
+class Cache {
+ public:
+  static constexpr unsigned segment_count = 4, segment_words = 32;
+
+  /// The cached word at an address, or null.
+  const Word* find(Address address) const {
+    const unsigned s = segment_of(address);
+    return s != segment_count && (present_[s] >> (address & 31) & 1u) != 0 ? &words_[s][address & 31] : nullptr;
+  }
+
+  /// For each of the words from an address on, bit 0 first: whether fetching them in order gives a hit. Of the other
+  /// words, bits may be set or not.
+  std::uint32_t hits_from(Address address, unsigned words = segment_words) const {
+    const unsigned first = segment_of(address), shift = address % segment_words;
+    std::uint32_t hits = first != segment_count ? present_[first] >> shift : 0;
+    if (shift + words <= segment_words) return hits;
+    const unsigned second = segment_of(address + segment_words);
+    const bool replaced = first == segment_count && second == order_[segment_count - 1];
+    if (second != segment_count && !replaced) hits |= present_[second] << (segment_words - shift);
+    return hits;
+  }
+
+  /// The word's segment is the most recently used one.
+  bool is_latest(Address address) const { return start_[order_[0]] == address >> 5; }
+  /// A hit: the segment becomes the most recently used one.
+  void touch(Address address) {
+    if (!is_latest(address)) move_to_front(segment_of(address));
+  }
+
+  /// Fetches words of one segment, at least one, in order: missing words are loaded.
+  void load(Address address, std::span<const Word> words) {
+    unsigned s = segment_of(address);
+    if (s == segment_count) {
+      s = order_[segment_count - 1];
+      present_[s] = 0;
+      start_[s] = address >> 5;
+    }
+    const std::size_t first = address % segment_words;
+    present_[s] |= (~0u >> (segment_words - words.size())) << first;
+    std::copy(words.begin(), words.end(), words_[s].begin() + first);
+    if (order_[0] != s) move_to_front(s);
+  }
+
+  /// CC: clears all P flags; segment addresses and their order stay.
+  void clear() { present_ = {}; }
+
+  /// Calls visit(address) for each word in the cache.
+  template <class Visit>
+  void each_word(Visit&& visit) const {
+    for (unsigned s = 0; s < segment_count; ++s)
+      for (Word rest = present_[s]; rest != 0; rest &= rest - 1)
+        visit(start_[s] << 5 | static_cast<Address>(std::countr_zero(rest)));
+  }
+
+  void list_state(state::Visitor& list);
+  friend bool operator==(const Cache&, const Cache&) = default;
+
+ private:
+  static constexpr Address nowhere = ~Address{0};  // no segment begins here: a start address has 27 bits
+
+  // Written out, for it is asked about each block.
+  unsigned segment_of(Address address) const {
+    static_assert(segment_count == 4);
+    const Address start = address >> 5;
+    return start_[0] == start ? 0 : start_[1] == start ? 1 : start_[2] == start ? 2 : start_[3] == start ? 3 : 4;
+  }
+  void move_to_front(unsigned segment) {
+    const auto newest = static_cast<std::uint8_t>(segment);
+    std::uint8_t moved = std::exchange(order_[0], newest);
+    for (std::size_t at = 1; moved != newest; ++at) std::swap(moved, order_[at]);
+  }
+
+  std::array<std::array<Word, segment_words>, segment_count> words_{};
+  std::array<Word, segment_count> present_{};  // P flags
+  std::array<Address, segment_count> start_{nowhere, nowhere, nowhere, nowhere};
+  std::array<std::uint8_t, segment_count> order_{0, 1, 2, 3};  // most recently used first
+};
+
+}  // namespace c40

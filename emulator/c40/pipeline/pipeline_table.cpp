@@ -1,0 +1,56 @@
+#include "c40/pipeline/pipeline_table.hpp"
+
+namespace c40 {
+namespace {
+
+constexpr PipelineId most_states = 1 << 18;
+constexpr unsigned transition_bits = 12;
+
+std::optional<Cause> only_delay(const StepTiming& timing) {
+  std::optional<Cause> found;
+  for (std::size_t i = 0; i < pipeline_cause_count; ++i) {
+    const auto cause = static_cast<Cause>(i);
+    if (cause == Cause::execute || timing.of(cause) == 0) continue;
+    if (found) return {};
+    found = cause;
+  }
+  return found;
+}
+
+}  // namespace
+
+PipelineTable::PipelineTable() : transitions_(std::size_t{1} << transition_bits) { intern(Pipeline{}); }
+
+PipelineId PipelineTable::intern(const Pipeline& pipeline) {
+  auto& ids = ids_[pipeline.hash()];
+  for (PipelineId id : ids)
+    if (states_[id] == pipeline) return id;
+  const auto id = static_cast<PipelineId>(states_.size());
+  states_.push_back(pipeline);
+  ids.push_back(id);
+  full_ = id >= most_states;
+  return id;
+}
+
+const Transition& PipelineTable::transition(PipelineId before, const Demand& demand, std::uint64_t bits, Word word) {
+  const std::uint64_t hash = (bits ^ std::uint64_t{before} << 40 ^ std::uint64_t{word} << 17) * 0x9E3779B97F4A7C15u;
+  Transition& entry = transitions_[hash >> (64 - transition_bits)];
+  if (entry.demand != bits || entry.before != before || entry.word != word) {
+    entry = {bits, before, word, {}, 0, {}};
+    Pipeline pipeline = states_[before];
+    entry.timing = pipeline.advance(demand);
+    entry.after = intern(pipeline);
+    entry.delayed_by = only_delay(entry.timing);
+  }
+  return entry;
+}
+
+void PipelineTable::clear() {
+  states_.clear();
+  ids_.clear();
+  full_ = false;
+  transitions_.assign(transitions_.size(), {});
+  intern(Pipeline{});
+}
+
+}  // namespace c40

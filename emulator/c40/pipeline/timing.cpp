@@ -1,0 +1,337 @@
+#include "c40/pipeline/timing.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace c40 {
+namespace {
+
+constexpr unsigned first_address_register = 8;  // AR0; then AR1..AR7, DP, IR0, IR1, BK, SP
+
+constexpr bool in_block(Resource r) { return r == Resource::ram0 || r == Resource::ram1 || r == Resource::rom; }
+constexpr bool on_bus(Resource r) { return r >= Resource::local; }
+constexpr std::size_t block_of(Resource r) {
+  return static_cast<std::size_t>(r) - static_cast<std::size_t>(Resource::ram0);
+}
+constexpr std::size_t bus_of(Resource r) {
+  return static_cast<std::size_t>(r) - static_cast<std::size_t>(Resource::local);
+}
+constexpr std::size_t peripheral_bus = bus_of(Resource::peripheral);
+constexpr int write_cycles(std::size_t bus) {
+  return bus == peripheral_bus ? timing::peripheral_write_cycles : timing::external_write_cycles;
+}
+constexpr int read_after_write(std::size_t bus) { return bus == peripheral_bus ? 0 : timing::read_after_write_cycles; }
+
+template <class Visit>
+void each_register(std::uint32_t mask, Visit visit) {
+  for (mask = mask >> first_address_register & 0x1FFFu; mask != 0; mask &= mask - 1) visit(std::countr_zero(mask));
+}
+
+std::int8_t clamp8(int value, int low) { return static_cast<std::int8_t>(std::clamp(value, low, 127)); }
+
+}  // namespace
+
+int Pipeline::port_use(std::size_t block, int cycle) const {
+  if (cycle >= 0 || cycle < -window) return 0;  // no resource on the chip is reserved at T or later
+  return static_cast<int>(ports_[block] >> (2 * (cycle + window)) & 3u);
+}
+
+// Fetches have the lowest priority and are in program order: they fit around the data accesses, and nothing has to fit
+// around them.
+int Pipeline::place_fetch(const Access& fetch, int from) const {
+  int cycle = from;
+  if (in_block(fetch.resource)) {
+    while (port_use(block_of(fetch.resource), cycle) >= timing::block_ports) ++cycle;
+  } else if (on_bus(fetch.resource)) {
+    const std::uint64_t need = (std::uint64_t{2} << fetch.waits) - 1;
+    const std::uint64_t busy = buses_[bus_of(fetch.resource)].busy;
+    while (cycle + window < 64 && (busy >> (cycle + window) & need) != 0) ++cycle;
+  }
+  return cycle;
+}
+
+int Pipeline::decode_at(const Footprint& footprint, int from) const {
+  int at = from;
+  if ((ready_ != 0) && footprint.address_uses != 0)
+    each_register(footprint.address_uses, [&](int i) {
+      const int stall = static_cast<int>(ready_ >> (2 * i) & 3u);
+      if (stall != 0) at = std::max(at, stall - 2);
+    });
+  return at;
+}
+
+StepTiming Pipeline::advance(const Demand& demand) {
+  StepTiming out;
+  // Fetch and decode.
+  const int earliest = fetch_ready_;
+  int f = earliest, length = 1;
+  if (demand.fetched) {
+    f = place_fetch(demand.fetch, earliest);
+    length = 1 + demand.fetch.waits;
+  }
+  const int undelayed = std::max(f + length, int{read_entered_});
+  const int d = decode_at(demand.footprint, undelayed);
+  const int r = std::max(d + 1, -1);
+
+  // Reads: the first cycle in which all of them fit.
+  std::array<int, block_count> block_reads{};
+  std::array<bool, bus_count> bus_reads{};
+  int a = r, longest = 1, waits = 0;
+  for (std::size_t i = 0; i < demand.count; ++i) {
+    const Access& access = demand.data[i];
+    if (access.write) continue;
+    if (in_block(access.resource)) ++block_reads[block_of(access.resource)];
+    if (on_bus(access.resource)) {
+      const std::size_t b = bus_of(access.resource);
+      const Bus& bus = buses_[b];
+      a = std::max({a, int{bus.free}, bus.write_end + read_after_write(b)});
+      if (!bus_reads[b] && a == bus.read_end && access.strobe1 != bus.read_strobe1) a += timing::strobe_switch_cycles;
+      bus_reads[b] = true;
+    } else {
+      longest = std::max(longest, 1 + access.waits);
+      waits = std::max(waits, int{access.waits});
+    }
+  }
+  for (std::size_t block = 0; block < block_count; ++block)
+    while (block_reads[block] != 0 && port_use(block, a) + block_reads[block] > timing::block_ports) {
+      ++a;
+      block = 0;
+    }
+  std::array<int, bus_count> next_on_bus{a, a, a};
+  std::array<bool, bus_count> last_strobe1{};
+  for (std::size_t i = 0; i < demand.count; ++i) {
+    const Access& access = demand.data[i];
+    if (access.write) continue;
+    out.start[i] = a;
+    if (!on_bus(access.resource)) continue;
+    const std::size_t b = bus_of(access.resource);
+    int& next = next_on_bus[b];
+    if (next != a && last_strobe1[b] != access.strobe1) next += timing::strobe_switch_cycles;
+    last_strobe1[b] = access.strobe1;
+    out.start[i] = next;
+    next += 1 + access.waits;
+    if (next - a >= longest) longest = next - a, waits = std::max(waits, int{access.waits});
+  }
+
+  // Writes: execute moves until they fit; only one write waits for a bus.
+  const int e_read = a + longest;
+  int e = e_read;
+  std::array<int, block_count> block_writes{};
+  std::array<int, bus_count> bus_free{}, write_end{};
+  struct Taken {
+    std::size_t bus;
+    int from, to;
+  };
+  std::array<Taken, bus_count + 2> taken{};
+  std::size_t taken_count = 0;
+  for (std::size_t b = 0; b < bus_count; ++b) {
+    bus_free[b] = bus_reads[b] ? next_on_bus[b] : buses_[b].free;
+    write_end[b] = buses_[b].write_end;
+    if (bus_reads[b]) taken[taken_count++] = {b, a, next_on_bus[b]};
+  }
+  for (std::size_t i = 0; i < demand.count; ++i) {
+    const Access& access = demand.data[i];
+    if (!access.write) continue;
+    if (on_bus(access.resource)) {
+      const std::size_t b = bus_of(access.resource);
+      e = std::max(e, bus_free[b]);
+      out.start[i] = e;
+      bus_free[b] = write_end[b] = e + write_cycles(b) + access.waits;
+      taken[taken_count++] = {b, e, write_end[b] + read_after_write(b)};
+    } else {
+      if (in_block(access.resource)) ++block_writes[block_of(access.resource)];
+      out.start[i] = e;
+    }
+  }
+
+  const int t = std::max(e + 1, demand.flush_cost != 0 ? e + demand.flush_cost : 0);
+  out.total = t;
+
+  // The delay is charged from the last stage back: a delay in a later stage hides one in an earlier stage.
+  const auto book = [&out](Cause cause, int cycles) {
+    auto& booked = out.causes[static_cast<std::size_t>(cause)];
+    booked = static_cast<std::int16_t>(booked + cycles);
+  };
+  int rest = e;
+  const auto charge = [&](Cause cause, int cycles) {
+    const int share = std::min(rest, std::max(cycles, 0));
+    book(cause, share);
+    rest -= share;
+  };
+  charge(Cause::memory_conflict, e - e_read);
+  charge(Cause::wait_state, waits);
+  charge(Cause::memory_conflict, longest - 1 - waits + (a - r));
+  charge(Cause::register_conflict, d - undelayed);
+  if (demand.fetch_missed)
+    charge(Cause::cache_miss, length - 1 + (f - earliest));
+  else
+    charge(Cause::wait_state, length - 1);
+  charge(Cause::memory_conflict, rest);
+  book(Cause::branch, t - (e + 1));
+  book(Cause::execute, 1);
+
+  const auto stage = [](int cycle) { return static_cast<std::int16_t>(cycle); };
+  out.stages = {stage(f), stage(demand.fetched ? length : 0), stage(d), stage(a), stage(e)};
+
+  // Makes all times relative to the new T.
+  ready_ = [&] {
+    std::uint32_t next = 0;
+    const auto set = [&](int i, int when) {
+      const int stall = when - t + 2;  // decode of the next instruction is at T - 2
+      if (stall <= 0) return;
+      const auto old = next >> (2 * i) & 3u;
+      if (static_cast<std::uint32_t>(stall) > old)
+        next = (next & ~(3u << (2 * i))) | static_cast<std::uint32_t>(stall) << (2 * i);
+    };
+    if (ready_ != 0)
+      each_register(0x1FFFu << first_address_register, [&](int i) {
+        const int stall = static_cast<int>(ready_ >> (2 * i) & 3u);
+        if (stall != 0) set(i, stall - 2);
+      });
+    each_register(demand.footprint.operand_reads, [&](int i) { set(i, d + 2); });
+    each_register(demand.footprint.early_writes, [&](int i) { set(i, a + longest); });
+    each_register(demand.footprint.late_writes, [&](int i) { set(i, e + 1); });
+    return next;
+  }();
+  settle(t, std::max(f + 1, d), r);
+  if (demand.flush_cost != 0) fetch_ready_ = -3, read_entered_ = -2;
+  for (std::size_t b = 0; b < block_count; ++b) {
+    const auto reserve = [&](int cycle, int accesses) {
+      const int bit = 2 * (cycle - t + window);
+      if (accesses == 0 || bit < 0) return;
+      const auto present = static_cast<int>(ports_[b] >> bit & 3u);
+      const auto sum = static_cast<std::uint64_t>(std::min(present + accesses, 3));
+      ports_[b] = (ports_[b] & ~(std::uint64_t{3} << bit)) | sum << bit;
+    };
+    reserve(a, block_reads[b]);
+    reserve(e, block_writes[b]);
+  }
+  for (std::size_t i = 0; i < taken_count; ++i)
+    for (int cycle = std::max(taken[i].from, t - window); cycle < taken[i].to; ++cycle)
+      if (cycle - t + window < 64) buses_[taken[i].bus].busy |= std::uint64_t{1} << (cycle - t + window);
+  for (std::size_t b = 0; b < bus_count; ++b) {
+    Bus& bus = buses_[b];
+    bus.free = clamp8(bus_free[b] - t, -1);
+    bus.write_end = clamp8(write_end[b] - t, -2);
+    bus.read_end = clamp8((bus_reads[b] ? next_on_bus[b] : bus.read_end) - t, -2);
+    if (bus_reads[b]) bus.read_strobe1 = last_strobe1[b];
+    if (bus.read_end == -2) bus.read_strobe1 = false;  // too long ago to matter
+  }
+  // Cycles before the next fetch do not matter any more.
+  const int keep = window + fetch_ready_;
+  for (auto& ports : ports_) ports &= ~std::uint64_t{0} << (2 * keep);
+  for (auto& bus : buses_) bus.busy &= ~std::uint64_t{0} << keep;
+  return out;
+}
+
+void Pipeline::settle(int shift, int fetch_ready, int read_entered) {
+  for (auto& ports : ports_) ports = 2 * shift < 64 ? ports >> (2 * shift) : 0;
+  for (auto& bus : buses_) bus.busy = shift < 64 ? bus.busy >> shift : 0;
+  fetch_ready_ = static_cast<std::int8_t>(std::clamp(fetch_ready - shift, -window, -3));
+  read_entered_ = static_cast<std::int8_t>(std::clamp(read_entered - shift, -window, -2));
+}
+
+void Pipeline::flush(int cycles) {
+  for (auto& bus : buses_) {
+    bus.free = clamp8(bus.free - cycles, -1);
+    bus.write_end = clamp8(bus.write_end - cycles, -2);
+    bus.read_end = clamp8(bus.read_end - cycles, -2);
+    bus.read_strobe1 &= bus.read_end != -2;
+  }
+  settle(cycles, -3 + cycles, -2 + cycles);
+  ready_ = 0;
+  for (auto& ports : ports_) ports &= ~std::uint64_t{0} << (2 * (window - 3));
+  for (auto& bus : buses_) bus.busy &= ~std::uint64_t{0} << (window - 3);
+}
+
+void Pipeline::drain() { *this = Pipeline{}; }
+
+void Pipeline::mark(Resource resource, int from, int to, int change) {
+  const int first = std::max(from, std::max(int{fetch_ready_}, -window));
+  for (int cycle = first; cycle < to; ++cycle) {
+    if (in_block(resource)) {
+      const int bit = 2 * (cycle + window);
+      if (bit >= 64) return;
+      auto& ports = ports_[block_of(resource)];
+      const auto sum = static_cast<std::uint64_t>(std::clamp(static_cast<int>(ports >> bit & 3u) + change, 0, 3));
+      ports = (ports & ~(std::uint64_t{3} << bit)) | sum << bit;
+    } else if (on_bus(resource)) {
+      if (cycle + window >= 64) return;
+      auto& busy = buses_[bus_of(resource)].busy;
+      const std::uint64_t bit = std::uint64_t{1} << (cycle + window);
+      busy = change > 0 ? busy | bit : busy & ~bit;
+    }
+  }
+}
+
+void Pipeline::take(Resource resource, int from, int to) {
+  mark(resource, from, to, 1);
+  if (!on_bus(resource)) return;
+  Bus& bus = buses_[bus_of(resource)];
+  bus.free = clamp8(std::max(int{bus.free}, to), -1);
+}
+
+void Pipeline::give_back(Resource resource, int from, int to) { mark(resource, from, to, -1); }
+
+void Pipeline::make_again(const Access& access, int from, int to) {
+  mark(access.resource, from, to, 1);
+  if (!on_bus(access.resource)) return;
+  const std::size_t b = bus_of(access.resource);
+  Bus& bus = buses_[b];
+  bus.free = clamp8(std::max(int{bus.free}, to), -1);
+  std::int8_t& end = access.write ? bus.write_end : bus.read_end;
+  end = clamp8(std::max(int{end}, to), -2);
+  if (access.write) mark(access.resource, to, to + read_after_write(b), 1);
+}
+
+void Pipeline::hold(int cycles) {
+  settle(cycles, fetch_ready_, read_entered_);
+  for (auto& bus : buses_) {
+    bus.free = clamp8(bus.free - cycles, -1);
+    bus.write_end = clamp8(bus.write_end - cycles, -2);
+    bus.read_end = clamp8(bus.read_end - cycles, -2);
+    bus.read_strobe1 &= bus.read_end != -2;
+  }
+}
+
+std::array<Pipeline::Interval, 2> Pipeline::expected_fetches(
+    const std::array<std::optional<Access>, 2>& fetches) const {
+  std::array<Interval, 2> expected{};
+  int earliest = fetch_ready_, entered = read_entered_;
+  for (std::size_t i = 0; i < 2; ++i) {
+    int length = 1;
+    if (fetches[i]) {
+      earliest = place_fetch(*fetches[i], earliest);
+      length = 1 + fetches[i]->waits;
+      expected[i] = {earliest, earliest + length};
+    }
+    const int decoded = std::max(earliest + length, entered);
+    earliest = std::max(earliest + 1, decoded);
+    entered = std::max(decoded + 1, -1);
+  }
+  return expected;
+}
+
+std::optional<int> Pipeline::busy_until(Resource resource) const {
+  if (!on_bus(resource) || buses_[bus_of(resource)].free <= -1) return std::nullopt;
+  return buses_[bus_of(resource)].free;
+}
+
+std::uint64_t Pipeline::hash() const {
+  std::uint64_t h = 0x9E3779B97F4A7C15u;
+  const auto mix = [&h](std::uint64_t v) {
+    h ^= v;
+    h *= 0xFF51AFD7ED558CCDu;
+    h ^= h >> 32;
+  };
+  mix(static_cast<std::uint8_t>(fetch_ready_) | std::uint64_t{static_cast<std::uint8_t>(read_entered_)} << 8 |
+      std::uint64_t{ready_} << 16);
+  for (auto ports : ports_) mix(ports);
+  for (const auto& bus : buses_)
+    mix(bus.busy ^ std::uint64_t{static_cast<std::uint8_t>(bus.free)} << 32 ^
+        std::uint64_t{static_cast<std::uint8_t>(bus.write_end)} << 40 ^
+        std::uint64_t{static_cast<std::uint8_t>(bus.read_end)} << 48 ^ std::uint64_t{bus.read_strobe1} << 56);
+  return h;
+}
+
+}  // namespace c40

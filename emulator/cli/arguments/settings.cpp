@@ -1,0 +1,95 @@
+#include "cli/arguments/settings.hpp"
+#include "report/event.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+
+namespace cli {
+namespace {
+
+template <typename Number>
+std::optional<Number> parse(std::string_view text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || text.empty()) return std::nullopt;
+  return value;
+}
+
+std::optional<std::int64_t> parse_integer(std::string_view text) {
+  if (!text.starts_with("0x")) return parse<std::int64_t>(text);
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data() + 2, text.data() + text.size(), value, 16);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+void add_setting(cmrc::ConfigBuilder& builder, const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) throw InputError(fmt::format("--set: \"{}\" is not KEY=VALUE", text));
+  builder.set(text.substr(0, equals), parse_value(text.substr(equals + 1)), {.name = "--set"});
+}
+
+}  // namespace
+
+cmrc::Value parse_value(const std::string& text) {
+  if (text == "true") return true;
+  if (text == "false") return false;
+  if (const auto integer = parse_integer(text)) return *integer;
+  if (const auto number = parse<double>(text)) return *number;
+  return text;
+}
+
+std::optional<report::Time> parse_seconds(std::string_view text) {
+  const auto seconds = parse<double>(text);
+  if (!seconds || !(*seconds >= 0) || *seconds > 1e6) return std::nullopt;
+  return report::from_seconds(*seconds);
+}
+
+cmrc::Config build_config(const RunOptions& options, std::string_view base, const std::string& base_name) {
+  cmrc::ConfigBuilder builder;
+  if (!base.empty()) builder.text(base, base_name);
+  if (options.config) builder.file(*options.config);
+  if (options.preset) builder.preset(*options.preset, {.name = "--preset"});
+  for (const std::string& setting : options.settings) add_setting(builder, setting);
+  const auto set = [&builder](const char* key, const auto& value, const char* flag) {
+    if (value) builder.set(key, *value, {.name = flag});
+  };
+  set("machine.dsps", options.dsps, "--dsps");
+  set("run.duration_s", options.duration_s, "--duration");
+  set("run.seed", options.seed, "--seed");
+  set("run.turn_order", options.turn_order, "--turn-order");
+  set("machine.programs", options.programs, "--programs");
+  set("machine.board", options.board, "--board");
+  set("bus.topology", options.topology, "--topology");
+  set("machine.idle_policy", options.idle_policy, "--idle-policy");
+  set("scheduling.equation", options.equation7, "--eq7");
+  if (options.strict) builder.set("run.strict", true, {.name = "--strict"});
+  return builder.build();
+}
+
+io::FileRoles files_read(const RunOptions& options, const cmrc::Config& config) {
+  io::FileRoles files;
+  files.reads("--config", options.config.value_or(""));
+  if (config.machine.board != "default") files.reads("machine.board", config.machine.board);
+  files.reads("dock.layout", config.dock.layout);
+  return files;
+}
+
+report::Window parse_window(std::string_view option, const std::string& text) {
+  const auto refuse = [&](std::string_view why) { throw InputError(fmt::format("{}: \"{}\" {}", option, text, why)); };
+  const std::size_t colon = text.find(':');
+  if (colon == std::string::npos) refuse("is not A:B, in seconds");
+  report::Window window;
+  const std::string_view from = std::string_view(text).substr(0, colon);
+  const std::string_view to = std::string_view(text).substr(colon + 1);
+  const auto begin = from.empty() ? window.from : parse_seconds(from);
+  const auto end = to.empty() ? window.to : parse_seconds(to);
+  if (!begin || !end) refuse("is not A:B, in seconds");
+  if (*begin >= *end) refuse("is empty; A has to be less than B");
+  return {*begin, *end};
+}
+
+}  // namespace cli

@@ -1,0 +1,99 @@
+#include "cli/arguments/usage_errors.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "io/nearest.hpp"
+
+namespace cli {
+namespace {
+
+std::string cannot_be_used(std::string_view value, std::string_view expected) {
+  return fmt::format("\"{}\" cannot be used; {} is expected", value, expected);
+}
+
+/// The parser's check, with a message of our own.
+CLI::Validator worded(CLI::Validator check, std::string expected) {
+  std::string description = check.get_description();
+  return {[check = std::move(check), expected = std::move(expected)](std::string& text) {
+            const std::string given = text;
+            return check(text).empty() ? std::string() : cannot_be_used(given, expected);
+          },
+          std::move(description)};
+}
+
+/// Of a value that is not a number the parser says "Could not convert: --option = value" only; the numbers that it
+/// reads itself are all integers.
+std::string in_words(const std::string& message) {
+  constexpr std::string_view unconverted = "Could not convert: ", between = " = ";
+  const std::size_t end = message.find(between);
+  if (!message.starts_with(unconverted) || end == std::string::npos) return message;
+  return fmt::format("{}: {}", message.substr(unconverted.size(), end - unconverted.size()),
+                     cannot_be_used(message.substr(end + between.size()), "an integer"));
+}
+
+std::vector<std::string> commands_of(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  return names;
+}
+
+/// Long options, with their dashes.
+std::vector<std::string> options_of(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+/// Arguments that are left over.
+std::string unexpected(const CLI::App& app, const CLI::App* command) {
+  const std::string given = app.remaining(true).front();
+  if (given.starts_with("-")) {
+    const std::string option = given.substr(0, given.find('='));
+    const std::string of = command == nullptr ? "" : fmt::format(" of emulator {}", command->get_name());
+    // One letter is near to every letter.
+    const std::string near = option.size() > 2 ? io::did_you_mean(option, options_of(command ? *command : app)) : "";
+    return fmt::format("{}: there is no such option{}{}", option, of, near);
+  }
+  if (command != nullptr) return fmt::format("\"{}\" was not expected", given);
+  const std::vector<std::string> known = commands_of(app);
+  const bool is_file = given.find('.') != std::string::npos;
+  return fmt::format("there is no command \"{}\"; {} are known{}", given, fmt::join(known, ", "),
+                     is_file ? "; emulator exec runs a program" : io::did_you_mean(given, known));
+}
+
+}  // namespace
+
+CLI::Validator integer(std::int64_t least, std::int64_t most) {
+  return worded(CLI::Range(least, most, fmt::format("INT in [{} - {}]", least, most)),
+                fmt::format("an integer from {} to {}", least, most));
+}
+
+CLI::Validator positive() { return worded(CLI::PositiveNumber, "an integer of at least 1"); }
+
+CLI::Validator not_negative() { return worded(CLI::NonNegativeNumber, "an integer of at least 0"); }
+
+CLI::Validator one_of(std::initializer_list<const char*> words) {
+  std::string expected;
+  for (const char* word : words) {
+    if (!expected.empty()) expected += word == *std::rbegin(words) ? " or " : ", ";
+    expected += word;
+  }
+  return worded(CLI::IsMember(std::vector<std::string>(words.begin(), words.end())), expected);
+}
+
+std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<CLI::App*> parsed = app.get_subcommands();
+  const CLI::App* command = parsed.empty() ? nullptr : parsed.front();
+  const bool left_over = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
+  return fmt::format("{} (emulator {}--help lists {}options)",
+                     left_over ? unexpected(app, command) : in_words(error.what()),
+                     command == nullptr ? "" : command->get_name() + " ", command == nullptr ? "commands and " : "");
+}
+
+}  // namespace cli

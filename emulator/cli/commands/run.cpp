@@ -1,0 +1,217 @@
+// emulator without a command: simulates the dock.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <memory>
+#include <span>
+
+#include "c40/chip/chip.hpp"
+#include "cli/arguments/options.hpp"
+#include "cli/arguments/settings.hpp"
+#include "cli/debug/attach.hpp"
+#include "cli/output_files/perfetto_file.hpp"
+#include "cli/output_files/progress_line.hpp"
+#include "cli/output_files/snapshots.hpp"
+#include "cmrc/run/simulation.hpp"
+#include "io/output_file.hpp"
+#include "io/print.hpp"
+#include "io/signals.hpp"
+#include "machine/program_text/instruction_trace.hpp"
+#include "machine/system/machine.hpp"
+#include "page/html.hpp"
+#include "page/recorder.hpp"
+#include "report/event.hpp"
+#include "report/trace_text.hpp"
+
+namespace cli {
+namespace {
+
+using report::Time;
+
+std::string instruction_file(const RunOptions& options, unsigned slot) {
+  return fmt::format("{}.dsp{}", *options.trace, slot);
+}
+
+/// The files for the instructions of the chosen DSPs.
+class InstructionFiles {
+ public:
+  InstructionFiles(const RunOptions& options, report::Window window, cmrc::Simulation& simulation) {
+    const machine::Clock& clock = simulation.machine().chip_clock();
+    const c40::Cycles from = clock.tick_at_or_after(window.from);
+    const c40::Cycles to =
+        window.to == Time::max() ? std::numeric_limits<c40::Cycles>::max() : clock.tick_at_or_after(window.to);
+    for (const unsigned slot : options.trace_instructions) {
+      auto file = std::make_unique<io::OutputFile>(instruction_file(options, slot));
+      std::ostream& out = file->stream();
+      out << (options.trace_labels ? report::labelled_trace_header : report::instruction_trace_header) << '\n';
+      sinks_.push_back(std::make_unique<machine::InstructionText>(
+          slot, [&out](const std::string& line) { out << line << '\n'; }, from, to,
+          options.trace_labels ? std::optional(machine::Labels::of_dock(simulation.image())) : std::nullopt));
+      simulation.trace(slot, *sinks_.back());
+      files_.push_back(std::move(file));
+    }
+  }
+  void commit() {
+    for (const auto& file : files_) file->commit();
+  }
+
+ private:
+  std::vector<std::unique_ptr<io::OutputFile>> files_;
+  std::vector<std::unique_ptr<machine::InstructionText>> sinks_;
+};
+
+void check(const RunOptions& options, const cmrc::Config& config) {
+  if (options.quiet && options.profile && options.profile->empty())
+    throw InputError("--profile: with --quiet a file is needed, --profile FILE");
+  if (options.trace_window && !options.trace) throw InputError("--trace-window: needs --trace FILE");
+  if (!options.trace_instructions.empty() && !options.trace)
+    throw InputError("--trace-instructions: needs --trace FILE");
+  if (options.trace_labels && options.trace_instructions.empty())
+    throw InputError("--trace-labels: needs --trace-instructions N, the DSP whose instructions it is about");
+  for (const unsigned slot : options.trace_instructions)
+    if (slot >= config.machine.dsps)
+      throw InputError(
+          fmt::format("--trace-instructions: there is no DSP {}; 0 to {} are possible", slot, config.machine.dsps - 1));
+  if (options.profile && (options.resume || !options.snapshots.empty()))
+    throw InputError(
+        "--profile: a run with a profile has no snapshots; leave out --profile, or --resume and --snapshot-at");
+}
+
+void resume(cmrc::Simulation& simulation, const cmrc::Snapshot& snapshot, const std::string& file,
+            const std::vector<SnapshotRequest>& requests) {
+  if (!requests.empty() && requests.front().at < snapshot.time())
+    throw InputError(fmt::format("--snapshot-at: {} s has passed; {} continues from {} s",
+                                 report::seconds(requests.front().at), file, report::seconds(snapshot.time())));
+  try {
+    simulation.restore(snapshot);
+  } catch (const cmrc::SnapshotError& error) {
+    throw InputError(fmt::format("{}: {}", file, error.what()));
+  }
+}
+
+/// The title of the page: configuration file, DSPs and load.
+std::string page_title(const RunOptions& options, const cmrc::Config& config) {
+  const std::string name =
+      options.config ? std::filesystem::path(*options.config).stem().string() : options.preset.value_or("base");
+  return fmt::format("{}: {} DSP{}, {:g} s", name, config.machine.dsps, config.machine.dsps == 1 ? "" : "s",
+                     config.run.duration_s);
+}
+
+/// Runs to each snapshot; returns how many were reached.
+std::size_t run_to_snapshots(cmrc::Simulation& simulation, std::span<const SnapshotRequest> requests,
+                             const std::function<bool(const cmrc::Progress&)>& show) {
+  for (std::size_t n = 0; n < requests.size(); ++n) {
+    simulation.run(show, cmrc::Simulation::usual_slice, requests[n].at);
+    if (simulation.time() != requests[n].at) return n;
+    write_snapshot(requests[n].file, simulation.snapshot());
+  }
+  return requests.size();
+}
+
+}  // namespace
+
+int run(const RunOptions& options) {
+  const std::optional<cmrc::Snapshot> resumed =
+      options.resume ? std::optional(read_snapshot(*options.resume)) : std::nullopt;
+  // Flags may repeat values of the snapshot. A flag that changes a value is refused when the run is restored.
+  const cmrc::Config config =
+      resumed ? build_config(options, resumed->configuration(), *options.resume) : build_config(options);
+  check(options, config);
+  const std::optional<PerfettoRequest> timeline = perfetto_request(options, config);
+  const std::vector<SnapshotRequest> snapshots = snapshot_requests(options, config);
+  io::FileRoles files = files_read(options, config);
+  files.reads("--resume", options.resume.value_or(""));
+  for (const SnapshotRequest& snapshot : snapshots) files.writes("--snapshot-at", snapshot.file);
+  files.writes("--report", options.report.value_or(""))
+      .writes("--page", options.page.value_or(""))
+      .writes("--profile", options.profile.value_or(""))
+      .writes("--trace", options.trace.value_or(""))
+      .writes("--perfetto", options.perfetto.value_or(""));
+  for (const unsigned slot : options.trace_instructions)
+    files.writes("--trace-instructions", instruction_file(options, slot));
+  const report::Window window =
+      options.trace_window ? parse_window("--trace-window", *options.trace_window) : report::Window{};
+  if (report::seconds(window.from) >= config.run.duration_s)
+    throw InputError(fmt::format("--trace-window: it begins at {} s, and the run ends at {} s",
+                                 report::seconds(window.from), config.run.duration_s));
+
+  std::optional<io::OutputFile> report_file;
+  if (options.report) report_file.emplace(*options.report);
+  std::optional<io::OutputFile> profile_file;
+  if (options.profile && !options.profile->empty()) profile_file.emplace(*options.profile);
+  std::optional<PerfettoFile> perfetto;
+  if (timeline) perfetto.emplace(*timeline);
+  std::optional<io::OutputFile> page_file;
+  if (options.page) page_file.emplace(*options.page);
+  std::optional<io::OutputFile> trace_file;
+  std::optional<report::EventTextTrace> trace;
+  if (options.trace) {
+    trace_file.emplace(*options.trace);
+    trace.emplace(trace_file->stream(), window);
+  }
+
+  cmrc::Simulation simulation(config);
+  if (trace) simulation.listen(*trace);
+  if (options.profile) simulation.profile();
+  InstructionFiles instructions(options, window, simulation);
+  if (resumed) resume(simulation, *resumed, *options.resume, snapshots);
+  if (perfetto) perfetto->record(simulation);
+
+  std::optional<page::Recorder> recorder;
+  if (page_file) recorder.emplace(simulation);
+
+  Attach attach(options);
+  bool goes_on = attach.begin(simulation);
+  const io::StopBySignal signals;
+  std::size_t written = 0;
+  const report::RunReport report = [&] {
+    ProgressLine line(report::from_seconds(config.run.duration_s), !options.quiet);
+    const auto show = [&](const cmrc::Progress& progress) {
+      line.show(progress.simulated, progress.misses);
+      return goes_on && !attach.wanted();
+    };
+    for (;;) {
+      written += run_to_snapshots(simulation, std::span(snapshots).subspan(written), show);
+      if (written == snapshots.size() || simulation.ended() || !goes_on) simulation.run(show);
+      if (!goes_on || simulation.ended() || io::stop_asked() || !attach.wanted()) break;
+      goes_on = attach.serve(simulation);
+    }
+    if (config.report.reference == cmrc::ReferenceKind::ideal && !config.run.ideal)
+      line.show("the run is over; its ideal run is waited for");
+    return simulation.report_so_far();
+  }();
+  if (report_file) {
+    report_file->stream() << to_json(report);
+    report_file->commit();
+  }
+  if (page_file) {
+    const std::string title = page_title(options, config);
+    page_file->stream() << page::html(recorder->recording(report, title), title);
+    page_file->commit();
+  }
+  if (trace_file) trace_file->commit();
+  if (perfetto) perfetto->commit();
+  instructions.commit();
+  if (!options.quiet) io::print("{}", to_text(report));
+  if (options.profile) {
+    const report::Profile profile = simulation.profile_report();
+    if (!profile_file) {
+      io::print("{}", to_text(profile));
+    } else {
+      profile_file->stream() << (options.profile->ends_with(".json") ? to_json(profile) : to_text(profile));
+      profile_file->commit();
+    }
+  }
+  if (options.trace_window && window.from > simulation.time())
+    io::print(stderr, "--trace-window: {} has no events; the run ended at {} s, before {} s\n", *options.trace,
+              report::seconds(simulation.time()), report::seconds(window.from));
+  if (simulation.interrupted()) return signals.status(success);
+  for (const SnapshotRequest& missed : std::span(snapshots).subspan(written))
+    io::print(stderr, "--snapshot-at: {} is not written; the run ended at {} s, before {} s\n", missed.file,
+              report::seconds(simulation.time()), report::seconds(missed.at));
+  return written < snapshots.size() ? run_failed : simulation.exit_status();
+}
+
+}  // namespace cli

@@ -1,0 +1,51 @@
+#include "cli/output_files/snapshots.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "cli/arguments/settings.hpp"
+#include "io/input_file.hpp"
+#include "io/output_file.hpp"
+#include "report/event.hpp"
+
+namespace cli {
+namespace {
+
+SnapshotRequest parsed(const std::string& text, double duration_s) {
+  const std::size_t colon = text.find(':');
+  const std::optional<report::Time> at =
+      colon == std::string::npos ? std::nullopt : parse_seconds(std::string_view(text).substr(0, colon));
+  if (!at || colon + 1 == text.size())
+    throw InputError(fmt::format("--snapshot-at: \"{}\" is not S:FILE, seconds and a file", text));
+  if (*at > report::from_seconds(duration_s))
+    throw InputError(fmt::format("--snapshot-at: {} s is after the end of the run; it ends at {} s",
+                                 report::seconds(*at), duration_s));
+  return {*at, text.substr(colon + 1)};
+}
+
+}  // namespace
+
+std::vector<SnapshotRequest> snapshot_requests(const RunOptions& options, const cmrc::Config& config) {
+  std::vector<SnapshotRequest> all;
+  for (const std::string& text : options.snapshots) all.push_back(parsed(text, config.run.duration_s));
+  std::ranges::stable_sort(all, {}, &SnapshotRequest::at);
+  return all;
+}
+
+cmrc::Snapshot read_snapshot(const std::string& file) {
+  const std::string bytes = io::read_file<InputError>(file, "a snapshot (--snapshot-at)");
+  try {
+    return cmrc::Snapshot::from_bytes(bytes);
+  } catch (const cmrc::SnapshotError& error) {
+    throw InputError(fmt::format("{}: {}", file, error.what()));
+  }
+}
+
+void write_snapshot(const std::string& file, const cmrc::Snapshot& snapshot) {
+  io::OutputFile out(file);
+  out.stream() << snapshot.to_bytes();
+  out.commit();
+}
+
+}  // namespace cli

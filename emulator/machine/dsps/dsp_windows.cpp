@@ -1,0 +1,212 @@
+// Accesses of a DSP board through its two windows: routes, immediate answers, the bridges' answers, posted writes.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "machine/bus_agents/guard.hpp"
+#include "machine/dsps/dsp.hpp"
+
+namespace machine {
+
+const Dsp::Path& Dsp::found_path(std::uint32_t address) {
+  const std::vector<BusRoute>& routes = on_a(address) ? context_.window_a : context_.window_b;
+  const auto found = std::ranges::find_if(
+      routes, [offset = offset_of(address)](const BusRoute& route) { return route.holds(offset); });
+  const BusRoute& route = found != routes.end() ? *found : routes.back();
+  Side& side = sides_[route.port];
+  return last_path_[on_a(address)] = {route, &side.bridge, &context_.bus_clocks[side.bus]};
+}
+
+bool Dsp::writable(Window window, Offset offset) const {
+  if (window == Window::b) return context_.devices != nullptr && context_.devices->answers(offset, true);
+  return offset < SharedSram::size || context_.registers.answers(offset, true, false);
+}
+
+// Answers at once a write for which the bridge has room, and a read that the bridge's line answers. Any other read goes
+// to its bridge now, ahead of its turn, as a posted write does, unless something could act on the board before.
+bool Dsp::answer_at_once(const c40::ExternalAccess& access, c40::WindowAnswer& answer) {
+  const Path& path = path_of(access.address);
+  const Offset offset = offset_of(access.address);
+  if (access.write) {
+    const Time issued = clock_.at(access.cycle);
+    if (!writable(window_of(access.address), offset) || issued >= run_end_ || !path.bridge->has_room()) {
+      refused_ = access.cycle;
+      return false;
+    }
+    post(path, access, issued);
+    return true;
+  }
+  pci::Bridge::Hit hit;
+  if (!path.bridge->look_up(offset + path.route.shift, hit)) {
+    refused_ = access.cycle;
+    const Time issued = clock_.at(access.cycle);
+    if (issued < run_end_ && !chip_.dma_active()) {
+      access_ = access;
+      begin_read(path, issued);
+    }
+    return false;
+  }
+  statistics_.prefetch_hits += 1;
+  const Time ready = path.bus->at(hit.ready);
+  const c40::Cycles least = context_.config.prefetch_hit_cycles;
+  const bool is_there = ready <= clock_.at(access.cycle + least);
+  answer.value = hit.value;
+  answer.transfer = is_there ? least : clock_.tick_at_or_after(ready) - access.cycle;
+  return true;
+}
+
+// An access that was not answered at once, or before which the chip has to stop: while its DMA is active.
+bool Dsp::window_access(const c40::ExternalAccess& access) {
+  const bool asked = std::exchange(refused_, -1) == access.cycle;
+  if (asked && state_ == State::blocked) return false;  // the read has gone to its bridge
+  if (access.write && !writable(window_of(access.address), offset_of(access.address))) {
+    const char bus = static_cast<char>('A' + sides_[path_of(access.address).route.port].bus);
+    fault(access.cycle, chip_.pc(), access.address,
+          fmt::format("a write that nothing on bus {} takes from a DSP (PCI master abort)", bus));
+    return false;
+  }
+  if (!asked) {  // its DMA is active, or was
+    if (c40::WindowAnswer answer; answer_at_once(access, answer)) {
+      if (access.write)
+        chip_.complete_write(answer.arbitration, answer.transfer);
+      else
+        chip_.complete_read(answer.value, answer.arbitration, answer.transfer);
+      return true;
+    }
+    refused_ = -1;
+    if (state_ == State::blocked) return false;
+  }
+  access_ = access;
+  state_ = State::access;
+  own_next_ = clock_.at(access.cycle);
+  return false;
+}
+
+bool Dsp::needs_counters(const c40::ExternalAccess& access) const {
+  return access.write && context_.observer != nullptr &&
+         context_.observer->wants_issues_at(window_of(access.address), offset_of(access.address));
+}
+
+void Dsp::post(const Path& path, const c40::ExternalAccess& access, Time issued) {
+  statistics_.posted_writes += 1;
+  if (needs_counters(access))
+    context_.observer->dsp_issue(slot_, window_of(access.address), offset_of(access.address), access.value, issued);
+  path.bridge->write({.address = offset_of(access.address) + path.route.shift,
+                      .value = access.value,
+                      .clock = path.bus->tick_at_or_after(issued),
+                      .stamp = issued.count()});
+}
+
+void Dsp::begin_access(Time horizon) {
+  const Path& path = path_of(access_.address);
+  const Time issued = clock_.at(access_.cycle);
+  if (!access_.write) return begin_read(path, issued);
+  if (path.bridge->has_room()) {
+    post(path, access_, issued);
+    chip_.complete_write(0, 0);
+    return run(horizon);
+  }
+  state_ = State::blocked;
+  own_next_ = never;
+  post(path, access_, issued);
+}
+
+void Dsp::begin_read(const Path& path, Time issued) {
+  state_ = State::blocked;
+  own_next_ = never;
+  statistics_.bus_reads += 1;
+  const pci::Clocks clock = path.bus->tick_at_or_after(issued);
+  const bool together = path.bus->at(clock) == issued;  // the bus's events of that instant come first
+  path.bridge->read(offset_of(access_.address) + path.route.shift, clock, clock + together);
+}
+
+void Dsp::answered(const Side& side, Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result) {
+  if (state_ != State::blocked) return;
+  if (result != pci::Result::done) {
+    const c40::Cycles cycle = std::max(access_.cycle, clock_.tick_at_or_after(context_.bus_clocks[side.bus].at(ready)));
+    return fault(cycle, chip_.pc(), access_.address,
+                 fmt::format("a read that nothing on bus {} answers (PCI {} abort)", static_cast<char>('A' + side.bus),
+                             result == pci::Result::master_abort ? "master" : "target"));
+  }
+  answer_ = value;
+  resume_at(side, ready, arbitration);
+}
+
+// The chip waited from the access to bus clock `ready`; for `arbitration` clocks of this it waited for the bus.
+void Dsp::resume_at(const Side& side, pci::Clocks ready, pci::Clocks arbitration) {
+  if (state_ != State::blocked) return;
+  const Clock& bus = context_.bus_clocks[side.bus];
+  const c40::Cycles resumes = std::max(access_.cycle, clock_.tick_at_or_after(bus.at(ready)));
+  const c40::Cycles waited = resumes - access_.cycle;
+  arbitration_ = std::min(waited, clock_.ticks_in(bus.at(arbitration) - bus.at(0)));
+  transfer_ = waited - arbitration_;
+  state_ = State::resuming;
+  own_next_ = clock_.at(resumes);
+  if (chip_.dma_active()) return plan();
+  // The chip continues at once if nothing can act on the board before: its turn would find the same.
+  const Time until = horizon();
+  if (own_next_ >= std::min({until, edge_, reset_})) return plan();
+  complete(until);
+  set_next();
+}
+
+void Dsp::complete(Time horizon) {
+  const Window window = window_of(access_.address);
+  if (window == Window::b) {
+    statistics_.window_b_arbitration += arbitration_;
+    statistics_.window_b_transfer += transfer_;
+  }
+  if (context_.observer != nullptr)
+    context_.observer->dsp_waited(slot_, window, clock_.at(access_.cycle),
+                                  clock_.at(access_.cycle + arbitration_ + transfer_));
+  if (access_.write)
+    chip_.complete_write(arbitration_, transfer_);
+  else
+    chip_.complete_read(answer_, arbitration_, transfer_);
+  run(horizon);
+}
+
+// The word has left the board's bridge: it has reached its target, or is in a bridge between buses.
+void Dsp::landed(const Side& side, const pci::Posted& posted, pci::Clocks clock) {
+  for (const Window window : {Window::a, Window::b}) {  // where its last access went
+    const Path& last = last_path_[window == Window::a];
+    const Offset offset = posted.address - last.route.shift;
+    if (last.bridge == &side.bridge && last.route.direct && last.route.holds(offset))
+      return arrived(window, offset, posted, last.bus->at(clock));
+  }
+  for (const Window window : {Window::a, Window::b}) {
+    for (const BusRoute& route : window == Window::a ? context_.window_a : context_.window_b) {
+      const Offset offset = posted.address - route.shift;
+      if (&sides_[route.port] != &side || !route.holds(offset)) continue;
+      if (route.direct) return arrived(window, offset, posted, context_.bus_clocks[side.bus].at(clock));
+      underway_.push_back({route.bus, window, offset, posted});
+      return;
+    }
+  }
+}
+
+void Dsp::delivered(unsigned bus, pci::Address address, pci::Clocks clock, pci::Result result) {
+  const auto first = std::ranges::find_if(
+      underway_, [&](const Underway& word) { return word.bus == bus && word.posted.address == address; });
+  if (first == underway_.end()) return;
+  const Underway word = *first;
+  underway_.erase(first);
+  if (result == pci::Result::done) arrived(word.window, word.offset, word.posted, context_.bus_clocks[bus].at(clock));
+}
+
+void Dsp::arrived(Window window, Offset offset, const pci::Posted& posted, Time now) {
+  const auto refused = window == Window::a && context_.guard != nullptr
+                           ? context_.guard->take_refusal(slot_, offset, posted.value)
+                           : std::nullopt;
+  const bool dropped = refused || context_.fence.closed(slot_);
+  statistics_.dropped_writes += dropped;
+  if (context_.observer == nullptr) return;
+  if (refused) context_.observer->dsp_write_refused(slot_, offset, posted.value, *refused, now);
+  if (dropped)
+    context_.observer->dsp_write_dropped(slot_, window, offset, posted.value, Time{posted.stamp}, now);
+  else
+    context_.observer->dsp_write(slot_, window, offset, posted.value, Time{posted.stamp}, now);
+}
+
+}  // namespace machine

@@ -1,0 +1,176 @@
+// The runs of a chip of a network, and why each ends.
+#include <algorithm>
+#include <utility>
+
+#include "machine/chips/asleep.hpp"
+#include "machine/chips/program_end.hpp"
+#include "machine/networks/network_parts.hpp"
+
+namespace machine {
+
+using c40::Cycles;
+using c40::StopInfo;
+
+/// A waiting chip continues with its DMA. Links are known up to `until`. A processor that follows its ports has begun
+/// its last instruction by then: what a link does at that instant is an interrupt for the next instruction. So the
+/// order of events does not depend on how a run is divided, and the DMA, which follows the processor's read stage, has
+/// done everything before.
+/// \param last the last cycle in which it may begin an instruction, whatever `until` is
+void Network::Node::run_to(Time until, Cycles last) {
+  passing_ = false;
+  last_ = last;
+  ends_ = first_cycle(until);
+  action_ = network.next_action_on(*this);
+  run_chip(chip);
+}
+
+/// To be called before something outside changes, at `time`, what the chip follows. Returns whether the chip has to
+/// follow.
+bool Network::Node::come_to(Time time) {
+  if (status == ChipStatus::waiting && !chip.dma_active()) return false;
+  const bool goes_on = follows() || (status == ChipStatus::waiting && dma_waits());
+  if (status != ChipStatus::sleeping && !goes_on) return false;
+  if (goes_on)
+    run_to(time);
+  else
+    bring_to(time, true);
+  return true;
+}
+
+std::optional<ChipRunner::Span> Network::Node::span() {
+  if (std::exchange(over_breakpoint_, false))
+    return Span{.limit = chip.cycle() + 1, .known = std::min(span_.known, chip.cycle() + 1)};
+  cycle_before_ = chip.cycle(), settled_before_ = chip.settled(), ended_before_ = !chip.dma_ends_by(never_cycle);
+  return passing_ ? span_ : span_of_runner();
+}
+
+std::optional<ChipRunner::Span> Network::Node::span_of_runner() {
+  const bool waits = status == ChipStatus::waiting, idles = chip.idle();
+  const Cycles known = std::min(ends_, std::max(chip.cycle(), action_));
+  // Only here it is known whether the chip still follows its ports.
+  const bool begins_last = chip.cycle() >= ends_ && ends_ <= last_ && !waits && !idles && watches();
+  Cycles limit = std::min(ends_ + (begins_last ? 1 : 0), action_);
+  const bool timers_behind = chip.dma_active() && chip.next_event() <= std::min(known, chip.settled());
+  if (chip.settled() >= known && !timers_behind && !chip.dma_ends_by(known) && (waits || chip.cycle() >= limit)) {
+    note_idle();
+    return {};
+  }
+  if (!waits && chip.cycle() >= action_)
+    return span_ = Span{.limit = 0, .known = known};  // the processor waits for the action
+  // An idle processor may have ended when its DMA is done, or when a timer's event was not for it: in that cycle. The
+  // DMA may be behind: then it first comes to the present cycle, in which the processor may have ended.
+  const bool looks = status == ChipStatus::running && idles;
+  if (looks && chip.dma_busy())
+    limit = std::min(limit, chip.cycle() + (dma_is_behind() ? 0 : 1));
+  else if (looks && awaits_timer(chip))
+    limit = std::min(limit, std::max(chip.cycle() + 1, next_timer_interrupt(chip)));
+  return span_ = Span{.limit = limit, .known = std::min(known, limit)};
+}
+
+bool Network::Node::at_limit() {
+  if (passing_) return has_moved() && passes_on();
+  note_idle();
+  return status == ChipStatus::running && has_moved();
+}
+
+bool Network::Node::asks_anew() {
+  if (passing_) return passes_on();
+  note_idle();
+  return false;
+}
+
+/// Returns whether the chip continues.
+bool Network::Node::at_breakpoint() {
+  over_breakpoint_ = true;
+  if (passing_) return true;
+  if (description.until == chip.pc()) {
+    status = ChipStatus::until;
+  } else if (program_end(chip.peek(chip.pc()), chip.pc()) == ProgramEnd::halt && !chip.dma_busy()) {
+    if (chip.dma_active() || (chip.watches_ports() && can_interrupt(chip)) || heeds_pins())
+      status = ChipStatus::sleeping;
+    else if (!can_interrupt(chip) || !awaits_timer(chip))
+      status = ChipStatus::halt;
+    asleep_since = chip.cycle();
+  }
+  return over_breakpoint_ = status == ChipStatus::running;
+}
+
+bool Network::Node::window_access(const c40::ExternalAccess& access) {
+  const bool in_order = devices != nullptr && devices->acts_on_others(access.address);
+  if (!in_order && devices != nullptr && devices->has(access.address)) return serve_device(access);
+  if (!in_order && ignored.serve(chip, access)) return true;
+  const bool waits = in_order || network.memory_of(*this, access.address) != nullptr;
+  status = waits ? ChipStatus::waiting : ChipStatus::external_access;
+  stop = {};
+  stop.reason = StopInfo::Reason::external_access;
+  stop.access = access;
+  return false;
+}
+
+bool Network::Node::waits(StopInfo::Reason why, const c40::PortAccess& access) {
+  if (passing_) return passes_on();
+  if (waits_for_port()) return false;  // no change
+  status = ChipStatus::waiting;
+  stop = {};
+  stop.reason = why;
+  stop.port = access;
+  was_ready = false;
+  note_ready(Time{0});
+  return false;
+}
+
+bool Network::Node::faulted(const c40::Fault& why) {
+  status = ChipStatus::fault;
+  forget_port();
+  stop = {};
+  stop.reason = StopInfo::Reason::fault;
+  stop.fault = why;
+  return false;
+}
+
+/// The chip waits for no port any more.
+void Network::Node::forget_port() { was_ready = false, ready_since = Time{0}; }
+
+void Network::Node::note_idle() {
+  if (!chip.idle() || chip.dma_busy() || status != ChipStatus::running) return;
+  if (chip.watches_ports() || chip.dma_active() || heeds_pins())
+    status = ChipStatus::sleeping;
+  else if (!awaits_timer(chip))
+    status = ChipStatus::idle;
+}
+
+/// Advances a chip that does not run to an instant. `fully`: a processor that branches to itself has begun its last
+/// branch by then, as a running one has begun its last instruction (run_to).
+void Network::Node::bring_to(Time time, bool fully) {
+  const Cycles cycle = first_cycle(time);
+  if (status != ChipStatus::sleeping && !fully && chip.cycle() >= cycle) return;
+  if (status == ChipStatus::running)
+    run_to(time);
+  else if (status != ChipStatus::sleeping) {
+    chip.stand_until(cycle);
+  }
+  while (status == ChipStatus::sleeping) {
+    const Cycles limit = cycle + (fully && !chip.idle() ? 1 : 0), event = own_event_cycle();
+    pass_to(std::min(limit, event), std::min(cycle, event));
+    if (status != ChipStatus::sleeping) return;
+    wake_up();  // an event during the last pass of the loop may wake it
+    if (event >= limit) return;
+    if (status == ChipStatus::running)
+      run_to(time);  // it may sleep again
+    else if (own_event_cycle() == event)
+      return pass_to(limit, cycle);
+  }
+}
+
+/// Advances a sleeping chip that stays asleep.
+void Network::Node::pass_to(Cycles limit, Cycles known) {
+  passing_ = true;
+  span_ = {.limit = limit, .known = known};
+  run_chip(chip);
+}
+
+void Network::Node::wake_up() {
+  if (status == ChipStatus::sleeping && wakes()) status = ChipStatus::running;
+}
+
+}  // namespace machine
