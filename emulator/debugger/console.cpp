@@ -9,6 +9,7 @@
 #include <set>
 
 #include "debugger/console_words.hpp"
+#include "io/nearest.hpp"
 #include "isa/types.hpp"
 #include "machine/debug/expression.hpp"
 
@@ -148,7 +149,12 @@ bool Console::command(std::string_view line) {
   const std::string_view name = words.next();
   try {
     const Row* row = row_named(name);
-    if (row == nullptr) throw DebugError(fmt::format("{} is not a command; help lists the commands", name));
+    if (row == nullptr) {
+      std::vector<std::string_view> known;
+      for (const Row& one : rows()) known.insert(known.end(), one.names.begin(), one.names.end());
+      throw DebugError(
+          fmt::format("{} is not a command; help lists the commands{}", name, io::did_you_mean(name, known)));
+    }
     const bool repeats =
         row->arguments == "[COUNT]" || row->names.front() == "continue" || row->names.front() == "back";
     last_step_ = repeats && depth_ == 0 ? std::string(line) : "";

@@ -54,7 +54,8 @@ struct Console::Words {
   std::uint64_t count(std::string_view what) {
     const std::string_view word = next();
     if (word.empty() || word.size() > 12 || !std::ranges::all_of(word, [](char c) { return c >= '0' && c <= '9'; }))
-      throw machine::debug::DebugError(fmt::format("{}: \"{}\" is not a number; a number is expected", what, word));
+      throw machine::debug::DebugError(
+          fmt::format("{}: \"{}\" is not possible; an integer of at least 0 is expected", what, word));
     return std::stoull(std::string(word));
   }
 };

@@ -11,16 +11,25 @@
 
 namespace io {
 
-/// Number of letters to change, add or leave out.
+/// Number of letters to change, add, leave out, or exchange with the next one.
 inline std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
+  std::vector<std::size_t> before_last, last(b.size() + 1), row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i);
-    for (std::size_t j = 1; j <= b.size(); ++j)
-      diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, diagonal + (a[i - 1] != b[j - 1])}));
+    before_last = std::exchange(last, row);
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        row[j] = std::min(row[j], before_last[j - 2] + 1);
+    }
   }
   return row[b.size()];
+}
+
+/// The number of letters in which a word may differ from the one that was meant. One letter is near to every letter.
+inline std::size_t most_wrong(std::string_view given) {
+  return given.size() < 2 ? 0 : std::max<std::size_t>(1, given.size() / 3);
 }
 
 /// The word that differs from `given` by the fewest letters, at most `most`; empty: no word is near.
@@ -40,16 +49,20 @@ inline std::string suggestion(std::string_view near, char quote = '"') {
   return near.empty() ? std::string() : "; did you mean " + std::string(1, quote).append(near) + quote + "?";
 }
 
-template <class Words>
-std::string did_you_mean(std::string_view given, const Words& words) {
-  return suggestion(nearest(given, words, std::max<std::size_t>(2, given.size() / 2)));
+/// Whether the word begins with `given`, or has it in it. Too many words have fewer than four letters in them.
+inline bool has_in_it(std::string_view word, std::string_view given) {
+  const std::size_t at = word.find(given);
+  return given.size() >= 2 && at != std::string_view::npos && (at == 0 || given.size() >= 4);
 }
 
-/// The symbol of a program that a user most likely meant. Programs have many short symbols, so fewer letters may
-/// differ.
+/// Suggests the nearest word, else one that has the given one in it. Dashes before an option do not count.
 template <class Words>
-std::string_view nearest_symbol(std::string_view given, const Words& symbols) {
-  return nearest(given, symbols, std::max<std::size_t>(1, given.size() / 3));
+std::string did_you_mean(std::string_view given, const Words& words) {
+  const std::string_view letters = given.substr(std::min(given.find_first_not_of('-'), given.size()));
+  std::string_view best = nearest(given, words, most_wrong(letters));
+  for (const std::string_view word : words)
+    if (best.empty() && has_in_it(word, letters)) best = word;
+  return suggestion(best);
 }
 
 /// "a, b or c"

@@ -16,6 +16,10 @@ CONFIGURATIONS = [
     ('[[tasks]]\nprogramm = "x"\n', "tasks.programm: no such field; "),
     ('[[tasks]]\nprogramm = "x"\n', 'did you mean "program"?'),
     ("[errors]\nx = 1\n", "errors.x: no such key; the keys of its table are errors.following_travel_m, "),
+    (
+        "[dock]\nwind = 1\n",
+        "dock.wind: no such key; keys with that word are dock.capture_window_m, dock.wind_mean_m_s,",
+    ),
     ("zzz = 1\n", "zzz: no such key; docs/configuration.md lists the keys"),
     ("[[events]]\nat = 1\n", 'did you mean "at_s"?'),
     ("[[processes]]\nnumbr = 1\n", 'did you mean "number"?'),
@@ -61,10 +65,13 @@ def test_a_number_of_an_option_is_checked_as_its_key_is(run) -> None:
 
 USAGE = [
     (["exce", "p.out"], 'there is no command "exce"; config, limits, '),
-    (["exce", "p.out"], 'are known; did you mean "exec"? (emulator --help lists commands and options)'),
-    (["p.asm"], 'trace-diff, vectors are known; emulator exec runs a program (emulator --help'),
+    (["exce", "p.out"], 'are known, and without a command the dock runs; did you mean "exec"? (emulator --help lists commands and options)'),
+    (["p.asm"], 'trace-diff, vectors are known, and without a command the dock runs; emulator exec runs a program (emulator --help'),
     (["--durations", "1"], '--durations: there is no such option; did you mean "--duration"? (emulator --help'),
     (["exec", "p.out", "--max-cycle=5"], '--max-cycle: there is no such option of emulator exec; did you mean "--max-cycles"? (emulator exec --help lists options)'),
+    (["--event", "1"], "--event: there is no such option (emulator --help"),
+    (["--snapshot", "1:s"], '--snapshot: there is no such option; did you mean "--snapshot-at"? ('),
+    (["exec", "p.out", "--until"], "--until: its value is missing: [CHIP:]SYMBOL|ADDRESS[==WORD] ("),
     (["exec", "p.out", "-x"], "-x: there is no such option of emulator exec (emulator exec --help"),
     (["exec", "p.out", "--max-cycles", "-5"], '--max-cycles: "-5" cannot be used; an integer of at least 1 is expected ('),
     (["vectors", "v.txt", "--show", "-1"], '--show: "-1" cannot be used; an integer of at least 0 is expected ('),

@@ -93,10 +93,10 @@ def test_a_place_may_be_a_line_of_a_file(program: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("command", "message"),
     [
-        ("nonsense", "is not a command"), ("break", "a place is expected"), ("break nowhere", "is not a place"), ("break add if", "an expression is expected"), ("break add if r0 ==", "column"),
-        ("break add ignore many", "a number is expected"), ("break add chip 5", "there is no chip 5"), ("watch", "a place or a register"), ("watch total,0", "PLACE,WORDS"), ("watch total sometimes", "the end of the command is expected"),
-        ("on", "an event is expected"), ("on miss", "is not an event"), ("when", "an expression is expected"), ("delete 9", "there is no stop condition 9"), ("delete x", "a number is expected"),
-        ("goto never", "is not an instant"), ("goto -1 s", "is not an instant"), ("goto 1 day", "s, ms, us, ns, ps or cycles"), ("goto 1e30 s", "9000000 s"), ("stepi -1", "a number is expected"), ("out", "no caller"),
+        ("nonsense", "is not a command"), ("brek total", 'help lists the commands; did you mean "break"?'), ("break", "a place is expected"), ("break nowhere", "is not a place"), ("break add if", "an expression is expected"), ("break add if r0 ==", "column"),
+        ("break add ignore many", "an integer of at least 0 is expected"), ("break add chip 5", "there is no chip 5"), ("watch", "a place or a register"), ("watch total,0", "PLACE,WORDS"), ("watch total sometimes", "the end of the command is expected"),
+        ("on", "an event is expected"), ("on miss", "is not an event"), ("when", "an expression is expected"), ("delete 9", "there is no stop condition 9"), ("delete x", "an integer of at least 0 is expected"),
+        ("goto never", "is not an instant"), ("goto -1 s", "is not an instant"), ("goto 1 day", "s, ms, us, ns, ps or cycles"), ("goto 1e30 s", "9000000 s"), ("stepi -1", "an integer of at least 0 is expected"), ("out", "no caller"),
         ("print", "a value is expected"), ("print [0x40000000000]", "is no number|nothing can be read"), ("x", "a place is expected"), ("peripherals nothing", "begins with nothing"), ("page nothing", "is expected"),
         ("set r0", "is expected"), ("set r0 = 1.5e99", "beyond"), ("set ar0 = 1.5", "holds integers"), ("set 0x50000000 = 1", "reserved"), ("chip 3", "there is no chip 3"), ("source /nowhere", "cannot be read"),
         ("lastwrite", "a place is expected"), ("assert", "a value is expected"),

@@ -88,7 +88,7 @@ def test_the_problem_matcher_finds_the_assemblers_messages(tmp_path: Path) -> No
 
 def test_launch_takes_the_keys_that_the_extension_offers() -> None:
     offered = set(PACKAGE["contributes"]["debuggers"][0]["configurationAttributes"]["launch"]["properties"])
-    read = set(re.findall(r'arguments, "(\w+)"', (ROOT / "emulator" / "cli" / "dap.cpp").read_text()))
+    read = set(re.findall(r'arguments, "(\w+)"', (ROOT / "emulator" / "cli" / "debug" / "dap.cpp").read_text()))
     read |= set(
         re.findall(r'flag_of\(arguments, "(\w+)"', (ROOT / "emulator" / "debugger" / "dap_session.cpp").read_text())
     )

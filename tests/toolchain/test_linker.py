@@ -351,18 +351,23 @@ def test_a_blocked_section_of_a_whole_page_and_one_that_just_fits_before_its_end
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("memory = 3", "<map>:1:10: 'memory' is a table"),
-        ("[memory]\nm = { origin = 0 }", "<map>:2:5: m: origin and length are needed"),
-        ("[memory]\nm = { origin = 0, length = 0x100000001 }", "1 to 4294967296 words"),
+        ("memory = 3", "<map>:1: memory: a table, [memory], is expected"),
+        ("[memory]\nm = { origin = 0 }", "<map>:2: memory.m: length is missing"),
+        ("[memory]\nm = { origin = 0, length = 0x100000001 }", "<map>:2: memory.m.length: an integer from 1 to 4294967296 is expected"),
         ("[memory]\na = { origin = 0, length = 8 }\nb = { origin = 4, length = 8 }", "'a' and 'b' overlap"),
         (
             '[memory]\nm = { origin = 0, length = 8 }\n[sections]\n".text" = "n"',
-            "<map>:4:11: .text: there is no memory 'n'",
+            "<map>:4: .text: there is no memory 'n'; m is expected",
         ),
-        ("[memory]\nm = { origin = 0, length = 8, speed = 3 }", "no such key 'speed'; known are origin, length"),
-        ("[memory]\nm = { origin = -1, length = 8 }", "is not within 0 to"),
-        ("[memory]\nm = { origin = 0, length = 8 }\n[sections]\nx = { align = 3 }", "power of 2"),
-        ("# empty", "no memory"),
+        ("[memory]\nm = { origin = 0, length = 8, speed = 3 }", "<map>:2: no such key memory.m.speed; known are origin, length"),
+        ("[memory]\nm = { origin = -1, length = 8 }", "<map>:2: memory.m.origin: an integer from 0 to 4294967295 is expected"),
+        ("[memory]\nm = { origin = 0, length = 8 }\n[sections]\nx = { align = 3 }", "<map>:4: x.align: a power of 2 is expected"),
+        ("# empty", "<map>: there is no memory; [memory] with NAME = "),
+        (
+            "[memory]\nm = { origin = 0 }\nn = 3\n[sektions]",
+            "<map>:2: memory.m: length is missing\n<map>:3: memory.n: { origin = ADDRESS, length = WORDS } is expected\n"
+            "<map>:4: no such key sektions; known are entry, others, c_model, memory, sections, symbols; did you mean",
+        ),
         ("[memory", "<map>:1:"),
     ],
 )

@@ -27,8 +27,14 @@ CLI::Validator worded(CLI::Validator check, std::string expected) {
 }
 
 /// Of a value that is not a number the parser says "Could not convert: --option = value" only; the numbers that it
-/// reads itself are all integers.
+/// reads itself are all integers. Of one that is missing it says "--option: 1 required NAME missing".
 std::string in_words(const std::string& message) {
+  constexpr std::string_view one = ": 1 required ", missing = " missing";
+  if (const std::size_t begin = message.find(one); begin != std::string::npos && message.ends_with(missing)) {
+    const std::size_t value = begin + one.size();
+    return fmt::format("{}: its value is missing: {}", message.substr(0, begin),
+                       message.substr(value, message.size() - missing.size() - value));
+  }
   constexpr std::string_view unconverted = "Could not convert: ", between = " = ";
   const std::size_t end = message.find(between);
   if (!message.starts_with(unconverted) || end == std::string::npos) return message;
@@ -56,14 +62,14 @@ std::string unexpected(const CLI::App& app, const CLI::App* command) {
   if (given.starts_with("-")) {
     const std::string option = given.substr(0, given.find('='));
     const std::string of = command == nullptr ? "" : fmt::format(" of emulator {}", command->get_name());
-    // One letter is near to every letter.
-    const std::string near = option.size() > 2 ? io::did_you_mean(option, options_of(command ? *command : app)) : "";
-    return fmt::format("{}: there is no such option{}{}", option, of, near);
+    return fmt::format("{}: there is no such option{}{}", option, of,
+                       io::did_you_mean(option, options_of(command ? *command : app)));
   }
   if (command != nullptr) return fmt::format("\"{}\" was not expected", given);
   const std::vector<std::string> known = commands_of(app);
   const bool is_file = given.find('.') != std::string::npos;
-  return fmt::format("there is no command \"{}\"; {} are known{}", given, fmt::join(known, ", "),
+  return fmt::format("there is no command \"{}\"; {} are known, and without a command the dock runs{}", given,
+                     fmt::join(known, ", "),
                      is_file ? "; emulator exec runs a program" : io::did_you_mean(given, known));
 }
 
@@ -79,12 +85,7 @@ CLI::Validator positive() { return worded(CLI::PositiveNumber, "an integer of at
 CLI::Validator not_negative() { return worded(CLI::NonNegativeNumber, "an integer of at least 0"); }
 
 CLI::Validator one_of(std::initializer_list<const char*> words) {
-  std::string expected;
-  for (const char* word : words) {
-    if (!expected.empty()) expected += word == *std::rbegin(words) ? " or " : ", ";
-    expected += word;
-  }
-  return worded(CLI::IsMember(std::vector<std::string>(words.begin(), words.end())), expected);
+  return worded(CLI::IsMember(std::vector<std::string>(words.begin(), words.end())), io::one_of(words));
 }
 
 std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {

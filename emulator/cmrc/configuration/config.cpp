@@ -24,10 +24,11 @@ std::string_view leaf(std::string_view key) {
 }
 
 /// What would be right instead of an unknown key: the known key that the user most likely meant (compared by the whole
-/// name, and by the part after the table), else the keys of the table, else where all keys are listed.
+/// name, and by the part after the table), else those that have its name in theirs, else the keys of the table, else
+/// where all keys are listed.
 std::string right_key(std::string_view key) {
   std::string_view best;
-  const std::size_t most = leaf(key).size() / 2;
+  const std::size_t most = io::most_wrong(leaf(key));
   std::size_t least = std::numeric_limits<std::size_t>::max();
   for (const Key& known : keys()) {
     const std::size_t whole = io::edit_distance(key, known.name);
@@ -36,7 +37,12 @@ std::string right_key(std::string_view key) {
     least = std::min(whole, part + 1);
     best = known.name;
   }
+  std::vector<std::string_view> alike;
+  for (const Key& known : keys())
+    if (io::has_in_it(known.name, leaf(key))) alike.push_back(known.name);
+  if (best.empty() && alike.size() == 1) best = alike.front();
   if (!best.empty()) return fmt::format("the nearest known key is {}", best);
+  if (!alike.empty() && alike.size() <= 8) return fmt::format("keys with that word are {}", fmt::join(alike, ", "));
   const std::string_view table = key.substr(0, key.size() - leaf(key).size());
   std::vector<std::string_view> others;
   if (!table.empty())
@@ -60,7 +66,7 @@ std::vector<std::string> table_names() {
 [[noreturn]] void refuse_table(const Origin& origin, const std::string& table) {
   const std::vector<std::string> names = table_names();
   std::string_view best;
-  std::size_t least = std::max<std::size_t>(2, table.size() / 2) + 1;
+  std::size_t least = io::most_wrong(table) + 1;
   for (const std::string_view name : names) {
     const std::size_t first = name.find_first_not_of('['), last = name.find(']');
     const std::size_t distance = io::edit_distance(table, name.substr(first, last - first));

@@ -120,7 +120,7 @@ Reader::Directive Reader::directive_named(const std::string& name) {
 std::string Reader::directive_near(const std::string& name) {
   std::vector<std::string_view> names;
   for (const auto& [known, unused] : directives()) names.push_back(known);
-  return io::suggestion(io::nearest_symbol(name, names), '\'');
+  return io::suggestion(io::nearest(name, names, io::most_wrong(name)), '\'');
 }
 
 std::int64_t Reader::known_number(Parser& parser, std::string_view what) {

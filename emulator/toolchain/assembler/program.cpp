@@ -226,7 +226,7 @@ std::string Program::symbol_near(std::string_view name) const {
   std::vector<std::string_view> names;
   for (const auto& [known, symbol] : symbols_)
     if (as_written(known) == known) names.push_back(known);  // no local label: its name is not what the source has
-  return io::suggestion(io::nearest_symbol(name, names), '\'');
+  return io::suggestion(io::nearest(name, names, io::most_wrong(name)), '\'');
 }
 
 std::vector<Program::Section*> Program::placement_order() {

@@ -438,7 +438,9 @@ Linked link(std::vector<Object> objects, std::vector<Object> library, const Memo
 Linked link_files(const std::vector<std::filesystem::path>& files, const MemoryMap& map) {
   std::vector<Object> objects, library;
   const auto add = [](std::vector<Object>& to, Object object) {
-    if (object.executable) throw LinkError({fmt::format("{}: is already linked", object.name)});
+    if (object.executable)
+      throw LinkError({fmt::format(
+          "{}: is already linked; a relocatable object is expected, as of `emulator asm --object`", object.name)});
     to.push_back(std::move(object));
   };
   for (const auto& path : files) {

@@ -3,139 +3,131 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <initializer_list>
 #include <utility>
 
 #include "io/text_form.hpp"
-#include "io/toml.hpp"
+#include "io/toml_reader.hpp"
 
 namespace toolchain {
 namespace {
 
 using isa::Address;
+using Keys = std::vector<std::string_view>;
+
+const Keys root_keys{"entry", "others", "c_model", "memory", "sections", "symbols"};
+const Keys memory_keys{"origin", "length"};
+const Keys section_keys{"memory", "address", "align", "size"};
 
 class MapReader {
  public:
-  explicit MapReader(std::string name) : name_(std::move(name)) {}
+  explicit MapReader(std::string name) : toml_(std::move(name)) {}
 
-  MemoryMap read(const toml::table& table) {
-    allow(table, {"entry", "others", "c_model", "memory", "sections", "symbols"});
-    MemoryMap map;
-    if (const auto* node = table.get("entry")) map.entry = text(*node, "entry");
-    if (const auto* node = table.get("c_model")) {
-      const auto model = c_model(text(*node, "c_model"));
-      if (!model) fail(node->source(), "c_model: \"rom\" or \"ram\" is expected");
-      map.is_c = true, map.loader_sets_values = *model;
-    }
-    for (const auto& [key, node] : in_order(child(table, "memory"))) add_memory(map, key, *node);
-    if (map.memories.empty()) throw MemoryMapError(fmt::format("{}: no memory; [memory] needs at least one", name_));
-    map.others = map.memories.front().name;
-    if (const auto* node = table.get("others")) map.others = known_memory(map, *node, "others");
-    for (const auto& [key, node] : in_order(child(table, "sections"))) add_section(map, key, *node);
-    for (const auto& [key, node] : in_order(child(table, "symbols"))) map.symbols[key] = number(*node, key, 0xFFFFFFFF);
-    return map;
+  MemoryMap read(const toml::table& root) {
+    toml_.allow(root, "", root_keys);
+    toml_.optional(root, "entry", [&](const toml::node& node) { map_.entry = toml_.text(node, "entry"); });
+    toml_.optional(root, "c_model", [&](const toml::node& node) {
+      const auto model = c_model(toml_.text(node, "c_model"));
+      if (!model) toml_.fail(node, "c_model: \"rom\" or \"ram\" is expected");
+      map_.is_c = true, map_.loader_sets_values = *model;
+    });
+    each(root, "memory", [&](const std::string& name, const toml::node& node) { add_memory(name, node); });
+    if (root.get("memory") == nullptr || map_.memories.empty())
+      toml_.note("there is no memory; [memory] with NAME = { origin = ADDRESS, length = WORDS } is expected");
+    toml_.finish<MemoryMapError>();  // the others name memories
+    map_.others = map_.memories.front().name;
+    toml_.optional(root, "others", [&](const toml::node& node) { map_.others = known_memory(node, "others"); });
+    each(root, "sections", [&](const std::string& name, const toml::node& node) { add_section(name, node); });
+    each(root, "symbols", [&](const std::string& name, const toml::node& node) {
+      map_.symbols[name] = number(node, "symbols." + name, 0xFFFFFFFF);
+    });
+    toml_.finish<MemoryMapError>();
+    return std::move(map_);
   }
 
  private:
-  using Entries = std::vector<std::pair<std::string, const toml::node*>>;
-
-  [[noreturn]] void fail(const toml::source_region& where, const std::string& what) const {
-    throw MemoryMapError(fmt::format("{}:{}:{}: {}", name_, where.begin.line, where.begin.column, what));
-  }
-
-  void allow(const toml::table& table, std::initializer_list<std::string_view> keys) const {
-    for (const auto& [key, node] : table) {
-      if (std::find(keys.begin(), keys.end(), key.str()) != keys.end()) continue;
-      fail(key.source(), fmt::format("no such key '{}'; known are {}", key.str(), fmt::join(keys, ", ")));
-    }
-  }
-
-  const toml::table* child(const toml::table& table, std::string_view key) const {
-    const auto* node = table.get(key);
-    if (node == nullptr) return nullptr;
-    if (!node->is_table()) fail(node->source(), fmt::format("'{}' is a table", key));
-    return node->as_table();
-  }
-
-  /// A table's entries in the order of the file; the parser sorts them by name.
-  static Entries in_order(const toml::table* table) {
-    std::vector<std::pair<toml::source_position, std::pair<std::string, const toml::node*>>> found;
-    if (table != nullptr)
-      for (const auto& [key, node] : *table) found.push_back({key.source().begin, {std::string(key.str()), &node}});
-    std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
-      return std::pair(a.first.line, a.first.column) < std::pair(b.first.line, b.first.column);
+  /// The entries of a table in the order of the file; the parser sorts them by name.
+  template <class Read>
+  void each(const toml::table& root, std::string_view key, Read&& read) {
+    toml_.optional(root, key, [&](const toml::node& node) {
+      if (!node.is_table()) toml_.fail(node, fmt::format("{}: a table, [{}], is expected", key, key));
+      std::vector<std::pair<const toml::key*, const toml::node*>> entries;
+      for (const auto& [name, value] : *node.as_table()) entries.emplace_back(&name, &value);
+      std::ranges::stable_sort(entries, {}, [](const auto& entry) {
+        const toml::source_position begin = entry.first->source().begin;
+        return std::pair(begin.line, begin.column);
+      });
+      for (const auto& [name, value] : entries)
+        toml_.attempt([&, &name = name, &value = value] { read(std::string(name->str()), *value); });
     });
-    Entries out;
-    for (auto& entry : found) out.push_back(std::move(entry.second));
-    return out;
   }
 
-  std::string text(const toml::node& node, std::string_view key) const {
-    if (!node.is_string()) fail(node.source(), fmt::format("{}: a name in quotes is expected", key));
-    return node.as_string()->get();
+  std::uint32_t number(const toml::node& node, std::string_view key, std::int64_t most) {
+    return static_cast<std::uint32_t>(toml_.whole(node, key, 0, most));
   }
 
-  std::uint32_t number(const toml::node& node, std::string_view key, std::int64_t most) const {
-    if (!node.is_integer()) fail(node.source(), fmt::format("{}: a number is expected, such as 0x300000", key));
-    const std::int64_t value = node.as_integer()->get();
-    if (value < 0 || value > most) fail(node.source(), fmt::format("{}: {} is not within 0 to {}", key, value, most));
-    return static_cast<std::uint32_t>(value);
-  }
-
-  void add_memory(MemoryMap& map, const std::string& name, const toml::node& node) const {
+  void add_memory(const std::string& name, const toml::node& node) {
+    const std::string place = "memory." + name;
     if (!node.is_table())
-      fail(node.source(), fmt::format("{}: {{ origin = ADDRESS, length = WORDS }} is expected", name));
+      toml_.fail(node, fmt::format("{}: {{ origin = ADDRESS, length = WORDS }} is expected", place));
     const toml::table& table = *node.as_table();
-    allow(table, {"origin", "length"});
-    const auto *origin = table.get("origin"), *length = table.get("length");
-    if (origin == nullptr || length == nullptr)
-      fail(node.source(), fmt::format("{}: origin and length are needed", name));
-    MemoryMap::Memory memory{name, number(*origin, "origin", 0xFFFFFFFF), 0};
-    if (!length->is_integer() || length->as_integer()->get() < 1 ||
-        length->as_integer()->get() > (std::int64_t{1} << 32) - memory.origin)
-      fail(length->source(),
-           fmt::format("{}: length: 1 to {} words are possible there", name, (std::int64_t{1} << 32) - memory.origin));
-    memory.length = static_cast<std::uint64_t>(length->as_integer()->get());
-    for (const auto& other : map.memories)
+    toml_.allow(table, place + ".", memory_keys);
+    MemoryMap::Memory memory{name, 0, 0};
+    bool whole = toml_.needed(table, "origin", place, [&](const toml::node& origin) {
+      memory.origin = number(origin, place + ".origin", 0xFFFFFFFF);
+    });
+    whole &= toml_.needed(table, "length", place, [&](const toml::node& length) {
+      const std::int64_t room = (std::int64_t{1} << 32) - memory.origin;
+      memory.length = static_cast<std::uint64_t>(toml_.whole(length, place + ".length", 1, room));
+    });
+    if (!whole) return;
+    for (const auto& other : map_.memories)
       if (memory.origin < other.origin + other.length && other.origin < memory.origin + memory.length)
-        fail(node.source(), fmt::format("the memories '{}' and '{}' overlap", other.name, name));
-    map.memories.push_back(std::move(memory));
+        toml_.fail(node, fmt::format("the memories '{}' and '{}' overlap", other.name, name));
+    map_.memories.push_back(std::move(memory));
   }
 
-  std::string known_memory(const MemoryMap& map, const toml::node& node, std::string_view key) const {
-    std::string name = text(node, key);
-    if (map.memory(name) == nullptr) fail(node.source(), fmt::format("{}: there is no memory '{}'", key, name));
-    return name;
+  std::string known_memory(const toml::node& node, std::string_view key) {
+    std::string name = toml_.text(node, key);
+    if (map_.memory(name) != nullptr) return name;
+    std::vector<std::string_view> names;
+    for (const auto& memory : map_.memories) names.push_back(memory.name);
+    toml_.fail(node, fmt::format("{}: there is no memory '{}'; {} is expected", key, name, io::one_of(names)));
   }
 
-  void add_section(MemoryMap& map, const std::string& name, const toml::node& node) const {
+  void add_section(const std::string& name, const toml::node& node) {
+    const std::string& place = name;
     MemoryMap::Placement out;
     out.section = name;
     if (node.is_string()) {
-      out.memory = known_memory(map, node, name);
-      map.sections.push_back(std::move(out));
+      out.memory = known_memory(node, place);
+      map_.sections.push_back(std::move(out));
       return;
     }
     if (!node.is_table())
-      fail(node.source(),
-           fmt::format("{}: the name of a memory, or {{ memory, address, align, size }} is expected", name));
+      toml_.fail(node,
+                 fmt::format("{}: the name of a memory, or {{ memory, address, align, size }} is expected", place));
     const toml::table& table = *node.as_table();
-    allow(table, {"memory", "address", "align", "size"});
-    if (const auto* value = table.get("memory")) out.memory = known_memory(map, *value, "memory");
-    if (const auto* value = table.get("address")) out.address = number(*value, "address", 0xFFFFFFFF);
-    if (const auto* value = table.get("size")) out.size = number(*value, "size", 0xFFFFFFFF);
-    if (const auto* value = table.get("align")) {
-      out.alignment = number(*value, "align", Address{1} << 31);
+    const std::string prefix = place + ".";
+    toml_.allow(table, prefix, section_keys);
+    toml_.optional(table, "memory",
+                   [&](const toml::node& given) { out.memory = known_memory(given, prefix + "memory"); });
+    toml_.optional(table, "address",
+                   [&](const toml::node& given) { out.address = number(given, prefix + "address", 0xFFFFFFFF); });
+    toml_.optional(table, "size",
+                   [&](const toml::node& given) { out.size = number(given, prefix + "size", 0xFFFFFFFF); });
+    toml_.optional(table, "align", [&](const toml::node& given) {
+      out.alignment = number(given, prefix + "align", Address{1} << 31);
       if (out.alignment == 0 || (out.alignment & (out.alignment - 1)) != 0)
-        fail(value->source(), "align: a power of 2 is expected");
+        toml_.fail(given, prefix + "align: a power of 2 is expected");
       if (out.address && *out.address % out.alignment != 0)
-        fail(value->source(), "align: the address is no multiple of it");
-    }
-    if (out.memory.empty() && !out.address) out.memory = map.others;
-    map.sections.push_back(std::move(out));
+        toml_.fail(given, fmt::format("{}align: the address {:08X}h is no multiple of it", prefix, *out.address));
+    });
+    if (out.memory.empty() && !out.address) out.memory = map_.others;
+    map_.sections.push_back(std::move(out));
   }
 
-  std::string name_;
+  io::TomlReader toml_;
+  MemoryMap map_;
 };
 
 }  // namespace
@@ -163,8 +155,7 @@ MemoryMap parse_memory_map(std::string_view toml, const std::string& name) {
   try {
     return MapReader(name).read(io::parse_toml(toml, name));
   } catch (const toml::parse_error& error) {
-    throw MemoryMapError(
-        fmt::format("{}:{}:{}: {}", name, error.source().begin.line, error.source().begin.column, error.description()));
+    throw MemoryMapError(fmt::format("{}:{}: {}", name, error.source().begin.line, error.description()));
   }
 }
 

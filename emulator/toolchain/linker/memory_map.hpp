@@ -12,7 +12,7 @@
 
 namespace toolchain {
 
-/// A memory map that cannot be used; the message names file, line and column.
+/// A memory map that cannot be used; the message names the file and the line of each error.
 class MemoryMapError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -57,7 +57,7 @@ std::string no_address(std::string_view text, const Image* image) {
     for (const auto& [name, address] : image->symbols) symbols.push_back(name);
   return fmt::format("\"{}\" is neither {}a 32-bit address (300000h, 0x300000 or decimal){}", text,
                      image != nullptr ? "a symbol of the program nor " : "",
-                     io::suggestion(io::nearest_symbol(text, symbols)));
+                     io::suggestion(io::nearest(text, symbols, io::most_wrong(text))));
 }
 
 void require_c40(const Image& image, std::string_view name) {
