@@ -353,20 +353,34 @@ def test_a_blocked_section_of_a_whole_page_and_one_that_just_fits_before_its_end
     [
         ("memory = 3", "<map>:1: memory: a table, [memory], is expected"),
         ("[memory]\nm = { origin = 0 }", "<map>:2: memory.m: length is missing"),
-        ("[memory]\nm = { origin = 0, length = 0x100000001 }", "<map>:2: memory.m.length: an integer from 1 to 4294967296 is expected"),
+        (
+            "[memory]\nm = { origin = 0, length = 0x100000001 }",
+            "<map>:2: memory.m.length: an integer from 1 to 4294967296 is expected",
+        ),
         ("[memory]\na = { origin = 0, length = 8 }\nb = { origin = 4, length = 8 }", "'a' and 'b' overlap"),
         (
             '[memory]\nm = { origin = 0, length = 8 }\n[sections]\n".text" = "n"',
             "<map>:4: .text: there is no memory 'n'; m is expected",
         ),
-        ("[memory]\nm = { origin = 0, length = 8, speed = 3 }", "<map>:2: no such key memory.m.speed; known are origin, length"),
-        ("[memory]\nm = { origin = -1, length = 8 }", "<map>:2: memory.m.origin: an integer from 0 to 4294967295 is expected"),
-        ("[memory]\nm = { origin = 0, length = 8 }\n[sections]\nx = { align = 3 }", "<map>:4: x.align: a power of 2 is expected"),
+        (
+            "[memory]\nm = { origin = 0, length = 8, speed = 3 }",
+            "<map>:2: no such key memory.m.speed; known are origin, length",
+        ),
+        (
+            "[memory]\nm = { origin = -1, length = 8 }",
+            "<map>:2: memory.m.origin: an integer from 0 to 4294967295 is expected",
+        ),
+        (
+            "[memory]\nm = { origin = 0, length = 8 }\n[sections]\nx = { align = 3 }",
+            "<map>:4: x.align: a power of 2 is expected",
+        ),
         ("# empty", "<map>: there is no memory; [memory] with NAME = "),
         (
             "[memory]\nm = { origin = 0 }\nn = 3\n[sektions]",
-            "<map>:2: memory.m: length is missing\n<map>:3: memory.n: { origin = ADDRESS, length = WORDS } is expected\n"
-            "<map>:4: no such key sektions; known are entry, others, c_model, memory, sections, symbols; did you mean",
+            (
+                "<map>:2: memory.m: length is missing\n<map>:3: memory.n: { origin = ADDRESS, length = WORDS } is expected\n"
+                "<map>:4: no such key sektions; known are entry, others, c_model, memory, sections, symbols; did you mean"
+            ),
         ),
         ("[memory", "<map>:1:"),
     ],
