@@ -20,7 +20,7 @@ report::Event make_event(std::int64_t time_ps, unsigned component, unsigned kind
   return event;
 }
 
-/// Keeps what it hears, for tests of the order.
+/// Keeps the events that it gets, for tests of the order.
 class LineRecorder final : public report::EventSink {
  public:
   void event(const report::Event& event) override { lines.push_back(report::to_text(event)); }

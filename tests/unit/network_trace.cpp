@@ -18,7 +18,7 @@ machine::NetworkChip chip(const std::string& text) {
 }
 
 // Chip 1 goes round a loop, and the network listens from cycle 10,000 on. Chip 0 sends a word some 500 cycles later:
-// the network leaves off, and begins its watch anew.
+// the network leaves off, and begins its watch again.
 machine::NetworkDescription sender_and_loop() {
   machine::NetworkDescription network;
   network.chips.push_back(

@@ -165,7 +165,7 @@ void Chip::set_pin(Pin pin, bool level, Cycles at) {
 void Chip::watch_pins(PinListener* listener, unsigned outputs, unsigned inputs) {
   engine_->watch_pins(listener, outputs, inputs);
 }
-bool Chip::heeds(Pin pin) const { return engine_->peripherals().heeds(pin); }
+bool Chip::reacts_to(Pin pin) const { return engine_->peripherals().reacts_to(pin); }
 bool Chip::timer_pin(int timer) const {
   check_timer(timer);
   const State& state = engine_->state();

@@ -226,7 +226,7 @@ class Chip {
   /// A short pulse on NMI.
   void raise_nmi();
   /// An edge or level at this pin could be an enabled interrupt, an event for the DMA, or a tick of a running timer.
-  bool heeds(Pin pin) const;
+  bool reacts_to(Pin pin) const;
   /// The next cycle in which a peripheral changes by itself in a way that the processor, or a listener of pins, could
   /// see; the greatest number if there is none.
   Cycles next_event() const;

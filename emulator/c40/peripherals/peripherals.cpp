@@ -101,7 +101,7 @@ void Peripherals::set_pin(Pin pin, bool level, Cycles at) {
   }
 }
 
-bool Peripherals::heeds(Pin pin) const {
+bool Peripherals::reacts_to(Pin pin) const {
   const unsigned n = number_of(pin);
   if (is_iiof(pin))
     return (interrupts::iiof_nibble(state_.core, n) & 9u) == 9u || (dma_active_ && dma_.latches(selects(iiof_flag(n))));

@@ -31,7 +31,7 @@ class Peripherals {
   void raise(Word flag);
   /// The outside drives a pin from cycle `at` on.
   void set_pin(Pin pin, bool level, Cycles at);
-  bool heeds(Pin pin) const;
+  bool reacts_to(Pin pin) const;
   bool timer_drives_dma(std::size_t timer) const;
   /// An instruction, or the outside, may have changed what the chip drives.
   void pins_changed();

@@ -229,7 +229,8 @@ bool LoneDevices::serve(const c40::ExternalAccess& access) { return machine::ser
 bool LoneDevices::could_wake() const {
   if (pins_.empty() && devices_.next_event() == never_cycle) return false;
   const bool can = chip_.idle() || (chip_.register_value(isa::Register::ST) & c40::st::GIE) != 0;
-  return std::ranges::any_of(devices_.pins(), [&](Pin pin) { return chip_.heeds(pin) && (pin == Pin::nmi || can); });
+  return std::ranges::any_of(devices_.pins(),
+                             [&](Pin pin) { return chip_.reacts_to(pin) && (pin == Pin::nmi || can); });
 }
 
 }  // namespace machine

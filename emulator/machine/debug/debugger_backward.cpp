@@ -29,7 +29,7 @@ std::vector<Hit> Debugger::last_hits(Time after, Time before) {
     const Time begin = now();
     recorder_->arm(triggers_, std::nullopt);
     recorder_->listen(begin - Time{1});
-    const Time until = end + (recorder_->hears_late() ? debuggee_.delay() : Time{0});
+    const Time until = end + (recorder_->learns_late() ? debuggee_.delay() : Time{0});
     while (now() < until && !asked_to_stop() && !debuggee_.over()) {
       Time target = std::min(until, now() + debuggee_.slice());
       if (recorder_->looks_at_values())

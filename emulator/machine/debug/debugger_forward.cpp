@@ -58,7 +58,7 @@ std::vector<Hit> Debugger::search(Time until, const Manner& manner) {
       Time at = first();
       if (at > until) break;
       // Hits of other chips may still come before; and some events are reported late.
-      const Time known = at + (recorder_->hears_late() ? debuggee_.delay() : Time{0});
+      const Time known = at + (recorder_->learns_late() ? debuggee_.delay() : Time{0});
       if (now() < known) run_to(known), at = first();
       std::vector<Hit> here;
       std::erase_if(recorder_->hits, [&](const Hit& hit) {

@@ -116,7 +116,7 @@ void Debugger::HitRecorder::arm(const std::map<unsigned, Trigger>& triggers, std
   }
   debuggee_.watch_shared(shared_words.empty() ? nullptr : this, shared_words);
   debuggee_.listen(kinds.empty() ? nullptr : this, kinds);
-  hears_late_ = !kinds.empty() || !shared_words.empty();
+  learns_late_ = !kinds.empty() || !shared_words.empty();
 }
 
 void Debugger::HitRecorder::rearm(const std::map<unsigned, Trigger>& triggers, std::optional<std::size_t> each) {

@@ -24,7 +24,7 @@ class Debugger::HitRecorder final : private DebugEventListener, private SharedLi
   /// Records hits later than `after` from now on; earlier records are removed.
   void listen(Time after);
   void close() { open_ = false; }
-  bool hears_late() const { return hears_late_; }
+  bool learns_late() const { return learns_late_; }
   bool looks_at_values() const;
   /// Records hits of values at this instant.
   void look_at_values(Time now);
@@ -65,7 +65,7 @@ class Debugger::HitRecorder final : private DebugEventListener, private SharedLi
   std::map<unsigned, Expression> values_;
   std::map<unsigned, bool> were_;
   std::optional<std::size_t> each_;
-  bool open_ = false, hears_late_ = false;
+  bool open_ = false, learns_late_ = false;
   Time after_{};
 };
 

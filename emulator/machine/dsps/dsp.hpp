@@ -110,7 +110,7 @@ class Dsp final : public Scheduler::Processor,
   Time time_of(c40::Cycles cycle) const override { return clock_.at(cycle); }
   c40::Cycles cycle_from(Time time) const override { return clock_.tick_at_or_after(time); }
   Time drives_from() const override;
-  bool hears(c40::Pin) const override { return true; }
+  bool listens_to(c40::Pin) const override { return true; }
   void pin_changes(c40::Pin pin, bool level, Time now) override;
 
  private:

@@ -140,9 +140,9 @@ Time Net::reaches(std::size_t chip) const {
   return reach;
 }
 
-bool Net::is_heard() const {
+bool Net::has_listener() const {
   for (std::size_t i = 0; i < owners_.size(); ++i)
-    if (owners_[i]->hears(description_.receivers[i].pin)) return true;
+    if (owners_[i]->listens_to(description_.receivers[i].pin)) return true;
   return false;
 }
 

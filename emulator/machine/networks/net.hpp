@@ -74,7 +74,7 @@ class PinOwner {
   /// Everything that the chip has driven before this instant is known, and nothing else can make it drive before.
   virtual Time drives_from() const = 0;
   /// A change of this pin would have an effect.
-  virtual bool hears(c40::Pin pin) const = 0;
+  virtual bool listens_to(c40::Pin pin) const = 0;
   virtual void pin_changes(c40::Pin pin, bool level, Time now) = 0;
 };
 
@@ -98,7 +98,7 @@ class Net final : public Scheduler::Actor {
   /// The earliest instant at which the net could act on a chip, as far as is known.
   Time reaches(std::size_t chip) const;
   /// A change of the net would have an effect.
-  bool is_heard() const;
+  bool has_listener() const;
   /// The net will change again, as far as is known.
   bool goes_on() const { return next() != never; }
 

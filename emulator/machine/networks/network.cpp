@@ -269,7 +269,7 @@ bool Network::quiet() {
   if (std::any_of(links_.begin(), links_.end(),
                   [](const auto& link) { return link->next_event() != never && !link->only_exchanges_token(); }))
     return false;
-  if (std::ranges::any_of(nets_, [](const auto& net) { return net->goes_on() && net->is_heard(); })) return false;
+  if (std::ranges::any_of(nets_, [](const auto& net) { return net->goes_on() && net->has_listener(); })) return false;
   if (std::ranges::any_of(nodes_, [](const auto& node) { return node->devices_go_on(); })) return false;
   for (auto& node : nodes_) node->look_for_loop();
   const auto moves = std::find_if(nodes_.begin(), nodes_.end(), [](const auto& node) { return !node->is_still(); });

@@ -88,7 +88,7 @@ void Network::Node::note_device_event() {
 bool Network::Node::devices_go_on() const {
   if (device_turn == nullptr || devices->next_event() == never_cycle) return false;
   if (devices->will_act_on_others()) return true;
-  return std::ranges::any_of(devices->pins(), [&](Pin pin) { return hears(pin) && heeds(pin); });
+  return std::ranges::any_of(devices->pins(), [&](Pin pin) { return listens_to(pin) && reacts_to(pin); });
 }
 
 /// At one instant chips act in the order of their numbers; devices that act by themselves come before all chips. A chip

@@ -86,7 +86,7 @@ bool Network::Node::at_breakpoint() {
   if (description.until == chip.pc()) {
     status = ChipStatus::until;
   } else if (program_end(chip.peek(chip.pc()), chip.pc()) == ProgramEnd::halt && !chip.dma_busy()) {
-    if (chip.dma_active() || (chip.watches_ports() && can_interrupt(chip)) || heeds_pins())
+    if (chip.dma_active() || (chip.watches_ports() && can_interrupt(chip)) || reacts_to_pins())
       status = ChipStatus::sleeping;
     else if (!can_interrupt(chip) || !awaits_timer(chip))
       status = ChipStatus::halt;
@@ -133,7 +133,7 @@ void Network::Node::forget_port() { was_ready = false, ready_since = Time{0}; }
 
 void Network::Node::note_idle() {
   if (!chip.idle() || chip.dma_busy() || status != ChipStatus::running) return;
-  if (chip.watches_ports() || chip.dma_active() || heeds_pins())
+  if (chip.watches_ports() || chip.dma_active() || reacts_to_pins())
     status = ChipStatus::sleeping;
   else if (!awaits_timer(chip))
     status = ChipStatus::idle;

@@ -112,8 +112,8 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
     if (status == ChipStatus::running) return watches();
     return status == ChipStatus::waiting && chip.dma_busy();
   }
-  bool heeds(c40::Pin pin) const;
-  bool heeds_pins() const;
+  bool reacts_to(c40::Pin pin) const;
+  bool reacts_to_pins() const;
   bool held() const { return status == ChipStatus::held || status == ChipStatus::pulled_out; }
   bool dma_waits() const {
     const bool lives = status == ChipStatus::running || status == ChipStatus::waiting || status == ChipStatus::sleeping;
@@ -125,7 +125,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   Time time_of(c40::Cycles cycle) const override { return clock.at(cycle); }
   c40::Cycles cycle_from(Time time) const override { return first_cycle(time); }
   Time drives_from() const override;
-  bool hears(c40::Pin pin) const override;
+  bool listens_to(c40::Pin pin) const override;
   void pin_changes(c40::Pin pin, bool level, Time now) override;
   void driven(c40::Pin pin, c40::Drive drive, c40::Cycles at) override;
 

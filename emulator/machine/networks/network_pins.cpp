@@ -1,4 +1,4 @@
-// The pins of a chip in a network: what it drives, and what it hears.
+// The pins of a chip in a network: what it drives, and to which it listens.
 #include <algorithm>
 
 #include "machine/chips/asleep.hpp"
@@ -9,13 +9,13 @@ namespace machine {
 using c40::Cycles;
 
 /// The pin could interrupt it, or move its DMA or a timer that does.
-bool Network::Node::heeds(c40::Pin pin) const {
-  return pin != c40::Pin::reset && chip.heeds(pin) &&
+bool Network::Node::reacts_to(c40::Pin pin) const {
+  return pin != c40::Pin::reset && chip.reacts_to(pin) &&
          (pin == c40::Pin::nmi || chip.dma_active() || can_interrupt(chip));
 }
 
-bool Network::Node::heeds_pins() const {
-  return std::ranges::any_of(pins_in, [&](c40::Pin pin) { return heeds(pin); });
+bool Network::Node::reacts_to_pins() const {
+  return std::ranges::any_of(pins_in, [&](c40::Pin pin) { return reacts_to(pin); });
 }
 
 Time Network::Node::drives_from() const {
@@ -31,12 +31,12 @@ void Network::Node::driven(c40::Pin pin, c40::Drive drive, Cycles at) {
   (*std::ranges::find_if(nets_out, driven_by_it))->driven({number, pin}, drive, std::max(network.now_, clock.at(at)));
 }
 
-bool Network::Node::hears(c40::Pin pin) const {
+bool Network::Node::listens_to(c40::Pin pin) const {
   if (pin == c40::Pin::reset) return status != ChipStatus::pulled_out;
   switch (status) {
     case ChipStatus::running: return true;
-    case ChipStatus::waiting: return chip.dma_active() && chip.heeds(pin);
-    case ChipStatus::sleeping: return heeds(pin);
+    case ChipStatus::waiting: return chip.dma_active() && chip.reacts_to(pin);
+    case ChipStatus::sleeping: return reacts_to(pin);
     default: return false;
   }
 }
@@ -52,7 +52,7 @@ void Network::Node::drive_on(Time now) {
 void Network::Node::pin_changes(c40::Pin pin, bool level, Time now) {
   if (network.now_ < now) network.now_ = now;
   if (status == ChipStatus::pulled_out) return;
-  if (hears(pin)) network.something_happened(), network.changed_ = now;
+  if (listens_to(pin)) network.something_happened(), network.changed_ = now;
   if (pin == c40::Pin::reset) {
     const auto kind = level ? NetworkAction::Kind::reset : NetworkAction::Kind::hold;
     if (!level || status == ChipStatus::held) network.schedule({.kind = kind, .time = now, .target = number});

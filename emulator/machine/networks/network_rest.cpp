@@ -91,8 +91,8 @@ bool Network::Node::has_ended() const {
 /// By a port, a timer or the DMA.
 bool Network::Node::sleeps_for_interrupt() const {
   constexpr Word ports = 0x01FFFFFEu;  // of IIE
-  return heeds_pins() || (can_interrupt(chip) && (awaits_dma(chip) || awaits_timer(chip) ||
-                                                  (chip.register_value(isa::Register::IIE) & ports) != 0));
+  return reacts_to_pins() || (can_interrupt(chip) && (awaits_dma(chip) || awaits_timer(chip) ||
+                                                      (chip.register_value(isa::Register::IIE) & ports) != 0));
 }
 
 bool Network::Node::awaits_dma_for_ever() const {

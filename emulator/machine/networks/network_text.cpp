@@ -196,7 +196,8 @@ std::string Network::describe(std::size_t n) const {
       if (node.has_ended())
         return fmt::format("{} {}; {}", node.chip.idle() ? "is in IDLE before" : "branches to itself at", where(node),
                            describe_dma(node));
-      return fmt::format("sleeps at {} until {} interrupts it", where(node), node.heeds_pins() ? "a pin" : "a port");
+      return fmt::format("sleeps at {} until {} interrupts it", where(node),
+                         node.reacts_to_pins() ? "a pin" : "a port");
     case ChipStatus::halt: return fmt::format("branches to itself at {}", where(node));
     case ChipStatus::idle: return fmt::format("is in IDLE before {}, and no interrupt will come", where(node));
     case ChipStatus::until: return fmt::format("reached {}", where(node));

@@ -33,7 +33,7 @@ Time Network::Node::next_pin_event() const {
 }
 
 bool Network::Node::only_drives_unheard() const {
-  if (std::ranges::any_of(nets_out, &Net::is_heard)) return false;
+  if (std::ranges::any_of(nets_out, &Net::has_listener)) return false;
   return own_event() == never && access_time() == never && !follows();
 }
 
@@ -59,10 +59,11 @@ Time Network::Node::horizon_of_follower() const {
 }
 
 /// By what is on its links and nets, or by what any chip may do from now on. Where all others wait, that is an answer
-/// to what it does itself; and that on a link stops it. At a pin that somebody hears, an instruction may do something
-/// at any time, so that it stays near. In a loop, too: the network's end may be near (Network::at_rest_since).
+/// to what it does itself; and that on a link stops it. At a pin to which another chip listens, an instruction may do
+/// something at any time, so that it stays near. In a loop, too: the network's end may be near
+/// (Network::at_rest_since).
 Time Network::Node::others_reach_it() const {
-  const bool others_wait = !patience.loop && std::ranges::none_of(nets_out, &Net::is_heard) &&
+  const bool others_wait = !patience.loop && std::ranges::none_of(nets_out, &Net::has_listener) &&
                            network.scheduler_.earliest_of_others(*this) == never;
   const Time first = others_wait ? never : network.scheduler_.earliest(), ahead = lookahead();
   Time reach = first < never - ahead ? first + ahead : never;
