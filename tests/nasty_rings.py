@@ -7,7 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 from cmrc.network import Network
-from nasty_programs import CYCLES, DATA, Bench, Program, assembled, constant, generate, prepare
+from nasty_programs import CYCLES, DATA, Program, constant, generate
+from nasty_runs import Bench, assembled, prepare
 
 
 def exchange(rng: random.Random) -> str:

@@ -3,7 +3,8 @@
 import random
 
 import pytest
-from nasty_programs import CYCLES, Bench, assembled, generate, made, state
+from nasty_programs import CYCLES, generate
+from nasty_runs import Bench, assembled, made, state
 
 SEEDS = range(60)
 

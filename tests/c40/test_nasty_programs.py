@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from nasty_programs import Bench, Program, disagreement, generate, shrink
+from nasty_programs import Program, generate
 from nasty_rings import ring, ring_disagreement
+from nasty_runs import Bench, disagreement, shrink
 
 
 def check(seeds: range, directory: Path) -> None:

@@ -11,7 +11,8 @@ from cmrc import c40 as package
 from cmrc.debug import Debugger, Hit
 from cmrc.network import Network
 from locations import ROOT
-from nasty_programs import CYCLES, DATA, Bench, assembled, generate, made, state
+from nasty_programs import CYCLES, DATA, generate
+from nasty_runs import Bench, assembled, made, state
 
 CYCLE_PS = 50_000
 SEEDS = [*range(30), *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(30, 1000))]

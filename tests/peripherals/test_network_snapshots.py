@@ -6,8 +6,9 @@ import pytest
 from cmrc.c40 import assemble
 from cmrc.network import Network, SharedMemory
 from leaves import check_that_every_value_is_loaded
-from nasty_programs import CYCLES, Bench, assembled, prepare
+from nasty_programs import CYCLES
 from nasty_rings import ring
+from nasty_runs import Bench, assembled, prepare
 
 
 def network_of(programs, bench, turn_order=0):
