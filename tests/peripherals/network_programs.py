@@ -11,6 +11,7 @@ from cmrc.network import Network
 CODE, DATA, STACK = 0x2FFC00, 0x2FF800, 0x2FFB00
 PERIOD_PS = 50_000  # of H1 at 40 MHz
 STOP = "end:    bu end\n"
+IDLES = "wait:   idle\n        bu wait\n"
 
 
 def program(text: str) -> Any:
@@ -55,18 +56,23 @@ def state(network: Network) -> tuple[Any, ...]:
     return network.now_ps, registers, ports, chips, network.links, network.events
 
 
-def balanced(network: Network) -> bool:
-    """For each direction: written = read + in FIFOs + under way + lost + discarded, counted from the chips' side."""
+def check_balance(network: Network) -> None:
+    """Words written = words read + in FIFOs + under way + lost + discarded; each loss and each discard is an event."""
     for link in network.links:
-        for (chip, port), (other, other_port), traffic in ((link.a, link.b, link.forth), (link.b, link.a, link.back)):
-            mine, theirs = network.chips[chip].port(port), network.chips[other].port(other_port)
-            there = theirs["read"] + len(theirs["input"]) + theirs["discarded_input"]
-            if (
-                mine["written"]
-                != len(mine["output"]) + mine["discarded_output"] + traffic.under_way + traffic.lost + there
-            ):
-                return False
-    return True
+        for (chip, number), (other, other_number), traffic in (
+            (link.a, link.b, link.forth),
+            (link.b, link.a, link.back),
+        ):
+            mine, theirs = network.chips[chip].port(number), network.chips[other].port(other_number)
+            assert mine["written"] == len(mine["output"]) + mine["discarded_output"] + traffic.sent
+            assert traffic.sent == traffic.arrived + traffic.under_way + traffic.lost
+            assert traffic.arrived == theirs["read"] + len(theirs["input"]) + theirs["discarded_input"]
+    lost = sum(traffic.lost for link in network.links for traffic in (link.forth, link.back))
+    assert lost == sum(event.kind == "lost" for event in network.events)
+    discarded = sum(
+        chip.port(n)[f"discarded_{fifo}"] for chip in network.chips for n in range(6) for fifo in ("input", "output")
+    )
+    assert discarded == sum(event.kind == "discarded" for event in network.events)
 
 
 WORDS = list(range(1000, 1060))
@@ -139,6 +145,3 @@ def mixed_network(seed: int) -> Network:
         [program(first), program(busy), program(idle), program(last)],
         links=["0.0:1.3", "0.1:2.4", "2.0:3.3"], clocks_mhz=[40, 50, 60, 33.333], turn_order=seed, record_words=True,
     )  # fmt: skip
-
-
-IDLES = "wait:   idle\n        bu wait\n"

@@ -14,8 +14,8 @@ from network_programs import (
     PERIOD_PS,
     STOP,
     WORDS,
-    balanced,
     base,
+    check_balance,
     interrupt_program,
     program,
     receiver,
@@ -59,7 +59,8 @@ def test_a_dma_that_nobody_will_ever_serve_is_a_deadlock_where_a_processor_sleep
     )
     armed = "DMA channel 3 waits for a word in input FIFO 3 (read of 00100071h) from chip 0 port 0 since cycle "
     assert armed in network.chips[1].message and network.chips[1].message.startswith(armed) == interrupts
-    assert network.chips[1].memory[DATA : DATA + len(WORDS)] == WORDS and balanced(network)
+    assert network.chips[1].memory[DATA : DATA + len(WORDS)] == WORDS
+    check_balance(network)
 
 
 def test_a_processor_that_idles_beside_its_dma_has_ended_in_the_cycle_in_which_both_have() -> None:
