@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from board_parts import END, HEAD, START, assembled, board, device, emulator, low
+from board_parts import END, HEAD, START, assembled, board, device, low
 from cmrc.c40 import Processor
+from command_line import emulator
 from locations import ROOT
 
 EXAMPLES = ROOT / "examples"

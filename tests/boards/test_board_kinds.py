@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from board_parts import END, START, assembled, board, device, emulator, enabled, low, vector
+from board_parts import END, START, assembled, board, device, enabled, low, vector
 from cmrc.c40 import Processor, assemble_file
 from cmrc.network import Network
+from command_line import emulator
 
 # Takes a word by interrupt, adds one, sends it back.
 ECHO = (

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from board_parts import END, HEAD, START, assembled, board, device, emulator, enabled, low, vector
+from board_parts import END, HEAD, START, assembled, board, device, enabled, low, vector
 from cmrc.c40 import Processor, SnapshotError
 from cmrc.network import Network, NetworkError, SharedMemory
+from command_line import emulator
 
 
 class Alarm:

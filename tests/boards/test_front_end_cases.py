@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from board_parts import HEAD, device, emulator
+from board_parts import HEAD, device
 from cmrc.c40 import Processor, assemble_file
 from cmrc.network import Network
+from command_line import emulator
 from dap import events, responses
 from dap.base import ErrorResponse
 from debugger.editor import Editor

@@ -12,9 +12,8 @@ from typing import Any
 
 import pytest
 import timeline
-from locations import BUILD
+from command_line import EMULATOR, emulator
 
-EMULATOR = BUILD / "bin" / "emulator"
 ALONE = ["--quiet", "--set", "report.reference=none"]
 BUSY = [
     "--dsps",
@@ -32,16 +31,10 @@ CLOCK_PS = 30_000
 MS = 10**9
 
 
-def emulator(folder: Path, *arguments: object) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run(
-        [EMULATOR, *map(str, arguments)], check=False, cwd=folder, capture_output=True, text=True, timeout=120
-    )
-
-
 def run(folder: Path, *arguments: object) -> Any:
     """The report of a run."""
     report = folder / "report.json"
-    done = emulator(folder, *arguments, *ALONE, "--report", report)
+    done = emulator(*arguments, *ALONE, "--report", report, folder=folder)
     assert done.returncode == 0, done.stderr
     return json.loads(report.read_text())
 
@@ -430,7 +423,7 @@ def test_a_resumed_run_draws_what_is_left(tmp_path: Path) -> None:
 )
 def test_bad_input(tmp_path: Path, arguments: list[str], says: str) -> None:
     (tmp_path / "c.toml").write_text("[machine]\ndsps = 2\n")
-    done = emulator(tmp_path, "--duration", "0.1", *ALONE, *arguments)
+    done = emulator("--duration", "0.1", *ALONE, *arguments, folder=tmp_path)
     assert done.returncode == 2
     assert says in done.stderr
     assert {path.name for path in tmp_path.iterdir()} == {"c.toml"}
@@ -439,16 +432,16 @@ def test_bad_input(tmp_path: Path, arguments: list[str], says: str) -> None:
 
 def test_a_device_is_written_into_and_a_full_disk_is_told(tmp_path: Path) -> None:
     short = ["--dsps", "1", "--duration", "0.1", *ALONE]
-    assert emulator(tmp_path, *short, "--perfetto", "/dev/null").returncode == 0
+    assert emulator(*short, "--perfetto", "/dev/null", folder=tmp_path).returncode == 0
     for name in ("/dev/full",):
-        done = emulator(tmp_path, *short, "--perfetto", name)
+        done = emulator(*short, "--perfetto", name, folder=tmp_path)
         assert done.returncode != 0
         assert f"{name}: writing failed: No space left on device" in done.stderr
 
 
 def test_a_full_disk_is_told_for_packed_files(tmp_path: Path) -> None:
     (tmp_path / "full.gz").symlink_to("/dev/full")
-    done = emulator(tmp_path, "--dsps", "1", "--duration", "0.1", *ALONE, "--perfetto", "full.gz")
+    done = emulator("--dsps", "1", "--duration", "0.1", *ALONE, "--perfetto", "full.gz", folder=tmp_path)
     assert done.returncode != 0
     assert "full.gz: writing failed: No space left on device" in done.stderr
 
