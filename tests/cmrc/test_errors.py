@@ -9,13 +9,10 @@ import numpy as np
 import pytest
 from audited_run import programs_with
 from cmrc import _core
+from low_rates import AT_ONCE_AND_LOW
 
 cmrc = _core.cmrc
 Report = dict[str, Any]
-LOW_RATES: dict[str, Any] = {
-    "dsps": 1, "boot": "preloaded", "refresh_frequency_hz": 2000, "servo_frequency_hz": 250, "alpha_refreshes": 6, "beta_refreshes": 3,
-    "report.reference": "none",
-}  # fmt: skip
 SERVO = 1 / 250
 LEG = 3.0
 """s: the crane is under way in its first leg, from 0.05 to 18 s."""
@@ -39,7 +36,7 @@ STILL = 5e-3
 
 def run(duration_s: float, *events: dict[str, Any], **settings: Any) -> tuple[Report, Any]:
     simulation = cmrc.Simulation(
-        cmrc.config(settings={**LOW_RATES, "duration_s": duration_s, **settings}, events=list(events))
+        cmrc.config(settings={**AT_ONCE_AND_LOW, "duration_s": duration_s, **settings}, events=list(events))
     )
     simulation.run()
     report = json.loads(simulation.report_json())
@@ -369,7 +366,7 @@ def test_nonsense_is_refused_before_anything_runs(
     settings: dict[str, Any], events: list[dict[str, Any]], message: str
 ) -> None:
     with pytest.raises(cmrc.ConfigError) as info:
-        cmrc.config(settings={**LOW_RATES, **settings}, events=events)
+        cmrc.config(settings={**AT_ONCE_AND_LOW, **settings}, events=events)
     assert message in str(info.value)
 
 

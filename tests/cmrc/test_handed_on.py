@@ -10,6 +10,7 @@ import dock_checks
 import pytest
 from cmrc import _core
 from locations import AT_ONCE
+from low_rates import AT_ONCE_AND_LOW
 
 cmrc = _core.cmrc
 REFRESH_HZ = 8000
@@ -76,8 +77,7 @@ def test_errors_are_handled_as_in_one_run(seed: int) -> None:
 def test_changes_of_the_loops_wait_for_rest_in_whatever_simulation() -> None:
     """The first leg lasts from 0.05 to 18 s. Changes that are requested on the way take effect at its end; later
     requests build on them."""
-    settings = {"dsps": 1, "boot": "preloaded", "refresh_frequency_hz": 2000, "servo_frequency_hz": 250, "alpha_refreshes": 6, "beta_refreshes": 3,
-                "report.reference": "none", "report.signal_decimation": 32, "duration_s": 25.0}  # fmt: skip
+    settings = {**AT_ONCE_AND_LOW, "report.signal_decimation": 32, "duration_s": 25.0}
     events = [{"at_s": at_s, "action": "set", "key": f"control.{key}", "value": value} for at_s, key, value in
               [(3.0, "slew_bandwidth_rad_s", 20.0), (3.5, "hoist_bandwidth_rad_s", 30.0), (21.5, "slew_damping", 1.2), (23.0, "hoist_damping", 1.1)]]  # fmt: skip
     config = cmrc.config(settings=settings, events=events)

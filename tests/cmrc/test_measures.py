@@ -11,6 +11,7 @@ import cmrc
 import numpy as np
 import pytest
 from locations import BUILD
+from low_rates import QUARTER_RATES
 
 EMULATOR = BUILD / "bin" / "emulator"
 EVERY_LATCH = {"report.signal_decimation": 1}
@@ -23,12 +24,6 @@ NOVEMBER = {
 }  # fmt: skip
 SIX = ("on_time", "late", "unfinished", "never_started", "lost", "dropped")
 F_T = 125.0
-LOW_RATES = {
-    "rates.refresh_frequency_hz": 2000,
-    "rates.servo_frequency_hz": 250,
-    "scheduling.alpha_refreshes": 6,
-    "scheduling.beta_refreshes": 3,
-}
 
 
 def starved(factor: float, duration_s: float = 5.0, **more: Any) -> cmrc.Result:
@@ -242,7 +237,9 @@ def test_what_the_operator_sets_happens_in_the_ideal_run_too() -> None:
 
 
 def test_when_the_last_dsp_is_gone_the_plant_goes_on_braked() -> None:
-    result = cmrc.run(dsps=1, duration_s=16.0, events=[{"at_s": 4.0, "action": "fail", "dsp": 0}], settings=LOW_RATES)
+    result = cmrc.run(
+        dsps=1, duration_s=16.0, events=[{"at_s": 4.0, "action": "fail", "dsp": 0}], settings=QUARTER_RATES
+    )
     report = result.report
     assert report["stop_reason"] == "no_dsp_left" and report["account_end_s"] == pytest.approx(4.5, abs=0.02)
     assert report["simulated_s"] == pytest.approx(report["account_end_s"] + 10, abs=1e-6)

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from cmrc import _core
 from locations import AT_ONCE, AT_ONCE_OPTIONS, BUILD, ROOT
+from traced_run import trace_of
 
 cmrc = _core.cmrc
 try:
@@ -60,23 +61,7 @@ def test_the_whole_configuration_reads_back_as_itself() -> None:
 
 def processes_of(toml: str, duration_s: float, tmp_path: Path, *more: str) -> list[tuple[float, int, int, int]]:
     """(second, process, started, robot) as the run's trace tells them."""
-    (tmp_path / "own.toml").write_text(toml)
-    trace = tmp_path / "trace.txt"
-    subprocess.run(
-        [
-            EMULATOR,
-            "--config",
-            tmp_path / "own.toml",
-            "--duration",
-            str(duration_s),
-            "--quiet",
-            "--trace",
-            trace,
-            *AT_ONCE_OPTIONS,
-            *more,
-        ],
-        check=True,
-    )
+    trace, _report = trace_of(tmp_path, "--duration", duration_s, *AT_ONCE_OPTIONS, *more, toml=toml)
     found = re.findall(
         r"^([0-9.]+) \[host\] process number=(\d+) state=(\d) robot=(\d+)$", trace.read_text(), re.MULTILINE
     )

@@ -7,22 +7,15 @@ from typing import Any
 import numpy as np
 import pytest
 from cmrc import _core
+from low_rates import LOW_RATES
 
 cmrc = _core.cmrc
-LOW_RATES: dict[str, Any] = {
-    "dsps": 2,
-    "refresh_frequency_hz": 2000,
-    "servo_frequency_hz": 250,
-    "alpha_refreshes": 6,
-    "beta_refreshes": 3,
-    "report.reference": "none",
-}
 SPOT = (22.0, 8.0)
 DECK, BOX, CLEARANCE = 1.6, 2.591, 0.5
 
 
 def run(duration_s: float, **settings: Any) -> tuple[dict[str, Any], dict[str, np.ndarray], list[Any]]:
-    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": duration_s, **LOW_RATES, **settings}))
+    simulation = cmrc.Simulation(cmrc.config(settings={**LOW_RATES, "dsps": 2, "duration_s": duration_s, **settings}))
     simulation.run()
     report = json.loads(simulation.report_json())
     assert report["failures"] == [] and report["audit"]["violations"] == []
