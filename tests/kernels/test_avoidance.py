@@ -9,14 +9,13 @@ import random
 from itertools import pairwise
 
 import pytest
-from avoidance_loop import RANGE, Drive, drive, machine, show
+from agv_words import agv_dsp, measure, set_leg
+from avoidance_loop import RANGE, Drive, drive, show
 from harness_agv import WINDOW_A, Dsp, from_ti, signed, to_ti
 from lanes import chain, loop
 from range_scene import FIRST, MOST, MOUNT, STEP, Disc, Scene
 from reference_agv import Segment, pose_at
 from reference_avoidance import BINS, METHODS, NOTHING, Lane, Look, Said, View, motion
-from test_inverse_agv import measure
-from test_trajectory_agv import set_leg
 
 # plant-and-bus.md 2.2; with a scene full of echoes a method may cost up to twice its estimate (VFH projects up to 72
 # echoes onto the lane)
@@ -30,7 +29,7 @@ BOUND = 3.5  # mm, mm/s
 
 @pytest.fixture(scope="module")
 def dsp() -> Dsp:
-    return machine()
+    return agv_dsp()
 
 
 def random_view(r: random.Random) -> View:

@@ -241,10 +241,7 @@ def random_joints(r: random.Random) -> tuple[list[float], list[float], list[floa
 @pytest.mark.parametrize("ramp", [False, True])
 def test_torque_compensation_is_the_inverse_dynamics_of_the_set_point(dsp: Dsp, ramp: bool) -> None:
     r = random.Random(30 + ramp)
-    dsp.put("CR_SERVO_PERIOD", 0.001)
-    dsp.put("CR_POINT_TICKS", 64)
-    dsp.put("CR_SERVO_TICKS", 8)
-    dsp.put("CR_PID_STAGE", 2)
+    dsp.servo_rates()
     for n in range(60):
         payload = round(r.uniform(10e3, 50e3))
         a, b = random_joints(r), random_joints(r)

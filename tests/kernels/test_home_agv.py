@@ -3,10 +3,10 @@
 import random
 
 import pytest
+from agv_words import UNIT, set_leg
 from harness_agv import Dsp
 from lanes import random_leg
 from reference_agv import Segment, cut_leg, pose_at, wrap
-from test_trajectory_agv import UNIT, set_leg
 
 BOUND = 1e-3  # m: the lane is looked at every micrometre by the reference, the pose comes in mm
 
