@@ -68,6 +68,17 @@ def attach(client: Client) -> None:
     assert client.event("stopped")["reason"] == "entry"
 
 
+def attached(report: Path) -> "tuple[subprocess.Popen[str], Client]":
+    """A run that waits for an editor, and an editor that has attached to it."""
+    run = subprocess.Popen(
+        [*RUN, "--report", report, "--debug", "0", "--debug-wait"], stderr=subprocess.PIPE, text=True
+    )
+    assert run.stderr is not None
+    client = Client(int(run.stderr.readline().split("port ")[1].split()[0]))
+    attach(client)
+    return run, client
+
+
 def hash_of(report: Path) -> str:
     return str(json.loads(report.read_text())["hash"])
 
@@ -75,12 +86,7 @@ def hash_of(report: Path) -> str:
 @pytest.mark.parametrize("end", [False, True])
 def test_an_editor_attaches_to_a_run_that_waits_and_lets_it_go_on_or_ends_it(tmp_path: Path, end: bool) -> None:
     report, alone = tmp_path / "report.json", tmp_path / "alone.json"
-    run = subprocess.Popen(
-        [*RUN, "--report", report, "--debug", "0", "--debug-wait"], stderr=subprocess.PIPE, text=True
-    )
-    assert run.stderr is not None
-    client = Client(int(run.stderr.readline().split("port ")[1].split()[0]))
-    attach(client)
+    run, client = attached(report)
     assert client.ask("setFunctionBreakpoints", breakpoints=[{"name": "kernel_pid"}])["body"]["breakpoints"][0][
         "verified"
     ]
@@ -100,12 +106,7 @@ def test_an_editor_attaches_to_a_run_that_waits_and_lets_it_go_on_or_ends_it(tmp
 
 def test_an_editor_that_vanishes_lets_the_run_go_on(tmp_path: Path) -> None:
     report, alone = tmp_path / "report.json", tmp_path / "alone.json"
-    run = subprocess.Popen(
-        [*RUN, "--report", report, "--debug", "0", "--debug-wait"], stderr=subprocess.PIPE, text=True
-    )
-    assert run.stderr is not None
-    client = Client(int(run.stderr.readline().split("port ")[1].split()[0]))
-    attach(client)
+    run, client = attached(report)
     client.ask("continue", threadId=1)
     client.socket.close()
     run.wait(60)

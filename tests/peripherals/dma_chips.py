@@ -54,6 +54,7 @@ def copy(
 
 
 def low(chip: Any, name: str) -> int:
+    """The integer in an extended-precision register."""
     return int(chip.get(name)) & 0xFFFFFFFF
 
 

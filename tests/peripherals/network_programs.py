@@ -23,6 +23,7 @@ def base(port: int, register: str = "ar0") -> str:
 
 
 def sender(port: int, count: int, first: int = 1) -> str:
+    """Writes first, first + 1, ... with stores that follow one another."""
     return base(port) + f"        ldi {first},r0\n" + "        sti r0,*+ar0(2)\n        addi 1,r0\n" * count + STOP
 
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from cmrc import c40
 from cmrc.network import Network
+from network_programs import STOP, base
 
 VECTORS, STACK = 0x2FFA00, 0x2FFB80
 RUN, STOP_AT_END, TCC = 3 << 22, 1 << 2, 1 << 18  # fields of a channel's control word
@@ -13,6 +15,12 @@ AUX_RUN, AUX_STOP = 3 << 24, 1 << 4
 SYNC, SPLIT = 3 << 6, 1 << 14
 ICRDY, OCRDY = 1, 1  # codes of DIE
 SEEDS = (0, 1, 7)
+
+
+def stream_sender(count: int) -> Any:
+    """Sends `count` words from 300000h on over port 0."""
+    text = "        ldhi 30h,ar1\n        addi 2,ar0\n" + "        ldi *ar1++,r0\n        sti r0,*ar0\n" * count + STOP
+    return c40.assemble("        .text\n" + base(0) + text, sections={".text": 0x310000})
 
 
 def interrupts(enabled: int, vector: int) -> str:

@@ -19,6 +19,7 @@ import cmrc
 import pytest
 from cmrc._core import c40, toolchain
 from cmrc.network import Network
+from dma_chips import low
 
 FAULTS = Path(__file__).parent / "data" / "faults"
 TIMING = str(FAULTS / "timing-board.toml")
@@ -63,10 +64,6 @@ def run_alone(way: str, name: str, cycles: int, board: str = "default", **more: 
     WAYS.get(way, whole)(chip, cycles)
     assert sum(chip.causes.values()) == chip.cycle
     return chip, image
-
-
-def low(chip: Any, name: str) -> int:
-    return int(chip.get(name)) & 0xFFFFFFFF
 
 
 def cycles_of(chip: Any, kind: str) -> list[int]:

@@ -16,6 +16,7 @@ import pytest
 from cmrc import c40 as package
 from cmrc._core import c40, toolchain
 from cmrc.network import Network
+from dma_chips import low
 
 BOARD = """
 name = "one bus"
@@ -47,10 +48,6 @@ result: .word 0
 """
 CYCLES_OF_A_WORD = 4
 """On one bus without wait states: a read after a write, 2, and a write, 2."""
-
-
-def low(chip: Any, name: str) -> int:
-    return int(chip.get(name)) & 0xFFFFFFFF
 
 
 def starved(tmp_path: Path, words: int) -> tuple[Any, Any]:

@@ -4,10 +4,9 @@ exist: what each chip says."""
 from __future__ import annotations
 
 import pytest
-from cmrc import c40
 from cmrc.network import Network
-from network_programs import DATA, IDLES, STOP, base, program
-from scenarios import RUN, STOP_AT_END, channel, same_for_every_turn_order
+from network_programs import DATA, IDLES, STOP, program
+from scenarios import RUN, STOP_AT_END, channel, same_for_every_turn_order, stream_sender
 
 
 @pytest.mark.parametrize("word", [(), (1,), (2, 3)])
@@ -15,14 +14,8 @@ def test_boot_streams_that_are_cut_short(word: tuple[int, ...]) -> None:
     stream = [0x3E39FFF0, 0x3E39FFF0, 8, 0x2FFC00, *word]
 
     def made(seed: int) -> Network:
-        sends = (
-            base(0)
-            + "        ldhi 30h,ar1\n        addi 2,ar0\n"
-            + "        ldi *ar1++,r0\n        sti r0,*ar0\n" * len(stream)
-            + STOP
-        )
         network = Network(
-            [c40.assemble("        .text\n" + sends, sections={".text": 0x310000}), program(STOP)],
+            [stream_sender(len(stream)), program(STOP)],
             links=["0.0:1.3"],
             boots=[1],
             turn_order=seed,
@@ -44,14 +37,8 @@ def test_boot_streams_that_are_cut_short(word: tuple[int, ...]) -> None:
 ])  # fmt: skip
 def test_boot_streams_that_name_memory_that_is_not_there(destination: int, message: str) -> None:
     stream = [0x3E39FFF0, 0x3E39FFF0, 1, destination, 7]
-    sends = (
-        base(0)
-        + "        ldhi 30h,ar1\n        addi 2,ar0\n"
-        + "        ldi *ar1++,r0\n        sti r0,*ar0\n" * len(stream)
-        + STOP
-    )
     network = Network(
-        [c40.assemble("        .text\n" + sends, sections={".text": 0x310000}), program(STOP)],
+        [stream_sender(len(stream)), program(STOP)],
         links=["0.0:1.3"],
         boots=[1],
     )

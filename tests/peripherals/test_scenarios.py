@@ -27,6 +27,7 @@ from scenarios import (
     die,
     interrupts,
     same_for_every_turn_order,
+    stream_sender,
     words_of,
 )
 
@@ -217,16 +218,13 @@ def test_a_channel_fed_with_lists_over_a_link_programs_itself() -> None:
     ]
 
     def made(seed: int) -> Network:
-        sends = (
-            base(0)
-            + "        ldhi 30h,ar1\n        addi 2,ar0\n"
-            + "        ldi *ar1++,r0\n        sti r0,*ar0\n" * len(stream)
-            + STOP
-        )
-        sender = c40.assemble("        .text\n" + sends, sections={".text": 0x310000})
         takes = interrupts(1 << 28, 0x28) + "        idle\n        nop\n" + STOP + "isr:    addi 1,r7\n        reti\n"
         network = Network(
-            [sender, program(takes)], links=["0.0:1.3"], turn_order=seed, record_words=True, record_peripherals=True
+            [stream_sender(len(stream)), program(takes)],
+            links=["0.0:1.3"],
+            turn_order=seed,
+            record_words=True,
+            record_peripherals=True,
         )
         network.chips[0].memory[0x300000 : 0x300000 + len(stream)] = stream
         network.chips[1].registers["DIE"] = die(3, ICRDY, 0)

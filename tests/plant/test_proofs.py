@@ -10,19 +10,14 @@ import pytest
 from cmrc import plant as public
 from cmrc._core import plant
 from controller import LATCH
+from lossless import without_losses
 
 G = 9.81
 SECOND = 10**12
 
 
 def lossless() -> plant.CraneParameters:
-    crane = plant.CraneParameters()
-    crane.sway_damping = 0.0
-    drives = crane.drives
-    for drive in drives:
-        drive.coulomb = drive.viscous = drive.rotor_inertia = 0.0
-    crane.drives = drives
-    return crane
+    return without_losses(plant.CraneParameters(), rotors=False)
 
 
 def start(q, qd, mass, *locked, inertia=2e5):
