@@ -1,5 +1,5 @@
-"""Runs of nasty programs (nasty_programs.py): `disagreement` runs a program in every way and says where two runs differ;
-`shrink` makes a program that fails smaller.
+"""Runs of nasty programs (nasty_programs.py): `disagreement` runs a program in every way and says where two runs
+differ; `shrink` makes a program that fails smaller.
 
 Nothing here knows how the chip is emulated. The only oracle: a run does not depend on how it is cut or observed.
 """

@@ -1,5 +1,5 @@
-"""An interrupt at every cycle of a program with slots, repeats, calls and traps; interrupt flags and their order. Expected
-values by hand from c40-isa.md 3.10 and 8."""
+"""An interrupt at every cycle of a program with slots, repeats, calls and traps; interrupt flags and their order.
+Expected values by hand from c40-isa.md 3.10 and 8."""
 
 from __future__ import annotations
 

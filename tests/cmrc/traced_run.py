@@ -9,7 +9,7 @@ from command_line import emulator
 
 
 def trace_of(folder: Path, *options: object, toml: str = "") -> tuple[Path, dict[str, Any]]:
-    """The trace and the report of a run without an ideal run beside it. A crane without its servo ends with status 1."""
+    """The trace and the report of a run. A crane without its servo ends with status 1."""
     config, trace, report = folder / "run.toml", folder / "trace.txt", folder / "report.json"
     config.write_text(toml)
     done = emulator("--quiet", "--config", config, "--trace", trace, "--report", report, *options)

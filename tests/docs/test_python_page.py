@@ -45,6 +45,20 @@ def test_the_error_of_its_page(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().out.splitlines() == said and len(said) == 3
 
 
+def test_pages_and_examples_name_nothing_private() -> None:
+    """The extension module `_core` may change without a word; its build target of the same name may be named."""
+    pages = [ROOT / "README.md", *(ROOT / "docs").rglob("*.md"), *(ROOT / "editors").rglob("*.md")]
+    examples = [path for path in (ROOT / "examples").rglob("*") if path.suffix in (".py", ".md", ".toml")]
+    found = [
+        f"{path.relative_to(ROOT)}:{number}: {line.strip()}"
+        for path in (*pages, *examples)
+        if "_site" not in path.parts
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1)
+        if re.search(r"cmrc\._core|import _core|\b_core\.\w", line)
+    ]
+    assert len(pages) > 50 and len(examples) > 10 and found == []
+
+
 def test_the_script_of_the_pictures_finds_what_it_draws_with() -> None:
     done = subprocess.run(
         [sys.executable, ROOT / "scripts" / "doc_pictures.py"],

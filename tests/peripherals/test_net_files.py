@@ -1,4 +1,4 @@
-"""Nets and actions as they are written: in Python, on the command line, in a file; what they cannot be, and the errors."""
+"""Nets and actions in Python, on the command line and in a file, and the errors for those that cannot be."""
 
 from __future__ import annotations
 
