@@ -77,7 +77,7 @@ def test_disasm_assembles_to_the_same_words(run, squares, tmp_path: Path) -> Non
     assert rebuilt == [word for _, word, _ in lines if word]
 
 
-def test_hex_is_loaded_and_started_where_told(run, tmp_path: Path) -> None:
+def test_hex_is_loaded_and_started_at_the_given_address(run, tmp_path: Path) -> None:
     # ldi 5,r0 ; addi 2,r0 ; b $ (words of c40-isa.md's tables: 08600005, 02600002, branch to itself 6A00FFFF)
     (tmp_path / "p.hex").write_text("08600005\n02600002\n6A00FFFF\n")
     result = run("exec", "p.hex", "--load-at", "1000h", "--board", "flat", "--json")

@@ -272,13 +272,15 @@ def check(trace: Trace, report: dict[str, Any]) -> int:
                 stop = after if job.failed[i] is None else min(after, max(claimed, job.failed[i] or 0))
                 expected["lost_run"] = expected.get("lost_run", 0) + stop - claimed
                 expected["watchdog"] = expected.get("watchdog", 0) + after - stop
-        told = {
+        reported = {
             what: parts.pop(what, 0)
             for what in ("doorbell", "lock", "blocked", "behind_list", "no_dsp", "own_dsp_out", "lost_run", "watchdog")
         }
-        told["claim"] = sum(parts.pop(what, 0) for what in CLAIM)
+        reported["claim"] = sum(parts.pop(what, 0) for what in CLAIM)
         assert sum(parts.pop(what, 0) for what in BEFORE) == before, where
-        assert told == {what: expected.get(what, 0) for what in told}, f"{where}: {told}, by the trace {expected}"
+        assert reported == {what: expected.get(what, 0) for what in reported}, (
+            f"{where}: {reported}, by the trace {expected}"
+        )
         ran = (
             bool(job.claims)
             and len(job.claims) == len(job.waits_from)
@@ -295,7 +297,7 @@ def check(trace: Trace, report: dict[str, Any]) -> int:
         if miss["outcome"] == "late":
             assert end == job.end, where
         in_the_way = sum(block["share_ps"] for block in miss["behind"])
-        assert in_the_way == told["blocked"] + told["behind_list"], where
+        assert in_the_way == reported["blocked"] + reported["behind_list"], where
         for block in miss["behind"]:
             state, what = trace.slots[block["dsp"]].at(block["from_ps"], ("off", None))
             assert (

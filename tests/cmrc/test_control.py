@@ -203,10 +203,10 @@ def test_the_bandwidth_that_a_message_names_would_do() -> None:
         cmrc.Simulation(
             dsps=1, duration_s=1.0, settings={"rates.servo_frequency_hz": 125.0, "control.hoist_bandwidth_rad_s": 150.0}
         )
-    told = float(str(refused.value).split("below ")[1].split(" ")[0])
+    limit = float(str(refused.value).split("below ")[1].split(" ")[0])
     others = {f"control.{joint}_bandwidth_rad_s": 10.0 for joint in ("slew", "luff", "rotator")}
     for factor, right in ((0.99, True), (1.01, False)):
-        settings = {"rates.servo_frequency_hz": 125.0, **others, "control.hoist_bandwidth_rad_s": told * factor}
+        settings = {"rates.servo_frequency_hz": 125.0, **others, "control.hoist_bandwidth_rad_s": limit * factor}
         if right:
             cmrc.Simulation(dsps=1, duration_s=1.0, settings=settings)
         else:

@@ -76,7 +76,7 @@ def test_a_trip_is_an_error_with_its_origin(origin: str, settings: dict[str, Any
     assert simulation.exit_status == 1
 
 
-def test_a_tripped_drive_goes_on_when_the_operator_clears_and_trips_again() -> None:
+def test_a_tripped_drive_continues_when_the_operator_clears_and_trips_again() -> None:
     report, simulation = run(14, clear(9), **{"slewing.slew.rated_torque_n_m": 60.0})
     first, *others = report["errors_handled"]
     assert first["cleared_s"] == pytest.approx(9, abs=0.001) and not first["stands"]

@@ -104,7 +104,7 @@ def test_how_far_the_load_moved_is_the_plants_word() -> None:
     assert error["moved_most_m"] > error["moved_until_done_m"] > 0.1
 
 
-def test_a_repaired_and_cleared_drive_goes_on_and_the_status_is_0_but_not_with_strict() -> None:
+def test_a_repaired_and_cleared_drive_continues_and_the_status_is_0_but_not_with_strict() -> None:
     events = [at(LEG, "fail_drive", joint="luff"), at(6, "repair_drive", joint="luff"), clear(8)]
     report, simulation = run(14, *events)
     error = only(report)
@@ -315,10 +315,10 @@ def test_work_of_a_block_that_was_given_up_is_retried_then_stopped(tmp_path: Pat
         "watchdog.retries_max": 1,
     }
     report, simulation = run(0.6, clear(0.4), **settings)
-    told = [(error["origin"], error["of"], error["response"], error["stands"]) for error in report["errors_handled"]]
+    handled = [(error["origin"], error["of"], error["response"], error["stands"]) for error in report["errors_handled"]]
     given_up = ("block given up", ["grab_path"])
     # After the error is cleared, the work is tried again as often.
-    assert told[:4] == [
+    assert handled[:4] == [
         (*given_up, "retry", False),
         (*given_up, "stop", False),
         (*given_up, "retry", False),

@@ -134,17 +134,17 @@ def core(programs: Path, rows: list[dict[str, Any]], **settings: Any) -> Any:
     )
 
 
-def test_a_snapshot_in_the_middle_goes_on_bit_for_bit(programs: Path) -> None:
+def test_a_snapshot_in_the_middle_continues_bit_for_bit(programs: Path) -> None:
     config = core(programs, MIXED, **{"machine.dsps": 3, "run.duration_s": 0.06})
     whole = cmrc.Simulation(config)
     whole.run()
-    told = json.loads(whole.report_json())["hash"]
+    whole_hash = json.loads(whole.report_json())["hash"]
     for at_s in (0.0200301, 0.0400017, 0.0400023, 0.0400031):
         first, second = cmrc.Simulation(config), cmrc.Simulation(config)
         first.run_until(at_s)
         second.restore(first.snapshot())
         second.run()
-        assert json.loads(second.report_json())["hash"] == told
+        assert json.loads(second.report_json())["hash"] == whole_hash
 
 
 def test_the_ideal_run_has_one_dsp_that_does_it_all(programs: Path) -> None:

@@ -107,8 +107,8 @@ def test_a_step_more_is_taken(tmp_path: Path) -> None:
 def test_the_end_of_a_process_names_the_robot_of_its_start(tmp_path: Path) -> None:
     """Process 8 of two vehicles: 30 ms each, by a table that lets it begin at once."""
     home = row(8, "agv", 'steps = ["hold 0.03"]\ninitial = [1, 4, 5]\nreplaces = [6]\nfinal = true')
-    told = [entry[1:] for entry in processes_of(home, 0.06, tmp_path, "--set", "dock.agvs=2") if entry[1] == 8]
-    assert told == [(8, 1, 1), (8, 1, 2), (8, 0, 1), (8, 0, 2)]
+    changes = [entry[1:] for entry in processes_of(home, 0.06, tmp_path, "--set", "dock.agvs=2") if entry[1] == 8]
+    assert changes == [(8, 1, 1), (8, 1, 2), (8, 0, 1), (8, 0, 2)]
 
 
 def run_report(toml: str, duration_s: float, **settings: Any) -> str:

@@ -304,7 +304,7 @@ def test_vehicles_drive_their_round_at_their_distances_and_deliver_nothing() -> 
 
 
 @pytest.mark.campaign
-def test_after_the_round_the_job_goes_on_as_ever() -> None:
+def test_after_the_round_the_job_continues_as_before() -> None:
     settings = {"agvs": 4, "dsps": 2, "load.driving": True, "report.reference": "none", "duration_s": 200.0}
     simulation = cmrc.Simulation(cmrc.config(settings=settings))
     simulation.run()

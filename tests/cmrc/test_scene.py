@@ -70,7 +70,7 @@ def test_a_run_does_not_depend_on_how_it_is_cut(base: Report) -> None:
     assert json.loads(simulation.report_json())["hash"] == base["hash"]
 
 
-def test_the_hash_tells_configurations_apart(base: Report) -> None:
+def test_the_hash_distinguishes_configurations(base: Report) -> None:
     assert run(duration_s=0.5, dsps=3)["hash"] != base["hash"]
 
 

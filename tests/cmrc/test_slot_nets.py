@@ -131,7 +131,7 @@ def test_a_pin_resets_another_dsp(programs: Path, tmp_path: Path) -> None:
     assert len(report["dsps"][0]["boots"]) == 1 and by_pin["reset_at_s"] > 0.02 and last["boot_s"] is not None
 
 
-def test_nets_change_nothing_where_nobody_uses_them(tmp_path: Path) -> None:
+def test_nets_that_are_not_used_change_nothing(tmp_path: Path) -> None:
     """The hash has the net's state in it, and so the configuration; all else is equal."""
     reports = [
         cmrc.Simulation(dsps=2, duration_s=0.1, settings={"machine.nets": nets, "report.reference": "none"})

@@ -99,10 +99,10 @@ def test_each_word_is_its_action_number_and_amount_to_the_machine(tmp_path: Path
     )
     seen = []
     for line in (tmp_path / "trace").read_text().splitlines():
-        if told := re.match(
+        if matched := re.match(
             r"([0-9.]+) \[host\] scripted action=(\d+) number=(\d+) amount_low=(\d+) amount_high=(\d+)", line
         ):
-            at, *words = told.groups()
+            at, *words = matched.groups()
             action, number, low, high = map(int, words)
             seen.append((round(float(at), 6), (action, number, low + (high << 32))))
     assert seen == [(round(fields["at_s"], 6), expected) for fields, expected in rows]

@@ -57,7 +57,7 @@ def test_a_dsp_that_hangs_in_the_same_block_again_is_reset_again(tmp_path: Path)
 
 @pytest.mark.parametrize("idle", ["doorbell", "pause"])
 @pytest.mark.parametrize("owner", [0, 33, 99, 0xFFFFFFFF])
-def test_a_block_whose_owner_is_no_dsp_is_taken_back_and_nobody_is_reset(owner: int, idle: str, tmp_path: Path) -> None:
+def test_a_block_whose_owner_is_no_dsp_is_taken_back_and_no_dsp_is_reset(owner: int, idle: str, tmp_path: Path) -> None:
     """A program has acquired the list's semaphore, has overwritten its block's owner word, and hangs. Owners are 1 to
     16."""
     programs = tmp_path / "programs"

@@ -84,7 +84,7 @@ def hash_of(report: Path) -> str:
 
 
 @pytest.mark.parametrize("end", [False, True])
-def test_an_editor_attaches_to_a_run_that_waits_and_lets_it_go_on_or_ends_it(tmp_path: Path, end: bool) -> None:
+def test_an_editor_attaches_to_a_run_that_waits_and_lets_it_continue_or_ends_it(tmp_path: Path, end: bool) -> None:
     report, alone = tmp_path / "report.json", tmp_path / "alone.json"
     run, client = attached(report)
     assert client.ask("setFunctionBreakpoints", breakpoints=[{"name": "kernel_pid"}])["body"]["breakpoints"][0][
@@ -104,7 +104,7 @@ def test_an_editor_attaches_to_a_run_that_waits_and_lets_it_go_on_or_ends_it(tmp
     assert hash_of(report) == hash_of(alone)
 
 
-def test_an_editor_that_vanishes_lets_the_run_go_on(tmp_path: Path) -> None:
+def test_an_editor_that_vanishes_lets_the_run_continue(tmp_path: Path) -> None:
     report, alone = tmp_path / "report.json", tmp_path / "alone.json"
     run, client = attached(report)
     client.ask("continue", threadId=1)

@@ -213,7 +213,7 @@ def test_the_dock_has_a_thread_for_each_dsp_and_source_that_is_built_in() -> Non
         editor.wait(events.TerminatedEvent)
 
 
-def test_a_run_is_paused_and_goes_on_and_ends_when_the_client_says_so(tmp_path: Path) -> None:
+def test_a_run_is_paused_and_continues_and_ends_when_the_client_says_so(tmp_path: Path) -> None:
     path = tmp_path / "loop.asm"
     path.write_text("        .text\nstart:  addi 1,r0\n        b start\n")
     with Editor() as editor:

@@ -146,7 +146,7 @@ values: .word {source}, {destination}, {words}, 00c00008h
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_what_a_stop_shows_is_what_a_run_comes_to_that_nobody_looks_at(seed: int, tmp_path: Path) -> None:
+def test_a_stop_shows_the_state_of_a_run_without_a_debugger(seed: int, tmp_path: Path) -> None:
     rng = random.Random(seed)
     program = program_without_pins(seed)
     board, image = Bench(tmp_path).board(program), assembled(program)

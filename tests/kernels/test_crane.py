@@ -113,8 +113,8 @@ def test_planning_demands_itself_until_the_last_point_of_a_leg(dsp: Dsp) -> None
     last = ref.Leg(home, [target]).points(single(PERIOD)) - 1
     more, s = (0, dsp.symbols["MUST_TRAJECTORY"] | dsp.symbols["MUST_INVERSE"]), dsp.symbols
     assert [dsp.run("trajectory_crane", k)[:2] for k in (0, 500, last - 2)] == [more] * 3
-    told = [dsp.run("trajectory_crane", k)[:2] for k in (last - 1, last, last + 1)]
-    assert (s["RESULT_END_OF_LEG"], s["MUST_INVERSE"]) in told
+    results = [dsp.run("trajectory_crane", k)[:2] for k in (last - 1, last, last + 1)]
+    assert (s["RESULT_END_OF_LEG"], s["MUST_INVERSE"]) in results
 
 
 def test_an_alignment_starts_where_the_leg_before_ended_and_aims_at_the_agv(dsp: Dsp) -> None:

@@ -53,7 +53,7 @@ def test_no_lane_home_is_no_segment(dsp: Dsp) -> None:
 
 
 @pytest.mark.parametrize("cycles", [40, 41, 100, 999, 20_000, 150_000])
-def test_the_synthetic_load_takes_the_cycles_that_it_is_told(dsp: Dsp, cycles: int) -> None:
+def test_the_synthetic_load_takes_the_given_cycles(dsp: Dsp, cycles: int) -> None:
     result, notify, taken = dsp.run("avoidance", cycles)
     assert (result, notify) == (0, 0)
     assert abs(taken - cycles) <= 8

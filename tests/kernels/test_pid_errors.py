@@ -63,7 +63,7 @@ def test_each_joint_has_its_own_50_ms() -> None:
     assert ticks_until(one, bits(FOLLOWING, 4)) == 29 and one.errors == bits(FOLLOWING, 4)
 
 
-def test_a_break_starts_the_50_ms_anew() -> None:
+def test_a_break_restarts_the_50_ms() -> None:
     one = servo()
     for _ in range(4):
         off_by(one, {2: 0.006})
@@ -180,7 +180,7 @@ def stop(dsp: Dsp, begin: int, ticks: int, start: float, end: float) -> None:
 
 
 @pytest.mark.parametrize(("start", "end"), [(1.0, 0.0), (0.0, 1.0)])
-def test_the_set_point_stops_and_goes_on_along_the_path(start: float, end: float) -> None:
+def test_the_set_point_stops_and_continues_along_the_path(start: float, end: float) -> None:
     one = servo()
     dsp = one.dsp
     a, b = list(POSE), [x + 0.01 for x in POSE]

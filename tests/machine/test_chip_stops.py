@@ -151,7 +151,7 @@ def test_swi_is_named_with_its_place(program: Callable[[str], Path]) -> None:
     assert m.chip_word(0, 0x2FF800) == before and len(m.faults) == 1
 
 
-def test_a_debugger_stops_at_swi_and_may_go_on_behind_it(program: Callable[[str], Path]) -> None:
+def test_a_debugger_stops_at_swi_and_may_continue_behind_it(program: Callable[[str], Path]) -> None:
     processor = c40.Processor(c40.assemble_file(program(SWI)))
     at = processor.address("start") + 6
     for _ in range(2):  # it stops there again

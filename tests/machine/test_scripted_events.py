@@ -95,7 +95,7 @@ SEEN: dict[str, Callable[[machine.Machine, int], bool]] = {
 
 @pytest.mark.parametrize("name", SEEN)
 @pytest.mark.parametrize("slot", range(DSPS))
-def test_what_befalls_a_dsp_befalls_that_one(name: str, slot: int) -> None:
+def test_an_action_on_a_dsp_acts_on_that_one(name: str, slot: int) -> None:
     m = at_work()
     assert not SEEN[name](m, slot)
     m.act(Action.__members__[name], slot)
@@ -156,7 +156,7 @@ FAILS: dict[str, Callable[[plant.Dock, int, bool, int], None]] = {
 
 
 @pytest.mark.parametrize(("name", "number"), [(name, n) for name in FAILS for n in range(TARGETS[name][1])])
-def test_what_befalls_the_dock_is_what_its_function_does(name: str, number: int) -> None:
+def test_an_action_on_the_dock_does_what_its_function_does(name: str, number: int) -> None:
     dock, twin, whole = dock_at_work(), dock_at_work(), dock_at_work()
     m = machine.Machine(assemble(""), config(dsps=1), dock=dock)
     for until, failed in ((10 * MS, True), (20 * MS, False)):

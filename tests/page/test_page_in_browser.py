@@ -159,7 +159,7 @@ def test_a_killed_dsp_is_seen_to_die(tab: Tab) -> None:
     assert tab.state("now") == KILLED_AT_S
 
 
-def test_a_click_on_a_miss_tells_why(tab: Tab, run: tuple[Path, Recording]) -> None:
+def test_a_click_on_a_miss_shows_why(tab: Tab, run: tuple[Path, Recording]) -> None:
     chain = next(
         one for one in run[1].report["misses"] if one["kind"] == "pid" and one["outcome"] == "late" and one["behind"]
     )

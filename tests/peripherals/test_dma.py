@@ -37,7 +37,7 @@ def test_on_chip_copy_takes_two_cycles_a_word(number: int, count: int) -> None:
     assert sum(chip.causes.values()) == chip.cycle
 
 
-def test_without_tcc_the_flag_is_set_and_nobody_is_told() -> None:
+def test_without_tcc_the_flag_is_set_and_nothing_is_interrupted() -> None:
     chip, _ = idle_chip()
     copy(chip, 3, BLOCK0, BLOCK1, 4, RUN | STOP_AT_END)
     chip.run(50)
@@ -125,7 +125,7 @@ def test_the_channel_served_last_comes_last_over_gaps_too(channels: tuple[int, .
 @pytest.mark.parametrize(
     ("first", "then"), [(2, [2, 5, 0, 2, 5, 0, 2]), (0, [0, 2, 5, 0, 2, 5, 0]), (5, [5, 0, 2, 5, 0, 2, 5])]
 )
-def test_who_comes_in_behind_the_channel_at_work(first: int, then: list[int]) -> None:
+def test_which_channel_follows_the_one_at_work(first: int, then: list[int]) -> None:
     """Channel `first` moves its first word when the two others start. The next higher channel follows; after 5 comes
     0."""
     chip, _ = idle_chip()

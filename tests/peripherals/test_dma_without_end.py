@@ -62,7 +62,7 @@ def starved(tmp_path: Path, words: int) -> tuple[Any, Any]:
     return chip, image
 
 
-def test_a_processor_that_never_gets_its_bus_hangs_nobody(tmp_path: Path) -> None:
+def test_a_processor_that_never_gets_its_bus_does_not_hang_a_call(tmp_path: Path) -> None:
     chip, _ = starved(tmp_path, 0)
     before = -1
     for _ in range(20):  # by steps and by runs: each call comes back, and time goes on
@@ -77,7 +77,7 @@ def test_a_processor_that_never_gets_its_bus_hangs_nobody(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("words", [1000, 9000])
-def test_it_goes_on_as_soon_as_it_gets_it_however_it_is_run(tmp_path: Path, words: int) -> None:
+def test_a_processor_continues_as_soon_as_it_gets_its_bus_however_it_is_run(tmp_path: Path, words: int) -> None:
     outcomes = []
     for way in ("whole", "cut", "stepped"):
         chip, image = starved(tmp_path, words)

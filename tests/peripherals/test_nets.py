@@ -255,17 +255,17 @@ def test_a_word_that_is_asked_for_by_a_pin_interrupts_its_driver_that_runs_on() 
 # ---- the end ----
 
 
-def test_a_clock_that_nobody_heeds_does_not_keep_a_network_going() -> None:
+def test_a_clock_without_a_listener_does_not_keep_a_network_running() -> None:
     network = run([assembled(clock(100) + END), assembled(END)], ["0.TCLK0>1.IIOF1"])
     assert [chip.status for chip in network.chips] == ["halt", "halt"] and network.now_ps < 10_000_000
 
 
-def test_a_sleeper_whose_net_is_still_has_come_to_rest() -> None:
+def test_a_sleeping_chip_whose_net_does_not_change_has_ended() -> None:
     network = run([assembled(END), listener(4, iiof(1))], ["0.TCLK0>1.IIOF1"])
     assert network.chips[1].status == "sleeping" and network.chips[1].message.endswith("until a pin interrupts it")
 
 
-def test_pulses_to_come_keep_a_sleeper_waiting() -> None:
+def test_future_pulses_keep_a_sleeping_chip_waiting() -> None:
     network = run(
         [listener(4, iiof(1))], ["wire: >0.IIOF1"], None, lambda network: network.pulse("wire", 50_000, width_us=1)
     )

@@ -54,7 +54,7 @@ def test_reset_of_the_side_without_a_right_to_it_loses_the_token_and_says_what_w
     check_balance(network)
 
 
-def test_a_held_chip_does_nothing_and_goes_on() -> None:
+def test_a_held_chip_does_nothing_and_continues() -> None:
     network = Network([program(sender(0, 40)), program(receiver(3, 40))], links=["0.0:1.3"])
     network.hold(1, 2)
     assert network.run().reason == "deadlock"  # until somebody releases it

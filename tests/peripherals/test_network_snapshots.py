@@ -30,7 +30,7 @@ def seen(network):
 
 
 @pytest.mark.parametrize("seed", range(40))
-def test_a_ring_of_nasty_programs_goes_on_in_another_network(seed, tmp_path):
+def test_a_ring_of_nasty_programs_continues_in_another_network(seed, tmp_path):
     programs, bench = ring(seed), Bench(tmp_path)
     rng = random.Random(seed)
     network, other = network_of(programs, bench), network_of(programs, bench, turn_order=seed + 1)
@@ -137,7 +137,7 @@ def locking(turn_order=0):
     return network
 
 
-def test_locks_polls_and_actions_go_on_in_another_network():
+def test_locks_polls_and_actions_continue_in_another_network():
     rng = random.Random(5)
     whole = locking()
     end = whole.run(until_us=100_000)

@@ -203,7 +203,7 @@ def test_times_of_events_do_not_depend_on_the_step():
     assert max(times) - min(times) < 1e-7  # three methods
 
 
-def test_times_of_the_docks_events_do_not_depend_on_who_asks():
+def test_times_of_the_docks_events_do_not_depend_on_the_reader():
     def fault_time(quantum):
         config = plant.default_dock(0)
         config.layout.containers = []

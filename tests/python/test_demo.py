@@ -29,11 +29,11 @@ def test_a_block_whose_dsp_is_killed_is_run_again() -> None:
 @pytest.mark.campaign
 def test_the_whole_demo_writes_a_page_that_works_offline(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert command.main(["demo", "--out", str(tmp_path / "demo")]) == 0
-    told = capsys.readouterr().out
-    assert [line for line in told.splitlines() if re.match(r"\d\. ", line)] == re.findall(
+    printed = capsys.readouterr().out
+    assert [line for line in printed.splitlines() if re.match(r"\d\. ", line)] == re.findall(
         r"<h2>(.*?)</h2>", (tmp_path / "demo/demo.html").read_text()
     )
-    assert told.rstrip().endswith(f"Open {tmp_path / 'demo' / 'demo.html'}")
+    assert printed.rstrip().endswith(f"Open {tmp_path / 'demo' / 'demo.html'}")
     assert (
         "http" not in (tmp_path / "demo/demo.html").read_text()
         and (tmp_path / "demo/scene5.html").stat().st_size > 10_000
