@@ -60,7 +60,7 @@ def constant(value: int, register: str = "r9") -> str:
     return f"        ldhi 0{value >> 16 & 0xFFFF:x}h,{register}\n        or 0{value & 0xFFFF:x}h,{register}\n"
 
 
-# Straight instructions that may stand anywhere, in slots and under RPTS too. AR4 and AR5 each go round a circle of
+# Instructions that are legal everywhere, in slots and under RPTS too. AR4 and AR5 each go round a circular buffer of
 # sixteen words.
 PLAIN = [
     "nop", "addi 1,r0", "addi3 r0,r1,r2", "mpyi3 r2,r1,r3", "ldi *ar4++(1)%,r0", "ldi *ar5,r1", "sti r1,*ar5++(1)%", "sti r0,*ar4", "sti r2,*+ar4(1)",

@@ -139,7 +139,7 @@ def disagreement(program: Program, bench: Bench) -> str | None:
     expected = drive(reference, program, lambda chip, cycle: chip.step(), note)  # type: ignore[no-any-return]
     note(reference)
 
-    def parted(way: str, chip: Any, outcome: Outcome) -> str | None:
+    def difference_from_steps(way: str, chip: Any, outcome: Outcome) -> str | None:
         stop, last, events = outcome
         if expected[0] != stop:
             return f"seed {program.seed}, {way}: stops {expected[0]} {stop}\n" + difference(
@@ -180,7 +180,7 @@ def disagreement(program: Program, bench: Bench) -> str | None:
             if not wrong and chip.cycle not in instants:
                 wrong.append(f"seed {program.seed}, {way}: no instruction ended in cycle {chip.cycle} by single steps")
 
-        found = parted(way, chip, drive(chip, program, advance, compare))
+        found = difference_from_steps(way, chip, drive(chip, program, advance, compare))
         if wrong or found:
             return wrong[0] if wrong else found
     return None if program.pins else in_network(program, board, image, instants)

@@ -29,7 +29,7 @@ def settings() -> Mapping[str, Mapping[str, Any]]:
 
 
 class SettingParameter(inspect.Parameter):
-    """A parameter that stands for a setting."""
+    """A parameter that is a setting."""
 
 
 class ShortText(inspect.Signature):

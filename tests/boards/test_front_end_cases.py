@@ -42,7 +42,7 @@ def options(folder: Path, given: Given) -> list[str]:
 
 
 def in_folder(folder: Path, value: object) -> str:
-    """Files stand in the folder."""
+    """The folder has the files."""
     text = str(value)
     name = re.split(r"[@=]", text)[0]
     return str(folder / text) if (folder / name).exists() else text

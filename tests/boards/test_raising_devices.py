@@ -1,5 +1,5 @@
 """A device of Python that raises in each of its members: the exception comes out with its place, nothing is half done,
-and after a repair the device goes on."""
+and after a repair the device continues."""
 
 from __future__ import annotations
 

@@ -162,7 +162,7 @@ def test_nothing_is_lost_doubled_reordered_or_locked_up(count: int, depth: int, 
         for bus in range(count):
             sent = [(a, v) for a, v in far if a >> 12 == bus]
             hops = abs(bus - number // 2)
-            delivered = [(a, v) for who, a, v, _ in buses.deliveries if who == number and a >> 12 == bus]
+            delivered = [(a, v) for bridge, a, v, _ in buses.deliveries if bridge == number and a >> 12 == bus]
             assert len(delivered) == hops * len(sent)
             if hops == 1:
                 assert delivered == sent

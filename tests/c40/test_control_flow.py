@@ -318,7 +318,7 @@ TRAPS_AND_RETURNS = [
         {"R0": 8, "R1": 0, "SP": STACK},
     ),
     Case(
-        "RETIcond that is false goes on",
+        "RETIcond that is false continues behind it",
         "trapu 5\n addi 8,r0\n b stop\nhandler: cmpi 1,r2\n retiz\n addi 4,r1\n retinz",
         {"R0": 8, "R1": 4, "SP": STACK},
     ),

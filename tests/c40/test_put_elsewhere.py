@@ -1,5 +1,5 @@
-"""A chip that is stopped anywhere in its code and put elsewhere goes on there: what was known of the code around is
-forgotten."""
+"""A chip that is stopped anywhere in its code and put elsewhere continues there: what was known of the code around
+is forgotten."""
 
 from typing import Any
 

@@ -117,7 +117,7 @@ def test_idle_without_an_interrupt_to_come_ends_the_run(run, tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("source", "what"),
     [
-        ("start: ldhi 0C000h,ar0\n ldi *ar0,r0\n", "C0000000h"),  # window to bus A: nobody there
+        ("start: ldhi 0C000h,ar0\n ldi *ar0,r0\n", "C0000000h"),  # window to bus A: no target there
         ("start: .word 0FFFFFFFFh\n", "300000"),  # a reserved word: the PC is named
         ("start: ldhi 0F000h,ar0\n ldi *ar0,r0\n", "F0000000"),  # a reserved address
     ],

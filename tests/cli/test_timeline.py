@@ -324,7 +324,7 @@ def test_the_list_has_one_owner_at_a_time(window: Drawn) -> None:
     assert all(one.end <= after.begin for one, after in itertools.pairwise(owners))
 
 
-# ---- DSPs that fail, runs that end early or go on
+# ---- DSPs that fail, runs that end early or continue
 
 
 def test_a_dsp_that_fails_is_off_from_then_on(tmp_path: Path) -> None:

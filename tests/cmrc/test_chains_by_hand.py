@@ -138,7 +138,7 @@ def test_a_dead_dsp_costs_its_run_and_the_watchdog() -> None:
     assert [run["end"] for run in miss["runs"]] == ["failed", "done"]
     assert (
         miss["unavoidable_ps"] == 1500 - 59 + 1
-    )  # claimed in time; since 1030 it would have to start anew, for which there is time until then
+    )  # claimed in time; after 1030 it would have to start again, for which there is time until then
 
 
 def test_a_dropped_tick_names_the_job_that_was_out() -> None:

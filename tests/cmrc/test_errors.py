@@ -254,7 +254,7 @@ def test_a_stuck_sway_sensor_is_replaced_and_the_run_is_a_success() -> None:
         "stick_sway beta",
     )
     assert LEG + 0.63 < error["noticed_s"] < LEG + 0.79 and not error["stands"] and simulation.exit_status == 0
-    assert rates(simulation, 5.9)["l"] > 0.1  # the leg goes on
+    assert rates(simulation, 5.9)["l"] > 0.1  # the leg continues
 
 
 @pytest.mark.parametrize("sensors", [1, 2])

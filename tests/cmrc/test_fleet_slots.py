@@ -23,7 +23,7 @@ heading_deg = 180.0
 to_warehouse = [[20, 0, 5], [{HALF_TURN}, {-1 / RADIUS}, 3]]
 to_spot = [[21, 0, 5], [{HALF_TURN}, {-1 / RADIUS}, 3], [1, 0, 5]]
 """
-# The crane sends off the vehicle that stands in the spot, once; then it rests, and nothing else begins.
+# The crane sends off the vehicle that stands in the spot, once; then the crane rests, and nothing else begins.
 PROCESSES = """
 [[processes]]
 number = 1

@@ -130,7 +130,7 @@ def test_a_fault_in_the_middle_of_a_retry_ends_in_the_load_landed_or_the_crane_s
         if error["response"] in ("stop", "hold", "set down") and error["stands"]
     ]
     assert locked or faulted or stopped
-    if stopped:  # until an operator clears it: and it stands still, whatever was repaired
+    if stopped:  # until an operator clears the error, the crane does not move, whatever was repaired
         signals = simulation.signals()
         last_second = signals["time_s"] > 239
         for joint in ("psi", "phi", "l", "kappa"):

@@ -101,7 +101,7 @@ def check_all(instants: Iterable[tuple[int, int]], known: list[tuple[int, int, i
     seen = set()
     for slot, at in instants:
         check(slot, at)
-        seen |= {what for start, end, who, what in known if who == slot and start < at < end}
+        seen |= {what for start, end, owner, what in known if owner == slot and start < at < end}
     assert seen == {"A reads", "A writes", "B reads", "B writes", "posted", "holds the list"}
 
 

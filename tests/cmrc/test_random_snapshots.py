@@ -1,4 +1,4 @@
-"""Random docks that stop at random picoseconds and go on elsewhere: in a new simulation, and in another process
+"""Random docks that stop at random picoseconds and continue elsewhere: in a new simulation, and in another process
 (docs/snapshots.md).
 
 The suite runs the first 4 docks, 60 ms each; `pytest -m campaign` runs 36 more.

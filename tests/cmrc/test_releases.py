@@ -185,7 +185,7 @@ def test_an_event_releases_at_once_and_waits_for_a_block_that_is_out() -> None:
     assert loaded(steps("interval", ticks, objects={7}), ticks) == [25, 125]
     both = steps("interval_and_event", ticks, objects={110})
     assert loaded(both, ticks) == [25, 110, 125]
-    # The block that the event has released stands in for the one at 125: its deadline is 210.
+    # The block that the event has released replaces the one at 125: its deadline is 210.
     both = steps("interval_and_event", ticks, objects={110}, ends={50})
     assert loaded(both, ticks) == [25, 110] and not any(dropped for _, dropped in both)
 
@@ -219,8 +219,8 @@ def test_what_comes_into_the_field_releases_avoidance(tmp_path: Path, topology: 
     assert host["words_read"] >= 79 if bus == "B" else host["words_read"] > 0
     loads, _, _ = run(tmp_path, rows("interval_and_event"), **options)
     assert loads[0] == sorted([tick, 320, 480, 640, 800])
-    seldom = run(tmp_path, rows("event"), **options, **{"scheduling.event_read_refreshes": 200})[0]
-    assert seldom[0] == [600]  # readings at refreshes 200, 400, 600
+    every_200 = run(tmp_path, rows("event"), **options, **{"scheduling.event_read_refreshes": 200})[0]
+    assert every_200[0] == [600]  # readings at refreshes 200, 400, 600
     assert run(tmp_path, rows("event"), **options, **{"scheduling.event_field_m": 6})[0] == {}
 
 

@@ -117,8 +117,8 @@ def test_the_replay_notices_a_broken_rule(tmp_path: Path) -> None:
         faults.append(len(replay.faults))
     assert faults[0] == 0 and all(faults[1:])
     swapped = [
-        (time, who, name, {**n, "kind": {5: 6, 6: 5}.get(n["kind"], n["kind"])} if name == "load" else n)
-        for time, who, name, n in events
+        (time, component, name, {**n, "kind": {5: 6, 6: 5}.get(n["kind"], n["kind"])} if name == "load" else n)
+        for time, component, name, n in events
     ]
     replay = Replay(Rule())
     replay.follow(swapped)

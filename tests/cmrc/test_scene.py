@@ -119,7 +119,7 @@ def test_a_hung_dsp_works_again_and_a_dead_one_does_not() -> None:
 
 
 def test_a_dsp_that_dies_holding_the_list_does_not_stop_it() -> None:
-    # A sweep over a claim: wherever it breaks off, the servo goes on with few ticks lost.
+    # A sweep over a claim: wherever it breaks off, the servo continues with few ticks lost.
     freed = 0
     for k in range(10, 40, 2):
         report = run([(0.05 + k * 0.4e-6, "hang", 0)], duration_s=0.08, dsps=2)

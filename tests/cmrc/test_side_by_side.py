@@ -34,7 +34,7 @@ def test_the_crane_waits_above_the_spot_and_aligns_with_the_vehicle_that_comes()
     assert first["T_a_s"] == pytest.approx(
         second["T_g_s"], abs=1e-9
     )  # one crane, one vehicle: they meet once per cycle
-    # The load hangs still above the nominal spot from the end of process 3 until the vehicle stands there; then it is
+    # The load hangs at rest above the nominal spot from the end of process 3 until the vehicle stands there; then it is
     # moved over it.
     time, load = signals["time_s"], np.stack([signals["payload_x_m"], signals["payload_y_m"]])
     opened = [at for at, kind, *_ in events if kind == "opened"]

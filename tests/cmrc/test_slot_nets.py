@@ -126,7 +126,7 @@ def test_a_pin_resets_another_dsp(programs: Path, tmp_path: Path) -> None:
     report = run.run().report
     assert report["nets"][0]["edges"] == 2 and report["nets"][0]["level"] == 1
     # The DSP was in a block. The host knows nothing of the pin, so it resets the DSP once more when the block does not
-    # go on.
+    # continue.
     _first, by_pin, last = report["dsps"][1]["boots"]
     assert len(report["dsps"][0]["boots"]) == 1 and by_pin["reset_at_s"] > 0.02 and last["boot_s"] is not None
 

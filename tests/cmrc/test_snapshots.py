@@ -1,4 +1,4 @@
-"""Snapshots of runs: a run that goes on from a snapshot is the same as a run that never stopped (docs/snapshots.md)."""
+"""Snapshots: a run that continues from a snapshot is the same as a run that never stopped (docs/snapshots.md)."""
 
 from __future__ import annotations
 
@@ -197,7 +197,7 @@ print(json.dumps([result.hash, result.report["errors"]]))
 
 
 def test_another_process_continues(tmp_path: Path) -> None:
-    """The command and Python go on, each from the other's file; the ideal run is made again."""
+    """The command and Python continue, each from the other's file; the ideal run is made again."""
     options = ["--quiet", "--dsps", "2", "--duration", "0.06"]
     for name, value in AT_ONCE.items():
         options += ["--set", f"{name}={value}"]

@@ -71,7 +71,7 @@ def test_the_words_are_those_of_the_traces_and_set() -> None:
 def test_a_word_takes_each_target_that_is_there_and_no_other(name: str) -> None:
     values, beyond = TARGETS[ACTIONS[name]["target"]]
     for value in values:
-        # Slot 3 is empty: what befalls a board needs one, and only there one can be put in.
+        # Slot 3 is empty. An action on a board needs a board; a board can be put in only where none is.
         right = ACTIONS[name]["target"] != "dsp" or name.endswith("_link") or (value == 3) == (name == "plug")
         if right:
             cmrc.config(settings=SETTINGS, events=[event(name, value, 0.01)])

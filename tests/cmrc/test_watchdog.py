@@ -67,7 +67,7 @@ kernel_spoils:
         ldi     @EXEC_BLOCK, ar0
         ldhi    {owner >> 16}, ar1
         or      {owner & 0xFFFF}, ar1
-        ldhi    0C001h, ar2             ; who has the list may write there
+        ldhi    0C001h, ar2             ; the holder of the list may write there
 takes:  ldi     *ar2, r1
         bnz     takes
         sti     ar1, *+ar0(TB_OWNER)

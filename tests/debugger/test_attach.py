@@ -121,12 +121,12 @@ def test_python_lets_an_editor_attach() -> None:
     there = threading.Event()
     outcome: list[bool] = []
 
-    def told(port: int) -> None:
+    def on_port(port: int) -> None:
         ports.append(port)
         there.set()
 
     def serve() -> None:
-        outcome.append(debugger.listen(told=told))
+        outcome.append(debugger.listen(told=on_port))
 
     thread = threading.Thread(target=serve)
     thread.start()

@@ -34,13 +34,13 @@ end:    bu end
     network = Network([program, program], memories=[memory])
     debugger = network.debug()
     debugger.watch(0xC0000000, on="access", chip=0)
-    who = []
+    hits = []
     for stop in debugger.run():
         for hit in stop.hits:
-            who.append((hit.chip, "wrote" in hit.text))
+            hits.append((hit.chip, "wrote" in hit.text))
             if "wrote" in hit.text:
                 assert debugger.word(0xC0000000, chip=1) == hit.value
-    assert sorted(who) == [(chip, wrote) for chip in (0, 1) for wrote in (False, True) for _ in range(3)]
+    assert sorted(hits) == [(chip, wrote) for chip in (0, 1) for wrote in (False, True) for _ in range(3)]
     writer = debugger.last_write(0xC0000000, chip=1)
     assert writer is not None and writer.value == 1
 

@@ -160,7 +160,7 @@ def test_a_stop_shows_the_state_of_a_run_without_a_debugger(seed: int, tmp_path:
         alone = made(program, board, image)
         alone.run(max(instant(debugger), 1))
         assert state(alone) == state(chip), (seed, instant(debugger))
-    if debugger.stop.reason == "over":  # a fault; a chip that is run on stands still
+    if debugger.stop.reason == "over":  # a fault; a chip that is run further stays there
         return
     debugger.close()
     end = chip.cycle + CYCLES

@@ -1,4 +1,4 @@
-"""Each option that `--help` names stands in docs/cli.md, or in the page that docs/cli.md names for its command."""
+"""Each option that `--help` names is in docs/cli.md, or in the page that docs/cli.md names for its command."""
 
 import re
 import subprocess

@@ -20,7 +20,7 @@ def test_the_python_of_the_readme(capsys: pytest.CaptureFixture[str]) -> None:
     misses, explained = capsys.readouterr().out.splitlines()
     [missed] = re.findall(r"deadlines missed\"\)\s+# (\d+)", program)
     assert misses == f"{missed} deadlines missed" and int(missed) > 0
-    assert "In its way" in explained and "this helps" in explained
+    assert "It was blocked" in explained and "this helps" in explained
 
 
 def test_the_python_of_its_page(
@@ -33,7 +33,7 @@ def test_the_python_of_its_page(
     monkeypatch.chdir(tmp_path)
     exec(program, {})  # noqa: S102
     misses, explained, *_, dsps, last = capsys.readouterr().out.splitlines()
-    assert misses == missed and int(missed) > 0 and "In its way" in explained and "Without" in explained
+    assert misses == missed and int(missed) > 0 and "It was blocked" in explained and "Without" in explained
     assert os.listdir(tmp_path) == ["one_dsp.cmrc"]
     assert dsps == fewest and last.split()[0] == r1 and int(last.split()[1]) >= 2
 

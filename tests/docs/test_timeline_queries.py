@@ -74,7 +74,7 @@ def test_dsps_are_occupied_as_the_report_says(events: Path, report: Any) -> None
     reported = {(f"dsp {dsp['slot']}", task): ps for dsp in report["dsps"] for task, ps in dsp["tasks_ps"].items()}
     rows = {(dsp, task): int(ps) for dsp, task, _, ps in ask(events, "occupied")}
     assert reported.keys() == rows.keys()
-    # At the end of the run a block may stand open, which has no end among the events.
+    # At the end of the run a block may be open: it has no end among the events.
     open_ps = [reported[key] - rows[key] for key in reported if reported[key] != rows[key]]
     assert len(open_ps) <= 3 and all(0 < ps < 10**11 for ps in open_ps)
 

@@ -2,7 +2,7 @@
 avoidance of every AGV.
 
 No host and no crane: each AGV goes round the default loop again and again, to the warehouse and back to the loading
-spot, and stands there for a while. No host tells it to queue: only its range sensor shows what stands before it.
+spot, and waits there for a while. No host makes it queue: only its range sensor shows what is ahead of it.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ class Fleet:
                 self.dsp.device(self.range[i] + s[f"RANGE_{name}"], value)
 
     def set_leg(self, i: int) -> None:
-        """From where it stands: its slot's way to the spot comes first."""
+        """From its present place: the way from its slot to the spot comes first."""
         v = self.vehicles[i]
         v.leg = v.leg % 2 + 1
         segments = segments_of(self.config.layout.legs[v.leg - 1])

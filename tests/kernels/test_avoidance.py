@@ -78,7 +78,7 @@ def random_view(r: random.Random) -> View:
         view.wait, view.place = view.count + r.randrange(-5, 50), round(s + r.uniform(5, 20), 3)
     view.flank = round(s + r.uniform(-20, 5), 3)
     if r.random() < 0.7:
-        # What is seen now stood elsewhere before: nearer to the lane, farther, or not at all.
+        # What is seen now was elsewhere before: nearer to the lane, farther, or not there at all.
         lane = Lane(view, 72)
         now = motion(lane, 0.0, math.inf, math.inf)[1]
         kept = (
@@ -147,7 +147,9 @@ def run(dsp: Dsp, kernel: str, view: View) -> tuple[Said, int, int]:
 
 
 def close(a: Said, b: Said) -> bool:
-    if (a[0] is None) != (b[0] is None) or abs(a[-1] - b[-1]) > 3:  # points of the time that it stands, of up to 2000
+    if (a[0] is None) != (b[0] is None) or abs(
+        a[-1] - b[-1]
+    ) > 3:  # points while the vehicle does not move, of up to 2000
         return False
     return all(abs(1e3 * (p - q)) <= BOUND for p, q in zip(a[:-1], b[:-1]) if p is not None and q is not None)
 

@@ -25,7 +25,7 @@ plant = _core.plant
 P = plant.gantry_crane()
 MODEL = plant.Crane(P)
 HALF = math.pi / 2
-# What stands behind drive channels 1 to 4; channel 0 is spare.
+# The joints of drive channels 1 to 4; channel 0 is spare.
 DRIVES = [P.drives[j] for j in (0, 2, 3, 4)]
 COUNTS = (0.0, *(16384 / (2 * math.pi) * d.gear for d in DRIVES))
 U_MAX = (1.0, *(1.5 * d.rated_torque for d in DRIVES))

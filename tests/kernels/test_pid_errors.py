@@ -143,7 +143,7 @@ def test_a_joint_whose_drive_is_not_ready_is_left_alone(place: int, status: int)
     assert one.dsp.floats("CR_CONSUMED", 5, offset=34)[2] == pytest.approx(0, abs=1e-7)  # no error is left
     assert one.dsp.floats("CR_CONSUMED", 5, offset=24)[2] == pytest.approx(0, abs=1)  # nor what has been integrated
     assert one.codes()[2] == pytest.approx(100.0 * ref.CODE[2], abs=1)  # the feed-forward
-    assert abs(one.dsp.floats("CR_CONSUMED", 5, offset=24)[1]) > abs(integral[1])  # the others go on
+    assert abs(one.dsp.floats("CR_CONSUMED", 5, offset=24)[1]) > abs(integral[1])  # the other joints continue
 
 
 def test_a_joint_comes_back_to_its_path_without_a_kick() -> None:

@@ -83,7 +83,7 @@ def wrote(m: machine.Machine, slot: int, since: int) -> bool:
     return any(what == "write" and values[0] == slot and time > since for time, what, values in m.events)
 
 
-# The state of a DSP's board 50 us later; the other boards go on.
+# The state of a DSP's board 50 us later; the other boards continue.
 SEEN: dict[str, Callable[[machine.Machine, int], bool]] = {
     "fail": lambda m, n: m.standing(n),
     "freeze": lambda m, n: m.standing(n),
@@ -142,7 +142,7 @@ def test_a_host_that_pauses_hears_no_answer_before_the_end() -> None:
     assert [answered for _, answered, _ in m.reads] == [130 * US + US // 10]
 
 
-# What befalls the dock, by its own functions.
+# Actions on the dock, by its own functions.
 FAILS: dict[str, Callable[[plant.Dock, int, bool, int], None]] = {
     "drive": plant.Dock.fail_drive,
     "encoder": plant.Dock.fail_encoder,

@@ -59,7 +59,7 @@ def test_the_planned_path_is_drawn_from_its_first_point_on(browser: Any, tmp_pat
     planned = recording.signals["planned_x_m"]
     first = int(np.flatnonzero(~np.isnan(planned))[0])
     assert 0 < first < 10 and planned[first] == pytest.approx(recording.signals["payload_x_m"][0], abs=0.01)
-    assert np.isnan(recording.signals["agv0_planned_x_m"]).all()  # it stands all the time
+    assert np.isnan(recording.signals["agv0_planned_x_m"]).all()  # the vehicle does not move
     with opened(browser, path) as tab:
         tab.page.evaluate("page.state.seek(4); page.dock.turn(1.3, 0.2, 0.6)")  # at first it is looked along
         layer(tab, "path", "l")
@@ -273,7 +273,7 @@ def test_webgl_that_is_taken_away_comes_back(browser: Any, run: tuple[Path, Reco
         assert dots_that_differ(tab, "before", "after") < 200
 
 
-# Machado, Oliveira and Fernandes (2009), severity 1: what linear RGB looks like to who has no L, M, S cones.
+# Machado, Oliveira and Fernandes (2009), severity 1: what linear RGB looks like without L, M or S cones.
 BLIND = {
     "protanopia": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
     "deuteranopia": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],

@@ -123,7 +123,7 @@ def test_a_lane_shows_what_its_dsp_waited_for(tab: Tab, run: tuple[Path, Recordi
         tab.page.mouse.move(*tab.lane("DSP 0", time))
         hints.append(tab.hint())
     assert any(re.search(r"waiting: [\d.]+ % for bus A", hint) for hint in hints), hints
-    # Within one stretch that waited for more than the foot stands for, the causes share its height.
+    # Within one slice that waited for more than the foot's full height means, the causes share that height.
     waits = np.array([run[1].whole(f"lane.{name}") for name in ("bus_a", "bus_b", "list")])
     slot, what, took = (run[1].whole(f"lane.{name}") for name in ("slot", "what", "took"))
     pid = 4 + run[1].header["kinds"].index("pid")

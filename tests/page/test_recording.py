@@ -111,7 +111,7 @@ def test_signals_are_the_docks(run: tuple[cmrc.Simulation, Recording, Path]) -> 
     ):
         for i, time in enumerate(ours["time_s"][:-1]):
             assert ours[name][i] == pytest.approx(theirs[name][rows[round(float(time), 6)]], abs=6e-4), (name, time)
-    for axis in "xyz":  # the ghost stands where the ideal run's load was
+    for axis in "xyz":  # the ghost is where the ideal run's load was
         ghost = ours[f"payload_{axis}_m"] + ours[f"ghost_{axis}_m"]
         for i, time in enumerate(ours["time_s"][1:-1], 1):
             assert ghost[i] == pytest.approx(

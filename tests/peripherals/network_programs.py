@@ -96,7 +96,7 @@ def stream_by_dma(sender_core: Any, receiver_core: Any) -> None:
 
 
 def interrupt_program(port: int, work: str) -> str:
-    """ICRDY of `port` takes a word to 2FFA00h on; the main program is `work`. Vectors stand at 2FF800h."""
+    """ICRDY of `port` takes a word to 2FFA00h on; the main program is `work`. The vectors are at 2FF800h."""
     vector = 0x0D + 4 * port + 1
     return f"""
         ldhi 2fh,ar7

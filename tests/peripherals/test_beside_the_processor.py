@@ -1,8 +1,8 @@
 """DMA and timers beside a processor that runs, sleeps or waits: programs that were counted by hand from c40-hardware.md
 3, 4 and 7.
 
-The programs stand in data/faults; their right outcomes were reckoned, not taken from a run. Each is run whole, cut at
-random cycles, step by step, with the self-checks and as a member of a network: the outcome is the same.
+The programs are in data/faults; their outcomes were computed by hand, not taken from a run. Each is run whole, cut
+at random cycles, step by step, with the self-checks and as a member of a network: the outcome is the same.
 """
 
 from __future__ import annotations

@@ -65,12 +65,12 @@ def starved(tmp_path: Path, words: int) -> tuple[Any, Any]:
 def test_a_processor_that_never_gets_its_bus_does_not_hang_a_call(tmp_path: Path) -> None:
     chip, _ = starved(tmp_path, 0)
     before = -1
-    for _ in range(20):  # by steps and by runs: each call comes back, and time goes on
+    for _ in range(20):  # by steps and by runs: each call returns, and time advances
         assert chip.step()["reason"] == "limit"
         assert chip.run(100)["reason"] == "limit"
         assert before < chip.cycle < before + 50_000
         before = chip.cycle
-    assert low(chip, "R1") < 3  # at most what stood straight behind the store
+    assert low(chip, "R1") < 3  # at most the instruction directly behind the store
     moved = (1 << 32) - chip.peripherals()["DMA0.counter"]
     assert abs(moved * CYCLES_OF_A_WORD - chip.cycle) < 50
     assert sum(chip.causes.values()) == chip.cycle
@@ -117,7 +117,7 @@ start:  ldp @control
         ldhi 10h,ar6
         ldi @control,r0
         sti r0,*+ar6(0a0h)
-        ldi *+ar6(71h),r1       ; nobody writes
+        ldi *+ar6(71h),r1       ; no word ever comes
 end:    bu end
 control: .word 0C00007h
 """

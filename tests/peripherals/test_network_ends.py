@@ -1,4 +1,4 @@
-"""How the run of a network ends: a deadlock, which names who waits for whom; an end; a fault."""
+"""How the run of a network ends: a deadlock, which names each chip and what it waits for; an end; a fault."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A network's state, saved and loaded: rings of nasty programs go on from random instants in another network."""
+"""A network's state, saved and loaded: rings of nasty programs continue from random instants in another network."""
 
 import random
 
@@ -52,7 +52,7 @@ def test_a_ring_of_nasty_programs_continues_in_another_network(seed, tmp_path):
 
 
 # Each takes a lock in a shared memory several times, and waits for a word that the other writes there; at last the
-# second polls one that nobody writes.
+# second polls one that is never written.
 LOCKS = """        .text
 start:  ldhi 7000h,ar0
         ldhi 30h,ar1

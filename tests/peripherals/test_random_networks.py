@@ -83,7 +83,8 @@ def check(seed: int) -> None:
     check_balance(one)
 
 
-# 237: the DMA, at priority 3, touches a link while its processor has just come to one, which nothing had announced.
+# 237: the DMA, at priority 3, accesses a link just when its processor has reached an access to a link, which nothing
+# had announced.
 # 390: a chip in a loop runs ahead of the end of its network.
 @pytest.mark.parametrize("seed", [237, 390, *range(16)])
 def test_the_order_of_turns_changes_nothing(seed: int) -> None:

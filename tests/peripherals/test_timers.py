@@ -110,7 +110,7 @@ def free_timer(control: int, period: int, counter: int | None = None) -> Any:
         chip.poke(CONTROL, control)
     else:
         chip.poke(COUNTER, counter)
-        chip.poke(CONTROL, control & ~0x40)  # without GO: it goes on from there
+        chip.poke(CONTROL, control & ~0x40)  # without GO: it continues from there
     return chip
 
 

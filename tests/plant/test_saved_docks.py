@@ -1,4 +1,4 @@
-"""A dock that is saved at any instant and loaded into another goes on bit for bit, with what it has recorded."""
+"""A dock that is saved at any instant and loaded into another continues bit for bit, with what it has recorded."""
 
 import math
 import random

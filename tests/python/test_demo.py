@@ -1,4 +1,4 @@
-"""The demo: its scenes say what their runs measured, and its page stands alone."""
+"""The demo: its scenes say what their runs measured, and its page needs no other file."""
 
 import re
 from pathlib import Path
@@ -14,7 +14,7 @@ def test_one_dsp_misses_the_servo_behind_identify_and_two_do_not() -> None:
     assert int(scene.rows[0][1]) > 0 and scene.rows[1][1] == "0"
     assert f"{scene.rows[0][1]} blocks" in scene.conclusion and "leaves 0" in scene.conclusion
     lines = scene.text().splitlines()
-    assert lines[0] == scene.title and len({len(line) for line in lines[2:5]}) == 1  # columns stand below each other
+    assert lines[0] == scene.title and len({len(line) for line in lines[2:5]}) == 1  # columns are below each other
     assert all(f"<td>{cell}</td>" in scene.page() for cell in scene.rows[0])
 
 

@@ -39,7 +39,7 @@ def plain_hash() -> str:
 
 @pytest.mark.parametrize("name", ALL)
 def test_another_thread_is_refused_at_once_and_the_run_continues(name: str) -> None:
-    """The run stands in its callback until the other thread has been answered."""
+    """The run waits in its callback until the other thread has been answered."""
     simulation = cmrc.Simulation(**SHORT)
     dsp = simulation.dsp(0)  # held before: reading it is refused too
     refused: list[Exception] = []

@@ -1,4 +1,4 @@
-"""Event logs and accounts that are saved under way and loaded into new ones go on as if they had never stopped."""
+"""Event logs and accounts that are saved under way and loaded into new ones continue as if they had never stopped."""
 
 import random
 
