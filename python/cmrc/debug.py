@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 DebugError = _core.debug.DebugError
-"""Raised for a command that makes no sense: a ValueError that says what would be right."""
+DebugError.__doc__ = """Raised for a command that makes no sense: a ValueError that says what would be right."""
 
 MOST_PICOSECONDS = 9 * 10**18
 CHIPS_MOST = 64

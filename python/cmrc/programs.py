@@ -8,9 +8,11 @@ from collections.abc import Mapping, Sequence
 from cmrc import _core, arguments
 
 AssemblyError = _core.toolchain.AssemblyError
-"""Raised with all errors of a source; ``diagnostics`` is a list of dicts (file, line, column, message, text)."""
+AssemblyError.__doc__ = (
+    """Raised with all errors of a source; ``diagnostics`` is a list of dicts (file, line, column, message, text)."""
+)
 CoffError = _core.toolchain.CoffError
-"""Raised for a file that is not a COFF executable of this family, or is damaged."""
+CoffError.__doc__ = """Raised for a file that is not a COFF executable of this family, or is damaged."""
 Program = _core.toolchain.Image
 """An assembled program: ``sections``, ``symbols`` (name to 32-bit word), ``entry``, ``listing()``."""
 

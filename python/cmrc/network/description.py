@@ -12,7 +12,9 @@ from cmrc.network.records import SharedMemory
 from cmrc.programs import Path, Program, assemble_file, read_coff
 
 NetworkError = _core.network.NetworkError
-"""Raised for an impossible network: a ValueError that names chip, port or link, and what would be right."""
+NetworkError.__doc__ = (
+    """Raised for an impossible network: a ValueError that names chip, port or link, and what would be right."""
+)
 
 
 def program(given: Program | Path) -> Program:
