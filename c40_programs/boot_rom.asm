@@ -1,9 +1,9 @@
 ; The boot loader in the on-chip ROM (c40-hardware.md 9), written from the description of TI's loader: its streams, how
 ; the pins choose the source, and the state of the chip afterwards. It uses no memory and no stack.
 ;
-;   AR0  peripheral registers          R4  where the program begins (the first block)
+;   AR0  peripheral registers          R4  entry of the program (the first block)
 ;   AR1  next word of a memory source  R5  1 once R4 is known
-;   AR2  where the next word goes      AR6 words to go in this block, but one
+;   AR2  destination of the next word  AR6 words left in this block, minus one
 ;   AR3  CPCR of the port              AR5 the routine that fetches a word of the stream into R0
         .text
         .word boot              ; the reset vector
@@ -83,7 +83,7 @@ block:  laju ar5
         bnz copy
         ldi r0,r4
         ldi 1,r5
-; The routine that fetches a word jumps to `stored`, and `stored` to it: 8 cycles a word from a port (9.6: 8 to 10).
+; The routine that fetches a word jumps to `stored`, and `stored` jumps back: 8 cycles a word from a port (9.6: 8 to 10).
 copy:   subi 1,r6
         ldi r6,ar6
         ldi stored,r11

@@ -15,7 +15,6 @@ import tempfile
 from pathlib import Path
 
 from cmrc import c40
-from cmrc._core.toolchain import rom_words
 from cmrc.network import Network
 from hydra_monitor import PROMPT, Stub, Vac
 
@@ -83,7 +82,7 @@ class Control(Stub):
 
 def boards(folder: Path, monitor: Path, others: Path) -> list[str]:
     """The Hydra's board file with the EPROM and the pins of each DSP."""
-    images = [bytes(word & 0xFF for word in rom_words(path, 8)) for path in (monitor, others)]
+    images = [bytes(word & 0xFF for word in c40.read_rom(path, width=8)) for path in (monitor, others)]
     (folder / "eprom.bin").write_bytes(images[0].ljust(OTHERS, b"\xff") + images[1])
     text = (Path(__file__).parent / "hydra.toml").read_text()
     with_rom = text.replace("words = 0x80000\n", 'words = 0x80000\nfile = "eprom.bin"\nwidth = 8\n', 1)

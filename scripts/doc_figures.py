@@ -84,7 +84,7 @@ def heartbeat() -> str:
 def range_of_cycles() -> str:
     """Kernels whose cycles depend on the scene."""
     import test_avoidance
-    from avoidance_loop import machine
+    from agv_words import agv_dsp
     from harness_agv import Dsp
     from test_grab_path import prepare, random_scene
 
@@ -97,7 +97,7 @@ def range_of_cycles() -> str:
             cycles.append(dsp.run(kernel)[2])
         rows.append((f"`{kernel}`", "300, of 1 to 5 boxes", cycles))
     for kernel, count in (("avoidance_potential", 120), ("avoidance_vfh", 120), ("avoidance_dwa", 40)):
-        dsp, rng = machine(), random.Random(5)
+        dsp, rng = agv_dsp(), random.Random(5)
         cycles = [test_avoidance.run(dsp, kernel, test_avoidance.random_view(rng))[2] for _ in range(count)]
         rows.append((f"`{kernel}`", f"{count}, of test_avoidance.py", cycles))
     return table(

@@ -105,8 +105,8 @@ def printed(program: Path, inputs: list[Path], flags: str, folder: Path) -> str:
     run(
         sys.executable, ROOT / "scripts" / "link_c", program, *inputs, "-o", out, "--arguments", way, "--dialect", "gnu"
     )
-    told = run(EMULATOR, "exec", out, "--board", BOARD, "--max-cycles", "1000000000", "--json")
-    return str(json.loads(told)["console"])
+    report_text = run(EMULATOR, "exec", out, "--board", BOARD, "--max-cycles", "1000000000", "--json")
+    return str(json.loads(report_text)["console"])
 
 
 def of_host(source: Path, folder: Path) -> str:

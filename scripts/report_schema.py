@@ -178,14 +178,14 @@ def _object(values: list[dict[str, Any]], path: str) -> Schema:
 
 def schema_of(reports: list[dict[str, Any]]) -> Schema:
     schema = merged(reports, "")
-    told = descriptions()
+    texts = descriptions()
     for key, part in schema["properties"].items():
-        if key in told:
-            part["description"] = told[key]
+        if key in texts:
+            part["description"] = texts[key]
     schema["properties"]["hash"]["pattern"] = "^[0-9a-f]{64}$"
     schema["properties"]["schema_version"] = {
         "const": reports[0]["schema_version"],
-        "description": told["schema_version"],
+        "description": texts["schema_version"],
     }
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",

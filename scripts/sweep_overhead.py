@@ -42,7 +42,7 @@ def measured(commands: Sequence[Sequence[str]]) -> tuple[float, float]:
     if sum(process.wait() != 0 for process in processes):
         sys.exit("a command has failed")
     wall = time.monotonic() - began
-    while True:  # workers that have outlived who started them are this process's now
+    while True:  # workers whose parent has ended are this process's now
         try:
             os.wait()
         except ChildProcessError:

@@ -21,7 +21,7 @@ def check_that_every_value_is_loaded(
     numbers = [
         (path, offset)
         for (path, offset, size), (following, _, _) in zip(leaves, [*leaves[1:], ("", 0, 0)], strict=True)
-        # Not numbers: how many there are of something; which alternative a variant has, which stands before its value.
+        # Not numbers: how many there are of something; which alternative a variant has, a number before its value.
         if not (path.endswith(".count") or path == following or size not in (1, 2, 4, 8, 16) or leave_out(path))
     ]
 

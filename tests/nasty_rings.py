@@ -7,7 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 from cmrc.network import Network
-from nasty_programs import CYCLES, DATA, Bench, Program, assembled, constant, generate, prepare
+from nasty_programs import CYCLES, DATA, Program, constant, generate
+from nasty_runs import Bench, assembled, prepare
 
 
 def exchange(rng: random.Random) -> str:
@@ -65,13 +66,13 @@ def ring_disagreement(programs: list[Program], bench: Bench) -> str | None:
         while now < end and reason == "limit":
             now = min(end, now + rng.uniform(0.05, 8)) if "slices" in way else end
             reason = network.run(until_us=now).reason
-        # The state of a chip at its last branch shows only when the chip goes on.
-        stands = [
+        # The state of a chip at its last branch shows only when the chip continues.
+        statuses = [
             ("", "") if chip.status in ("running", "halt") else (chip.status, chip.message) for chip in network.chips
         ]
         chips = [
-            (*stand, chip._core.cycle, chip._core.snapshot(), chip._core.digest())
-            for stand, chip in zip(stands, network.chips, strict=True)
+            (*status, chip._core.cycle, chip._core.snapshot(), chip._core.digest())
+            for status, chip in zip(statuses, network.chips, strict=True)
         ]
         found.append((reason, network.event_trace, chips))
         if found[-1] == found[0]:

@@ -95,13 +95,13 @@ def read(path: Path) -> Timeline:
     for number, packet in enumerate(packets(path)):
         assert packet.trusted_packet_sequence_id != 0
         if packet.HasField("track_descriptor"):
-            told = packet.track_descriptor
-            assert told.uuid not in names, "a track is told twice"
-            assert told.parent_uuid == 0 or told.parent_uuid in names, "a track before its parent"
-            names[told.uuid], parents[told.uuid] = told.name, told.parent_uuid
-            timeline.paths[told.uuid] = (*timeline.paths.get(told.parent_uuid, ()), told.name)
-            if told.HasField("counter"):
-                timeline.units[told.uuid] = told.counter.unit_name
+            descriptor = packet.track_descriptor
+            assert descriptor.uuid not in names, "a track is described twice"
+            assert descriptor.parent_uuid == 0 or descriptor.parent_uuid in names, "a track before its parent"
+            names[descriptor.uuid], parents[descriptor.uuid] = descriptor.name, descriptor.parent_uuid
+            timeline.paths[descriptor.uuid] = (*timeline.paths.get(descriptor.parent_uuid, ()), descriptor.name)
+            if descriptor.HasField("counter"):
+                timeline.units[descriptor.uuid] = descriptor.counter.unit_name
             continue
         flags = packet.sequence_flags
         if flags & schema.TracePacket.SEQ_INCREMENTAL_STATE_CLEARED:
@@ -119,7 +119,7 @@ def read(path: Path) -> Timeline:
         if packet.HasField("track_event"):
             event = packet.track_event
             track = event.track_uuid or state.track
-            assert track in names, "an event of a track that nobody has told of"
+            assert track in names, "an event of an unknown track"
             raw.append((state.time(packet), number, track, event, state))
     _draw(timeline, raw)
     return timeline
@@ -129,7 +129,7 @@ def _notes(event: Any, state: _Sequence) -> dict[str, Any]:
     values = {}
     for note in event.debug_annotations:
         name = state.note_names[note.name_iid]
-        assert name not in values, "a note is told twice"
+        assert name not in values, "a note is given twice"
         values[name] = note.int_value if note.HasField("int_value") else note.string_value
     return values
 

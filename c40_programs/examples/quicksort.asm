@@ -51,7 +51,7 @@ from_above:     ldi     *--ar3(1),r4
         ||      sti     r3,*ar3
                 nop
                 nop
-parted:         push    ar3                     ; the first part by recursion, the second by going on
+parted:         push    ar3                     ; the first part by recursion, the second by the loop
                 push    ar1
                 ldi     ar3,ar1                 ; first .. AR3
                 call    sort

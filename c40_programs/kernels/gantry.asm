@@ -3,7 +3,7 @@
 ; 3 hoist, 4 rotator. Travel moves the load like the slew, trolley like the luff: most programs are shared.
 
 ; Sub-process 1: that of the slewing crane. At a leg's first point it then lengthens segments that the travel cannot
-; follow. A leg with such segments is computed twice. If it runs again, its first pass finds the result of the second.
+; follow. A leg with such segments is computed twice. If the block runs again, the first pass reads the result of the second.
 kernel_trajectory_gantry_shaper:
         call    kernel_trajectory_crane_shaper
         br      trajectory_gantry_leg
@@ -167,8 +167,8 @@ kernel_torque_gantry:
         stf     r0, @TQ_TAU + 4
         br      torque_motors
 
-; Sub-process 4: the slewing crane's program once the drives are on. Before, it corrects the sway damping factors
-; beside the pose at the start (a jib's). It enables the drives when the hoist's feed-forward holds the load: no jib.
+; Sub-process 4: the slewing crane's program once the drives are on. Before that, it corrects the sway damping
+; factors that are stored with the starting pose: they are those of a jib. It enables the drives when the hoist's feed-forward holds the load: no jib.
 kernel_pid_gantry_document:
         call    kernel_pid_document
         br      pid_gantry_start

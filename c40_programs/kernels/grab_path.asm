@@ -1,15 +1,15 @@
-; Process 2: the grab path, and the planner that homing shares (docs/kernels_job.md). Here: the routes, the boxes that
-; grow, the plan. grab_path_boxes.asm: a way against the boxes. grab_path_band.asm: the elastic band.
+; Process 2: the grab path, and the planner that homing shares (docs/kernels_job.md). In this file: the routes, the grown
+; boxes, the plan. grab_path_boxes.asm: tests of a way against the boxes. grab_path_band.asm: the elastic band.
 ; grab_path_list.asm: the list of points.
 ;
 ; Route 1 leads from the crane's last commanded pose to CR_CLEARANCE above the target. Route 2 leads from there, with
 ; the container, to CR_CLEARANCE above the deck of the highest AGV in the loading spot, present or not (process 4 aligns
-; the load). Route 3 leads home. A no-go box grows by half the load's plan and a margin, and upwards: no way below it.
+; the load). Route 3 leads home. A no-go box grows by half the load's extent and a margin, and upwards. No way leads below it.
 ;
 ; 1. The end over the bay gets a column: a point straight above it, raised in steps while the way from the column to the
 ;    other end is blocked.
 ; 2. If the way stays blocked, each box that blocks the straight way gets the face with the cheapest exit: the face with
-;    the least depth behind it along the way; the upper face if the box holds an end. An elastic band of 5 via points is
+;    the least depth behind it along the way; the upper face if an end is in the box. An elastic band of 5 via points is
 ;    pulled tight around those faces: it minimises the sum of |p_(i+1) - p_i|^2 outside the boxes by projected
 ;    Gauss-Seidel. Each of the GP_SWEEPS sweeps sets p_i := (p_(i-1) + p_(i+1))/2. Then, for the two steps beside p_i
 ;    and each box, the middle of the part inside is moved out, and p_i with it. The last GP_PUSHES sweeps only move
@@ -95,7 +95,7 @@ grab_path_second:                               ; ---- route 2: the container ha
         ldhi    8, r1                           ; MAY_PROCESS << 3
         rets
 
-; ---- GP_START: the pose that the crane was last sent to, home before it was sent anywhere ----
+; ---- GP_START: the crane's last commanded pose; home before the first command ----
 grab_path_present:
         ldi     ar6, ar0
         addi    CR_HOME, ar0

@@ -1,5 +1,5 @@
 ; The links of the crane for torque_newton_euler.asm: b, c, k, joint, slides, sign, p, s, mass, inertia, has. Places,
-; masses and inertias that are 0 here and are not 0 are the plant's (plant_constants.asm says who puts them here); the
+; masses and inertias that are 0 here and are not 0 are the plant's (plant_constants.asm says where they come from); the
 ; load's mass and the yaw inertia are filled in from the load.
 K_NE_TABLE          .set $ - LIFT
                     .word 1, 2, 0, 0, 1                 ; gantry: mass

@@ -344,8 +344,8 @@ trajectory_agv_pose:
         ldf     @TA_CHORD, r0
         rets
 
-; ---- mean curvature of the leg from s' + SWEEP_FROM v to s' + SWEEP_TO v, v the physical speed: what the wheels must
-; be told now ----
+; ---- mean curvature of the leg from s' + SWEEP_FROM v to s' + SWEEP_TO v, v the physical speed: the command for
+; the wheels now ----
 trajectory_agv_preview:
         ldf     @TA_SLOW, r0
         mpyf    r9, r0                          ; physical speed

@@ -2,8 +2,8 @@
 
 ; S of degree 9 with four vanishing derivatives at both ends, at u = R0, 0 <= u <= 1:
 ; S = u^5 (126 - 420 u + 540 u^2 - 315 u^3 + 70 u^4), computed as 1 - S(1 - u) above 1/2, so that the sum stays below 16
-;   S' = 630 w^4, S'' = 2520 w^3 d, S''' = 2520 w^2 (3 d^2 - 2 w), S'''' = 15120 w d (d^2 - 3 w),  w = u (1 - u), d = 1
-;   - 2 u
+;   S' = 630 w^4, S'' = 2520 w^3 d, S''' = 2520 w^2 (3 d^2 - 2 w), S'''' = 15120 w d (d^2 - 3 w);
+;   w = u (1 - u), d = 1 - 2 u
 ; R0 <- S, R1 <- S', R2 <- S'', R3 <- S''', R4 <- S''''. Clobbers R5, R6, R7.
 m_blend9:
         ldf     1.0, r1

@@ -2,12 +2,14 @@
 
 import re
 import sys
+from inspect import Signature
 from pathlib import Path
 from typing import Any
 
 from docutils import nodes
 from pygments.lexers.special import TextLexer
 from sphinx.application import Sphinx
+from sphinx.util.inspect import stringify_signature
 
 DOCS = Path(__file__).resolve().parent.parent
 ROOT = DOCS.parent
@@ -23,7 +25,8 @@ def contents(app: Sphinx, page: str, source: list[str]) -> None:
     if page not in ("index", "reference/README"):
         return
     seen: set[str] = set()
-    for section in re.split(r"^##? ", source[0], flags=re.MULTILINE)[1:]:
+    first = 2 if page == "index" else 1  # the links of the start page's introduction come again below
+    for section in re.split(r"^##? ", source[0], flags=re.MULTILINE)[first:]:
         caption, _, body = section.partition("\n")
         pages = list(dict.fromkeys(link for link in re.findall(r"\]\(([\w/-]+)\.md\)", body) if link not in seen))
         seen.update(pages)
@@ -95,8 +98,23 @@ def anchored_links(app: Sphinx, doctree: nodes.document) -> None:
             link.replace_self(nodes.reference("", "", *link.children, internal=True, refuri=f"{file}#{anchor}"))
 
 
+def short_signature(
+    app: Sphinx, what: str, name: str, called: Any, options: Any, signature: str | None, returns: str | None
+) -> tuple[str, str | None] | None:
+    """Settings as keywords (cmrc/keywords.py) are `**keywords` here, as in `help`: docs/configuration.md has them."""
+    found = getattr(called.__init__ if what == "class" else called, "__signature__", None)
+    if not hasattr(found, "short"):
+        return None
+    of = found.short()
+    if what == "class":
+        of = of.replace(parameters=list(of.parameters.values())[1:], return_annotation=Signature.empty)
+    text, _, result = stringify_signature(of).partition(" -> ")
+    return text, result or None
+
+
 def setup(app: Sphinx) -> dict[str, bool]:
     app.add_lexer("asm", TextLexer)  # Pygments knows other assemblers
+    app.connect("autodoc-process-signature", short_signature)
     app.connect("source-read", contents)
     app.connect("source-read", outside)
     app.connect("doctree-read", anchored_links)

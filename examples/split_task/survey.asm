@@ -1,4 +1,4 @@
-; A survey of what stands around a vehicle, from the 180 rays of its range sensor: the nearest echo in each of 36
+; A survey of the obstacles around a vehicle, from the 180 rays of its range sensor: the nearest echo in each of 36
 ; sectors of five rays, and how far ahead the vehicle's way is free. The work is the same for every ray.
 ;
 ; Area of each task: its parameters, then its results.

@@ -18,6 +18,7 @@ from cmrc.chip_state import REGISTERS, AccessesToNothing, ChipState, word_of
 from cmrc.debug import Debugger
 from cmrc.devices import Device, Front, OneRun, attached, copied
 from cmrc.floats import extended_to_float, float_to_extended, float_to_single, single_to_float
+from cmrc.instructions import decode, disassemble, encodings
 from cmrc.programs import (
     AssemblyError,
     CoffError,
@@ -25,8 +26,8 @@ from cmrc.programs import (
     Program,
     assemble,
     assemble_file,
-    disassemble,
     read_coff,
+    read_rom,
     write_coff,
 )
 from cmrc.snapshots import ChipSnapshot, SnapshotError
@@ -121,7 +122,7 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun):
         ``width`` is the memory's width, 8, 16 or 32 bits, if the image's first word does not give it. Raises ValueError
         for a broken image; IndexError if there is no RAM.
         """
-        words = _core.toolchain.rom_words(arguments.path("path", path), width)
+        words = read_rom(path, width=width)
         self._core.load_words(arguments.whole("address", address, "a word address", 0, 2**32 - 1), words)
 
     def boot(self) -> None:
@@ -141,10 +142,17 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun):
         """Executes one instruction; reason ``limit`` if there was no fault."""
         return _stop(self._core.step())
 
-    def trace(self, max_cycles: int, *, slot: int = 0) -> list[str]:
-        """Runs like ``run`` and returns a line per instruction (docs/trace.md), without the header."""
+    def trace(self, max_cycles: int, *, slot: int = 0, labels: bool = False) -> list[str]:
+        """Runs like ``run`` and returns a line per instruction (docs/trace.md), without the header; with ``labels``,
+        the program's labels instead of addresses. Raises ValueError for ``labels`` without a program."""
         arguments.whole("slot", slot, "a number", 0, 2**31 - 1)
-        return [_core.trace.line(record, slot) for record in self._core.trace(_cycles(max_cycles)) if "pc" in record]
+        names = None
+        if arguments.flag("labels", labels):
+            if self.program is None:
+                raise ValueError("labels: no program has been loaded; load one first")
+            names = _core.trace.Labels(self.program)
+        records = self._core.trace(_cycles(max_cycles))
+        return [_core.trace.line(record, slot, names) for record in records if "pc" in record]
 
     def complete_read(self, value: int, *, arbitration: int = 0, transfer: int = 0) -> None:
         """Answers the read that stopped a run: the word, and the cycles waited for the bus and its transfer."""
@@ -254,11 +262,14 @@ __all__ = [
     "Stop",
     "assemble",
     "assemble_file",
+    "decode",
     "disassemble",
+    "encodings",
     "extended_to_float",
     "float_to_extended",
     "float_to_single",
     "read_coff",
+    "read_rom",
     "single_to_float",
     "write_coff",
 ]

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 DebugError = _core.debug.DebugError
-"""Raised for a command that makes no sense: a ValueError that says what would be right."""
+DebugError.__doc__ = """Raised for a command that makes no sense: a ValueError that says what would be right."""
 
 MOST_PICOSECONDS = 9 * 10**18
 CHIPS_MOST = 64
@@ -400,7 +400,8 @@ class Debugger:
         """Lets one editor attach to a port of this machine (docs/dap.md), and serves it until it disconnects. False:
         the editor wants the run to end.
 
-        Port 0 is any free port; ``told`` is called with its number. Raises OSError for a port in use.
+        Port 0 is any free port; ``told`` is a function that is called with the number of the port. Raises OSError for a
+        port in use.
         """
         return bool(self._d.listen(arguments.whole("port", port, "a port", 0, 65535), told))
 

@@ -80,10 +80,10 @@ def explain(report: Mapping[str, Any], n: int | None = None) -> str:
 
 
 def _sentences(misses: Sequence[Mapping[str, Any]], miss: Mapping[str, Any]) -> list[str]:
-    who = _name(miss)
+    job = _name(miss)
     if miss["outcome"] == "dropped" and "previous_out" in miss["parts_ps"] or _is_dropped_tick(miss):
         return _dropped(misses, miss)
-    sentences = [f"The job {who} {_OUTCOMES.get(miss['outcome'], miss['outcome'])}: {_when(miss)}"]
+    sentences = [f"The job {job} {_OUTCOMES.get(miss['outcome'], miss['outcome'])}: {_when(miss)}"]
     sentences += _in_the_way(miss)
     sentences += _avoidance(miss)
     return sentences
@@ -94,14 +94,14 @@ def _is_dropped_tick(miss: Mapping[str, Any]) -> bool:
 
 
 def _dropped(misses: Sequence[Mapping[str, Any]], miss: Mapping[str, Any]) -> list[str]:
-    who = _name(miss)
+    job = _name(miss)
     due = f"its block was due at {_instant(miss['release_ps'])}"
     if miss["previous"] is None:
         cause = _largest(miss, 1)
         why = PARTS.get(cause[0][0], cause[0][0]) if cause else "the host skipped the refresh of its tick"
-        return [f"The job {who} was dropped: {due}, and {why}."]
+        return [f"The job {job} was dropped: {due}, and {why}."]
     out = f"the block of {miss['kind']} number {miss['previous']} was not done, and a kind has one block at a time"
-    sentences = [f"The job {who} was dropped: {due}, but {out}."]
+    sentences = [f"The job {job} was dropped: {due}, but {out}."]
     same = (miss["kind"], miss["robot"], miss["previous"])
     earlier = next((m for m in misses if (m["kind"], m["robot"], m["number"]) == same), None)
     if earlier is not None and earlier is not miss:
@@ -129,7 +129,7 @@ def _in_the_way(miss: Mapping[str, Any]) -> list[str]:
         waited = sum(block["share_ps"] for block in behind)
         since = min(block["from_ps"] for block in behind)
         more = f", and {len(behind) - 3} more" if len(behind) > 3 else ""
-        sentences.append(f"In its way for {_duration(waited)}, since {_instant(since)}, stood {_list(blocks, more)}.")
+        sentences.append(f"It was blocked for {_duration(waited)}, since {_instant(since)}, by {_list(blocks, more)}.")
     others = [(part, ps) for part, ps in _largest(miss, 4) if part not in ("blocked", "behind_list")]
     whole = sum(ps for ps in miss["parts_ps"].values() if ps > 0)
     others = [(part, ps) for part, ps in others if ps >= 0.05 * whole]

@@ -29,23 +29,24 @@ def settings() -> Mapping[str, Mapping[str, Any]]:
 
 
 class SettingParameter(inspect.Parameter):
-    """A parameter that stands for a setting."""
+    """A parameter that is a setting."""
 
 
 class ShortText(inspect.Signature):
     """A signature with all settings, for completion; as text, in ``help``, it has ``**keywords`` in their place."""
 
-    def _short(self) -> inspect.Signature:
+    def short(self) -> inspect.Signature:
+        """The signature with ``**keywords`` in place of the settings."""
         own = [one for one in self.parameters.values() if not isinstance(one, SettingParameter)]
         keywords = inspect.Parameter("keywords", inspect.Parameter.VAR_KEYWORD)
         return inspect.Signature([*own, keywords], return_annotation=self.return_annotation)
 
     def __str__(self) -> str:
-        return str(self._short())
+        return str(self.short())
 
     def format(self, **how: Any) -> str:
         """What ``help`` calls from Python 3.13 on."""
-        return str(self._short().format(**how))  # type: ignore[attr-defined]
+        return str(self.short().format(**how))  # type: ignore[attr-defined]
 
 
 def listed(function: Listed) -> Listed:

@@ -83,7 +83,7 @@ def main() -> None:
         asked = json.loads(line)
         try:
             answer = run(asked["toml"], asked["to_its_end"])
-        except Exception as error:  # noqa: BLE001 (who asked raises it)
+        except Exception as error:  # noqa: BLE001 (the caller raises it)
             answer = {"failed": f"{error}"}
         answers.write(json.dumps(answer) + "\n")
         answers.flush()

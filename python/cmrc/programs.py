@@ -1,24 +1,24 @@
-"""Programs: assembled from sources, read from files and written to them, disassembled."""
+"""Programs: assembled from sources, read from files and written to them; contents of EPROMs."""
 
 from __future__ import annotations
 
-import numbers
 import os
 from collections.abc import Mapping, Sequence
-from typing import overload
 
 from cmrc import _core, arguments
 
 AssemblyError = _core.toolchain.AssemblyError
-"""Raised with all errors of a source; ``diagnostics`` is a list of dicts (file, line, column, message, text)."""
+AssemblyError.__doc__ = (
+    """Raised with all errors of a source; ``diagnostics`` is a list of dicts (file, line, column, message, text)."""
+)
 CoffError = _core.toolchain.CoffError
-"""Raised for a file that is not a COFF executable of this family, or is damaged."""
+CoffError.__doc__ = """Raised for a file that is not a COFF executable of this family, or is damaged."""
 Program = _core.toolchain.Image
 """An assembled program: ``sections``, ``symbols`` (name to 32-bit word), ``entry``, ``listing()``."""
 
 Path = str | os.PathLike[str]
 
-A_WORD = "a 32-bit word (0 to FFFFFFFFh)"
+A_WIDTH = "8, 16 or 32 bits"
 A_CPU = '"c40" or "c3x"'
 
 
@@ -104,17 +104,11 @@ def write_coff(program: Program, path: Path) -> None:
     )
 
 
-@overload
-def disassemble(words: int, pc: int = 0, *, cpu: str = "c40") -> str: ...
-@overload
-def disassemble(words: Sequence[int], pc: int = 0, *, cpu: str = "c40") -> list[str]: ...
-def disassemble(words: int | Sequence[int], pc: int = 0, *, cpu: str = "c40") -> str | list[str]:
-    """The instruction of a word, or of each word from address ``pc`` on, for the processor ``cpu`` (``c40``, ``c3x``).
-    Reserved words give ``.word``."""
-    processor = arguments.text("cpu", cpu, A_CPU)
-    at = arguments.whole("pc", pc, "an address (0 to FFFFFFFFh)")
-    if isinstance(words, numbers.Integral):
-        return str(_core.isa.disassemble(arguments.whole("words", words, A_WORD), at, cpu=processor))
-    all_words = arguments.items("words", words, "a word or a list of words")
-    checked = [arguments.whole(f"words[{i}]", word, A_WORD) for i, word in enumerate(all_words)]
-    return [str(_core.isa.disassemble(word, at + i & 0xFFFF_FFFF, cpu=processor)) for i, word in enumerate(checked)]
+def read_rom(path: Path, *, width: int | None = None) -> list[int]:
+    """The 32-bit words of an EPROM's contents: Intel hex, S-records or plain bytes.
+
+    ``width`` is the memory's width, 8, 16 or 32 bits, if the image's first word does not give it. Raises ValueError for
+    a broken image.
+    """
+    lanes = None if width is None else arguments.whole("width", width, A_WIDTH)
+    return _core.toolchain.rom_words(arguments.path("path", path), lanes)

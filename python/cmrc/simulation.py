@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from cmrc._settings import MoreSettings, Settings
 
 ConfigError = _core.cmrc.ConfigError
-"""Raised for an unknown or ill-typed setting, or rates that break an invariant. The message says where, and what would
-be right."""
+ConfigError.__doc__ = """Raised for an unknown or ill-typed setting, or rates that break an invariant. The message
+says where, and what would be right."""
 
 Reference = _core.cmrc.Reference
 """An ideal run (docs/report.md, Errors). Opaque."""
@@ -285,7 +285,7 @@ def run(
     """Simulates the dock on ``dsps`` DSPs (default 4) for ``duration_s`` seconds (default 180). See ``Simulation``.
 
     ``**keywords``: each key of docs/configuration.md by the last part of its name, as ``idle_policy="spin"``; all of
-    them with their values: ``cmrc.config().to_dict()``."""
+    them with their values: ``cmrc.Simulation().config.to_dict()``."""
     given: dict[str, Any] = {"dsps": dsps, "duration_s": duration_s}
     all_keywords: Any = {**{name: value for name, value in given.items() if value is not None}, **keywords}
     return Simulation(

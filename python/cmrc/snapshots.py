@@ -5,7 +5,7 @@ from __future__ import annotations
 from cmrc import _core, arguments
 
 SnapshotError = _core.SnapshotError
-"""Raised for bytes that are not a snapshot, are of another version, were cut short or changed, and for a snapshot of
+SnapshotError.__doc__ = """Raised for bytes that are not a snapshot, are of another version, were cut short or changed, and for a snapshot of
 another object. The message says which."""
 
 

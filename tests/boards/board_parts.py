@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import json
-import subprocess
 from pathlib import Path
 from typing import Any
 
 from cmrc import c40
-from locations import BUILD
 
 HEAD = """
 name = "bench"
@@ -67,14 +65,3 @@ def assembled(text: str) -> Any:
 def low(chip: Any, register: str) -> int:
     """The integer in an extended-precision register."""
     return int(chip.registers[register]) & 0xFFFFFFFF
-
-
-def emulator(*arguments: object, stdin: str = "") -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [str(word) for word in (BUILD / "bin" / "emulator", *arguments)],
-        input=stdin,
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )

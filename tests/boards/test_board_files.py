@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from board_parts import END, HEAD, START, assembled, board, device, emulator, low
+from board_parts import END, HEAD, START, assembled, board, device, low
 from cmrc.c40 import Processor
+from command_line import emulator
 from locations import ROOT
 
 EXAMPLES = ROOT / "examples"
@@ -20,7 +21,7 @@ def refused(tmp_path: Path, text: str) -> list[str]:
     return [line for line in done.stderr.splitlines() if "b.toml" in line]
 
 
-def test_all_errors_are_told_at_once_with_their_lines(tmp_path: Path) -> None:
+def test_all_errors_are_reported_together_with_their_lines(tmp_path: Path) -> None:
     text = "clock_mhz = -1\ngmicrr = 5\n" + HEAD.replace(
         'words = 0x10000\nbus = "local"', 'words = 0x10000\nbuss = "local"\nwaits = 99\nbus = "locale"'
     )

@@ -7,8 +7,9 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from board_parts import END, START, assembled, board, device, emulator, low
+from board_parts import END, START, assembled, board, device, low
 from cmrc.c40 import Processor
+from command_line import emulator
 from locations import BUILD
 
 # Sends back what is typed, in capitals, until a full stop.

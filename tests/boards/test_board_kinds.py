@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from board_parts import END, START, assembled, board, device, emulator, enabled, low, vector
+from board_parts import END, START, assembled, board, device, enabled, low, vector
 from cmrc.c40 import Processor, assemble_file
 from cmrc.network import Network
+from command_line import emulator
 
 # Takes a word by interrupt, adds one, sends it back.
 ECHO = (
@@ -132,7 +133,7 @@ BERR = "isr:    addi 1,r2\n        ldi 0,r0\n        sti r0,*+ar2(2eh)\n        
 
 
 @pytest.mark.parametrize(("answer", "status", "interrupts"), [("bus error", 0x30, 1), ("ignored", 0, 0)])
-def test_a_bridge_keeps_registers_and_notes_accesses_to_nobody(
+def test_a_bridge_keeps_registers_and_notes_accesses_without_a_target(
     tmp_path: Path, answer: str, status: int, interrupts: int
 ) -> None:
     path = board(
@@ -167,7 +168,7 @@ REQUESTS = [
 
 
 @pytest.mark.parametrize(("register", "value", "what"), REQUESTS)
-def test_what_a_bridge_is_asked_for_and_does_not_do_is_told(
+def test_requests_that_a_bridge_does_not_model_are_reported(
     tmp_path: Path, register: int, value: int, what: str | None
 ) -> None:
     path = board(tmp_path, device("vic068a", name="VIC", pin="NMI"))
@@ -176,19 +177,21 @@ def test_what_a_bridge_is_asked_for_and_does_not_do_is_told(
         + f"        ldi 0{value:x}h,r0\n        sti r0,*+ar2(0{register:x}h)\n        sti r0,*+ar2(0{register:x}h)\n"
         + END
     )
-    told = emulator("exec", tmp_path / "p.asm", "--board", path).stdout
+    printed = emulator("exec", tmp_path / "p.asm", "--board", path).stdout
     found = json.loads(emulator("exec", tmp_path / "p.asm", "--board", path, "--json").stdout).get("not_modelled", [])
     processor = finished(assemble_file(tmp_path / "p.asm"), path)
     network = Network([tmp_path / "p.asm"], boards=str(path), until="done")
     network.run()
     if what is None:
         assert (
-            "not modelled" not in told and found == [] and processor.not_modelled == network.chips[0].not_modelled == []
+            "not modelled" not in printed
+            and found == []
+            and processor.not_modelled == network.chips[0].not_modelled == []
         )
     else:
         assert (
-            told.count("not modelled") == 1
-            and f"vic068a VIC: asked for and not modelled: {what} (first at cycle {found[0]['cycle']})" in told
+            printed.count("not modelled") == 1
+            and f"vic068a VIC: asked for and not modelled: {what} (first at cycle {found[0]['cycle']})" in printed
         )
         assert (
             [(one["name"], one["cycle"], one["what"]) for one in found]

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from board_parts import END, HEAD, START, assembled, board, device, emulator, enabled, low, vector
+from board_parts import END, HEAD, START, assembled, board, device, enabled, low, vector
 from cmrc.c40 import Processor, SnapshotError
 from cmrc.network import Network, NetworkError, SharedMemory
+from command_line import emulator
 
 
 class Alarm:
@@ -312,7 +313,9 @@ def test_a_chip_whose_pin_a_device_pulls_has_done_nothing_before_the_first_run(t
         "exec", tmp_path / "p.asm", tmp_path / "p.asm", "--board", path, "--poke", "0:start=08650009h", "--json"
     )  # ldi 9,r5
     assert [chip["registers"]["R5"] & 0xFFFF for chip in json.loads(poked.stdout)["chips"]] == [9, 1]
-    told = emulator("debug", tmp_path / "p.asm", "--board", path, stdin="print pc\nprint r5\nstep\nprint r5\n").stdout
-    assert told.splitlines()[1].endswith("ldi 1,r5") and [line for line in told.splitlines() if line.endswith("h)")][
-        1:
-    ] == ["0 (00000000h)", "1 (00000001h)"]
+    printed = emulator(
+        "debug", tmp_path / "p.asm", "--board", path, stdin="print pc\nprint r5\nstep\nprint r5\n"
+    ).stdout
+    assert printed.splitlines()[1].endswith("ldi 1,r5") and [
+        line for line in printed.splitlines() if line.endswith("h)")
+    ][1:] == ["0 (00000000h)", "1 (00000001h)"]

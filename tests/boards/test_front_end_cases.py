@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from board_parts import HEAD, device, emulator
+from board_parts import HEAD, device
 from cmrc.c40 import Processor, assemble_file
 from cmrc.network import Network
+from command_line import emulator
 from dap import events, responses
 from dap.base import ErrorResponse
 from debugger.editor import Editor
@@ -41,7 +42,7 @@ def options(folder: Path, given: Given) -> list[str]:
 
 
 def in_folder(folder: Path, value: object) -> str:
-    """Files stand in the folder."""
+    """The folder has the files."""
     text = str(value)
     name = re.split(r"[@=]", text)[0]
     return str(folder / text) if (folder / name).exists() else text

@@ -8,9 +8,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from board_parts import END, HEAD, START, device, emulator, low
+from board_parts import END, HEAD, START, device, low
 from cmrc.c40 import Processor, assemble_file
 from cmrc.network import Network
+from command_line import emulator
 
 Front = Callable[[Path], tuple[int, int]]
 """R3 and R4 at the end of the program in a folder."""

@@ -95,7 +95,7 @@ def test_the_host_boots_a_nucleus_over_a_link_and_takes_its_first_message(exampl
     assert b"".join(struct.pack("<I", network.chips[1].memory[0x300000 + n]) for n in range(len(image) // 4)) == image
 
 
-def test_a_nucleus_that_stops_is_told_by_what_stopped_it(example: ModuleType) -> None:
+def test_a_nucleus_that_stops_is_reported_with_the_cause(example: ModuleType) -> None:
     broken = BOOTSTRAP.replace("ldi     2,r0            ; a message", "ldhi    0x0040,ar1\n        ldi     *ar1,r0")
     with pytest.raises(RuntimeError, match="read of 00400000h"):
         example.boot(nucleus(broken))

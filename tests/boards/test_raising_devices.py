@@ -1,5 +1,5 @@
 """A device of Python that raises in each of its members: the exception comes out with its place, nothing is half done,
-and after a repair the device goes on."""
+and after a repair the device continues."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ MAKERS = {"processor": one_chip, "network": one_of_two}
 
 @pytest.mark.parametrize("maker", MAKERS)
 @pytest.mark.parametrize("member", ["read", "write", "next_event", "advance_to", "interrupts"])
-def test_what_a_member_raises_comes_out_of_a_run_and_a_mended_device_goes_on(
+def test_what_a_member_raises_comes_out_of_a_run_and_a_repaired_device_continues(
     tmp_path: Path, maker: str, member: str
 ) -> None:
     whole = MAKERS[maker](Fragile(), board(tmp_path))
@@ -117,7 +117,7 @@ def test_what_a_member_raises_comes_out_of_a_run_and_a_mended_device_goes_on(
 
 @pytest.mark.parametrize("maker", MAKERS)
 @pytest.mark.parametrize("call", ["snapshot", "fork"])
-def test_what_save_raises_comes_out_of_snapshots_and_forks_and_the_run_goes_on(
+def test_what_save_raises_comes_out_of_snapshots_and_forks_and_the_run_continues(
     tmp_path: Path, maker: str, call: str
 ) -> None:
     device = Fragile()
@@ -132,7 +132,7 @@ def test_what_save_raises_comes_out_of_snapshots_and_forks_and_the_run_goes_on(
 
 
 @pytest.mark.parametrize("maker", MAKERS)
-def test_what_a_copy_raises_comes_out_of_what_makes_it_and_the_run_goes_on(tmp_path: Path, maker: str) -> None:
+def test_what_a_copy_raises_comes_out_of_what_makes_it_and_the_run_continues(tmp_path: Path, maker: str) -> None:
     """A network copies its devices when it is made, a processor when it is forked."""
     broken = Fragile("copy")
     if maker == "network":
@@ -147,7 +147,7 @@ def test_what_a_copy_raises_comes_out_of_what_makes_it_and_the_run_goes_on(tmp_p
 
 
 @pytest.mark.parametrize("maker", MAKERS)
-def test_what_load_raises_comes_out_of_a_fork_and_the_run_goes_on(tmp_path: Path, maker: str) -> None:
+def test_what_load_raises_comes_out_of_a_fork_and_the_run_continues(tmp_path: Path, maker: str) -> None:
     runner, run, chip = MAKERS[maker](Fragile("load"), board(tmp_path))
     with pytest.raises(RuntimeError, match="load is broken"):
         runner.fork()
@@ -174,7 +174,7 @@ def test_a_load_that_raises_leaves_what_was_there(tmp_path: Path, maker: str) ->
 
 
 @pytest.mark.parametrize("wrong", ["x", None, 1.5, 2**32, -(2**31) - 1])
-def test_a_read_that_gives_no_word_is_told(tmp_path: Path, wrong: Any) -> None:
+def test_a_read_that_gives_no_word_is_reported(tmp_path: Path, wrong: Any) -> None:
     for maker in MAKERS.values():
         device = Fragile()
         device.read = lambda offset, cycle: wrong  # type: ignore[method-assign]

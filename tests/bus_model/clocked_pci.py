@@ -41,7 +41,7 @@ class Board:
 class Master:
     jobs: list[Job]
     left: int = 0
-    asks: int | None = None  # REQ# stands from this clock on
+    asks: int | None = None  # REQ# is asserted from this clock on
 
 
 @dataclass
@@ -132,14 +132,14 @@ class Bus:
                         assert chosen is not None
                         frame_at = (max(clock + self.board.grant, free), chosen)
             if frame_at is not None and frame_at[0] == clock:
-                who = frame_at[1]
+                number = frame_at[1]
                 frame_at = None
-                master = self.masters[who]
+                master = self.masters[number]
                 job = master.jobs[0]
                 timing = self.board.targets[job.target]
-                self.give(who, clock)
+                self.give(number, clock)
                 master.asks = None
-                stay, done = Times(who, clock, 0, 0), 0
+                stay, done = Times(number, clock, 0, 0), 0
                 first = timing.write[0] if job.write else timing.read[0]
                 wait = (timing.devsel if job.write else max(timing.devsel, 2)) + first
                 continue

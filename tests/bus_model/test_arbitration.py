@@ -104,7 +104,7 @@ def crowd(rule: pci.Arbitration, first_level: list[bool], turns: int, **bus_fiel
     return [a.master for a in bus.attempts]
 
 
-def test_who_is_served_when_everybody_asks() -> None:
+def test_which_master_is_served_when_all_ask() -> None:
     plain = [False] * 4
     assert crowd(pci.Arbitration.round_robin, plain, 9) == [0, 1, 2, 3, 0, 1, 2, 3, 0]
     # A master that has just ended asks one clock later: the fixed order falls to the next one in between.
@@ -159,7 +159,7 @@ def test_commands_follow_the_cache_lines() -> None:
 
 
 @pytest.mark.parametrize("command, words", [(pci.Command.write, [15, 49]), (pci.Command.write_invalidate, [16, 48])])
-def test_memory_write_invalidate_goes_on_to_the_end_of_its_line(command: pci.Command, words: list[int]) -> None:
+def test_memory_write_invalidate_continues_to_the_end_of_its_line(command: pci.Command, words: list[int]) -> None:
     bus = pci.Bus()
     master = pci.MasterConfig()
     master.latency_timer = 16

@@ -98,7 +98,7 @@ def test_a_read_sees_every_write_before_it() -> None:
 
 
 def test_the_cost_of_a_read_by_hand() -> None:
-    """2 clocks in, grant parked, address, devsel 2, 3 wait states, data, 2 clocks back; the line goes on word by
+    """2 clocks in, grant parked, address, devsel 2, 3 wait states, data, 2 clocks back; the line continues word by
     word."""
     bus, (bridge,), memory = make()
     for i in range(16):

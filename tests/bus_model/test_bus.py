@@ -294,7 +294,7 @@ def test_a_target_that_takes_as_much_as_the_master_gives_still_disconnects() -> 
     assert ends[0] == ends[1] and ends[0][0] == 3
 
 
-def test_nobody_answers() -> None:
+def test_no_target_answers() -> None:
     bus, memory = one_master(pci.TargetConfig())
     bus.read(0, 0x5000, 2, 0)
     (ended,) = bus.advance_to(100)
@@ -307,7 +307,7 @@ def test_nobody_answers() -> None:
     assert ended.result == pci.Result.target_abort and memory.accesses == []
 
 
-def test_a_stuck_target_holds_up_nobody_else() -> None:
+def test_a_stuck_target_delays_no_other_target() -> None:
     bus = pci.Bus()
     bus.add_master()
     bus.add_master()

@@ -158,14 +158,14 @@ def test_nothing_is_lost_doubled_reordered_or_locked_up(count: int, depth: int, 
     assert all(p.done == 250 for p in processors)
     for number, log in written.items():
         far = [(a, v) for a, v in log if a >> 12 != number // 2]
-        # Delivered word by word, in order for each path: with two hops a word is told of by each bridge.
+        # Delivered word by word, in order for each path: with two hops each bridge reports a word.
         for bus in range(count):
             sent = [(a, v) for a, v in far if a >> 12 == bus]
             hops = abs(bus - number // 2)
-            told = [(a, v) for who, a, v, _ in buses.deliveries if who == number and a >> 12 == bus]
-            assert len(told) == hops * len(sent)
+            delivered = [(a, v) for bridge, a, v, _ in buses.deliveries if bridge == number and a >> 12 == bus]
+            assert len(delivered) == hops * len(sent)
             if hops == 1:
-                assert told == sent
+                assert delivered == sent
     for i in range(count):
         assert buses[i].audit(buses[i].now()) == []
 

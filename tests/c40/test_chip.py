@@ -211,7 +211,7 @@ def test_a_held_chip_only_counts() -> None:
 
 def test_a_window_access_begins_when_its_address_is_ready() -> None:
     # Written in execute, used as an address by the next instruction: its read stage is two cycles later than without
-    # (c40-hardware.md 7.3). The read stage is one cycle before execute, which stands at cycle(); no access begins
+    # (c40-hardware.md 7.3). The read stage is one cycle before execute, which is at cycle(); no access begins
     # before that.
     begins = {}
     for first in ("addi 1,r5", "addi 1,ar0"):

@@ -3,7 +3,8 @@
 import random
 
 import pytest
-from nasty_programs import CYCLES, Bench, assembled, generate, made, state
+from nasty_programs import CYCLES, generate
+from nasty_runs import Bench, assembled, made, state
 
 SEEDS = range(60)
 
@@ -28,7 +29,7 @@ def advance(chip, program, until, pins):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_a_nasty_program_goes_on_from_random_instants_in_another_chip(seed, tmp_path):
+def test_a_nasty_program_continues_from_random_instants_in_another_chip(seed, tmp_path):
     """At each of some random instants the state goes into a chip that has run something else before; it and the first
     then do the same for a while."""
     program = generate(seed)

@@ -18,7 +18,7 @@ REPEATS = [
     Case("RPTS of a read without wait states: 4 + 4", "rpts 3 / ldi *ar0++,r0", 8, {"AR0": LOCAL}),
     Case("with one: 4 + 4 x 2", "rpts 3 / ldi *ar0++,r0", 12, {"AR0": WAIT}),
     Case(
-        "of a write: each waits for the one before, the last for nobody: 4 + 4 x 2 - 1",
+        "of a write: each waits for the one before; nothing waits for the last: 4 + 4 x 2 - 1",
         "rpts 3 / sti r0,*ar0++",
         11,
         {"AR0": LOCAL},

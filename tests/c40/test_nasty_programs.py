@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from nasty_programs import Bench, Program, disagreement, generate, shrink
+from nasty_programs import Program, generate
 from nasty_rings import ring, ring_disagreement
+from nasty_runs import Bench, disagreement, shrink
 
 
 def check(seeds: range, directory: Path) -> None:
@@ -27,7 +28,7 @@ def check(seeds: range, directory: Path) -> None:
 
 
 @pytest.mark.parametrize("first", range(0, 300, 25))
-def test_nasty_programs_run_alike_however_they_are_looked_at(first: int, tmp_path: Path) -> None:
+def test_nasty_programs_run_alike_however_they_are_observed(first: int, tmp_path: Path) -> None:
     check(range(first, first + 25), tmp_path)
 
 

@@ -1,5 +1,5 @@
-"""A chip that is stopped anywhere in its code and put elsewhere goes on there: what was known of the code around is
-forgotten."""
+"""A chip that is stopped anywhere in its code and put elsewhere continues there: what was known of the code around
+is forgotten."""
 
 from typing import Any
 
@@ -14,7 +14,7 @@ LOOP = (
 OTHER = "other:\n" + "".join(f"        addi {3 + n},r{n % 8}\n" for n in range(16)) + "end2:   bu end2\n"
 
 
-def test_a_chip_that_is_put_elsewhere_in_the_middle_of_a_block_goes_on_there() -> None:
+def test_a_chip_that_is_put_elsewhere_in_the_middle_of_a_block_continues_there() -> None:
     image = package.assemble(LOOP + OTHER)
 
     def moved(cycles: int, exact: bool) -> Any:

@@ -86,7 +86,7 @@ def test_a_reserved_word_is_named_with_its_rule(name: str, word: int, section: s
     assert message in found[0].message
 
 
-def test_each_place_is_told_once_and_counted() -> None:
+def test_each_place_is_reported_once_and_counted() -> None:
     found = checked(" ldi 9,ar5\nagain: ldi *ar0++(1)%,r0\n db ar5,again\nstop: b stop", 500)
     assert [(d.rule, d.count) for d in found] == [("circular", 10)]
 

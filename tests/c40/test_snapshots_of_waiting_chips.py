@@ -151,7 +151,7 @@ def test_pins_holds_and_the_last_breakpoint():
     moved(chip, other)
     for each in (chip, other):
         each.set("IIF", 0x90)  # IIOF1: an interrupt by its level
-    together(chip, other)  # does not stop where it stands
+    together(chip, other)  # does not stop where the chip is
     chip.hold(True)
     moved(chip, other)
     together(chip, other, 50)

@@ -32,6 +32,6 @@ done:   b       done
 
 @pytest.mark.parametrize("size", range(1, 9))
 @pytest.mark.parametrize("at", [0x2FFC00, 0x300000, 0x80000000])
-def test_a_block_left_after_its_last_instruction_goes_on_as_the_exact_engine_does(at: int, size: int) -> None:
+def test_a_block_left_after_its_last_instruction_continues_as_the_exact_engine_does(at: int, size: int) -> None:
     for walk in range(2, 8):
         assert outcome(size, walk, at, exact=False) == outcome(size, walk, at, exact=True), walk

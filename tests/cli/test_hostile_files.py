@@ -7,16 +7,11 @@ from pathlib import Path
 
 import pytest
 from cmrc import _core
-from locations import BUILD
+from command_line import emulator
 
-EMULATOR = BUILD / "bin" / "emulator"
 toolchain = _core.toolchain
 REGION = '[[region]]\nname = "r"\nbase = 0x300000\nwords = 1\nbus = "local"\n'
 PROGRAM = "        .text\n_start: ldi 1,r0\n        idle\n"
-
-
-def emulator(folder: Path, *arguments: str) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run([EMULATOR, *arguments], check=False, cwd=folder, capture_output=True, text=True, timeout=60)
 
 
 def refused(result: "subprocess.CompletedProcess[str]", *words: str) -> None:
@@ -43,7 +38,7 @@ def wordless(request: pytest.FixtureRequest, tmp_path: Path) -> str:
         (tmp_path / "o.obj").write_bytes(header(int(request.param[1])))
     else:
         (tmp_path / "o.asm").write_text("" if request.param == "assembled" else '        .sect "mine"\nlabel:\n')
-        assert emulator(tmp_path, "asm", "-c", "o.asm", "-o", "o.obj").returncode == 0
+        assert emulator("asm", "-c", "o.asm", "-o", "o.obj", folder=tmp_path).returncode == 0
     return "o.obj"
 
 
@@ -53,15 +48,15 @@ def wordless(request: pytest.FixtureRequest, tmp_path: Path) -> str:
     ids=" ".join,
 )
 def test_an_object_without_a_word_is_no_program(tmp_path: Path, wordless: str, command: list[str]) -> None:
-    refused(emulator(tmp_path, *command), wordless, "no section contains a word", "at least one")
+    refused(emulator(*command, folder=tmp_path), wordless, "no section contains a word", "at least one")
     assert not (tmp_path / "x.out").exists()
 
 
 def test_an_object_without_a_word_may_be_linked_to_others(tmp_path: Path, wordless: str) -> None:
     (tmp_path / "s.asm").write_text(PROGRAM)
-    assert emulator(tmp_path, "asm", "-c", "s.asm", "-o", "s.obj").returncode == 0
-    assert emulator(tmp_path, "link", wordless, "s.obj", "-o", "x.out").returncode == 0
-    assert "stop: idle" in emulator(tmp_path, "exec", "x.out").stdout
+    assert emulator("asm", "-c", "s.asm", "-o", "s.obj", folder=tmp_path).returncode == 0
+    assert emulator("link", wordless, "s.obj", "-o", "x.out", folder=tmp_path).returncode == 0
+    assert "stop: idle" in emulator("exec", "x.out", folder=tmp_path).stdout
     with pytest.raises(toolchain.LinkError, match="no section contains a word"):
         toolchain.link([toolchain.read_object((tmp_path / wordless).read_bytes())])
 
@@ -70,8 +65,8 @@ def test_an_empty_source_makes_no_program(tmp_path: Path) -> None:
     """What is written can be read: exec refuses a file without sections, so asm does not write one."""
     (tmp_path / "empty.asm").write_text("; nothing\n")
     (tmp_path / "old.out").write_text("old")
-    refused(emulator(tmp_path, "asm", "empty.asm", "-o", "old.out"), "no word", "at least one")
-    refused(emulator(tmp_path, "exec", "empty.asm"), "empty.asm", "no word")
+    refused(emulator("asm", "empty.asm", "-o", "old.out", folder=tmp_path), "no word", "at least one")
+    refused(emulator("exec", "empty.asm", folder=tmp_path), "empty.asm", "no word")
     assert (tmp_path / "old.out").read_text() == "old"
     with pytest.raises(toolchain.CoffError, match="no word"):
         toolchain.write_coff(toolchain.assemble(""), tmp_path / "old.out")
@@ -133,7 +128,7 @@ READERS: dict[str, list[str]] = {
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("deep")
     (path / "s.asm").write_text(PROGRAM)
-    assert emulator(path, "asm", "-c", "s.asm", "-o", "s.obj").returncode == 0
+    assert emulator("asm", "-c", "s.asm", "-o", "s.obj", folder=path).returncode == 0
     return path
 
 
@@ -141,13 +136,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize("text", NESTED.values(), ids=list(NESTED))
 def test_toml_that_is_nested_deep_is_refused(folder: Path, reader: list[str], text: Callable[[int], str]) -> None:
     (folder / "deep.toml").write_text("# one\n" + text(DEEP))
-    refused(emulator(folder, *reader), "deep.toml:2", "more than 32 ", "a flatter file is expected")
+    refused(emulator(*reader, folder=folder), "deep.toml:2", "more than 32 ", "a flatter file is expected")
 
 
 @pytest.mark.parametrize("text", [NESTED["arrays"], NESTED["a header"], NESTED["a dotted key"]])
 def test_toml_at_the_limit_is_not_refused_for_its_depth(folder: Path, text: Callable[[int], str]) -> None:
     (folder / "deep.toml").write_text(text(32))
-    refused(emulator(folder, *READERS["--config"]), "no such ")
+    refused(emulator(*READERS["--config"], folder=folder), "no such ")
 
 
 def test_dots_and_brackets_in_texts_and_comments_are_no_nesting(folder: Path) -> None:
@@ -155,7 +150,7 @@ def test_dots_and_brackets_in_texts_and_comments_are_no_nesting(folder: Path) ->
     (folder / "deep.toml").write_text(
         f'# {many}\nname = "{many}" # {many}\n{REGION}[pins]\n"{many}" = """\n{many}\n"{many}"""\n'
     )
-    refused(emulator(folder, *READERS["exec --board"]), "no such key pins.")
+    refused(emulator(*READERS["exec --board"], folder=folder), "no such key pins.")
 
 
 # ---- layouts
@@ -164,7 +159,7 @@ def test_dots_and_brackets_in_texts_and_comments_are_no_nesting(folder: Path) ->
 def test_a_bay_without_rows_is_refused(tmp_path: Path) -> None:
     (tmp_path / "lay.toml").write_text("rows_m = []\n[[containers]]\nx_m = 0.0\ny_m = 24.0\n")
     refused(
-        emulator(tmp_path, "--duration", "0.1", "--quiet", "--set", "dock.layout=lay.toml"),
+        emulator("--duration", "0.1", "--quiet", "--set", "dock.layout=lay.toml", folder=tmp_path),
         "lay.toml:1",
         "rows_m",
         "at least one row",

@@ -1,10 +1,9 @@
 """Images over every boot source, width and format; texts of EPROMs with odd records."""
 
-import subprocess
 from pathlib import Path
 
 import pytest
-from locations import BUILD
+from command_line import emulator
 
 SOURCES = {
     0x300000: "1101",
@@ -16,16 +15,6 @@ SOURCES = {
 }
 BOARD = 'name = "b"\n[pins]\nromen = true\niiof = "{iiof}"\n[[region]]\nname = "EPROM"\nbase = 0x{base:X}\nwords = {words}\nbus = "{bus}"\n'
 PROGRAM = "start: ldi 42,r5\n ldi @total,r6\nend: b end\n .data\ntotal: .word 1234h\n"
-
-
-def emulator(*arguments: object) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [str(word) for word in (BUILD / "bin" / "emulator", *arguments)],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from locations import BUILD
+from command_line import emulator
 
 SOURCE = """
         .sect   "prog"
@@ -26,16 +26,6 @@ total:  .word   0
 """
 FORMATS = ["intel-hex", "srec", "binary"]
 SOURCES = ["300000h", "80000000h"]  # of the default board, of those that the pins can choose
-
-
-def emulator(*arguments: object) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [str(word) for word in (BUILD / "bin" / "emulator", *arguments)],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
 
 
 @pytest.fixture(scope="module")

@@ -33,9 +33,9 @@ def last(drawn: timeline.Timeline, track: int) -> float:
 
 @pytest.mark.parametrize("cut", [(), ("--action", "6,cut,1.0:2.3")])
 def test_words_and_fifos_are_those_of_the_counters(tmp_path: Path, cut: tuple[str, ...]) -> None:
-    drawn, told = execute(tmp_path, NETWORKS / "ring.asm", "--topology", "ring:4", *cut)
+    drawn, report = execute(tmp_path, NETWORKS / "ring.asm", "--topology", "ring:4", *cut)
     words = 0
-    for link in told["links"]:
+    for link in report["links"]:
         for way, ends in ((link["forth"], (link["a"], link["b"])), (link["back"], (link["b"], link["a"]))):
             name = " > ".join(ends)
             arrived = [one for one in drawn.instants if one.track == drawn.track("links", name)]
@@ -44,11 +44,11 @@ def test_words_and_fifos_are_those_of_the_counters(tmp_path: Path, cut: tuple[st
             assert all(value >= 0 for value in values)
             chip, port = map(int, ends[0].split("."))
             assert last(drawn, drawn.track("links", f"on the way {name}")) == way["under_way"] + len(
-                told["chips"][chip]["ports"][port]["output"]
+                report["chips"][chip]["ports"][port]["output"]
             )
             words += len(arrived)
     assert words > 0
-    for n, chip in enumerate(told["chips"]):
+    for n, chip in enumerate(report["chips"]):
         for track in drawn.below(f"chip {n}"):
             if "FIFO" in drawn.paths[track][1]:
                 port = chip["ports"][int(drawn.paths[track][1].split()[-1])]
@@ -58,7 +58,7 @@ def test_words_and_fifos_are_those_of_the_counters(tmp_path: Path, cut: tuple[st
 
 def test_dma_blocks_and_interrupts_are_drawn(tmp_path: Path) -> None:
     program = NETWORKS / "bandwidth_dma.asm"
-    drawn, told = execute(tmp_path, program, program, "--link", "0.0:1.3")
+    drawn, report = execute(tmp_path, program, program, "--link", "0.0:1.3")
     blocks = [
         one for track in drawn.below("chip 0") for one in drawn.slices[track] if drawn.paths[track][1].startswith("DMA")
     ]
@@ -68,7 +68,7 @@ def test_dma_blocks_and_interrupts_are_drawn(tmp_path: Path) -> None:
         if drawn.paths[one.track] == ("chip 0", "interrupts and timers") and one.name == "interrupt"
     ]
     assert len(blocks) >= 9 and len(taken) >= 9
-    assert sum(chip["causes"]["interrupt"] for chip in told["chips"]) > 0
+    assert sum(chip["causes"]["interrupt"] for chip in report["chips"]) > 0
 
 
 def test_drawing_changes_nothing(tmp_path: Path) -> None:

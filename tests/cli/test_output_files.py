@@ -65,7 +65,7 @@ def test_a_pipe_is_written_into_and_stays_a_pipe(folder: Path, command: list[str
 @pytest.mark.parametrize(
     "command", [["asm", "s.asm", "-o"], ["link", "s.obj", "-o"], ["exec", "s.asm", "--trace"], [*RUN, "--report"]]
 )
-def test_a_device_stays_a_device_and_a_full_one_is_told(folder: Path, command: list[str]) -> None:
+def test_a_device_stays_a_device_and_a_full_one_is_reported(folder: Path, command: list[str]) -> None:
     (folder / "null").symlink_to("/dev/null")
     assert emulator(folder, *command, "null").returncode == 0
     assert stat.S_ISCHR(Path("/dev/null").stat().st_mode) and (folder / "null").is_symlink()
@@ -234,7 +234,7 @@ PRINTING = [
 
 
 @pytest.mark.parametrize("command", PRINTING, ids=" ".join)
-def test_a_full_or_closed_standard_output_is_told(folder: Path, command: list[str]) -> None:
+def test_a_full_or_closed_standard_output_is_reported(folder: Path, command: list[str]) -> None:
     with open("/dev/full", "w") as full:
         result = subprocess.run(
             [EMULATOR, *command], check=False, cwd=folder, stdout=full, stderr=subprocess.PIPE, text=True

@@ -77,7 +77,7 @@ def test_disasm_assembles_to_the_same_words(run, squares, tmp_path: Path) -> Non
     assert rebuilt == [word for _, word, _ in lines if word]
 
 
-def test_hex_is_loaded_and_started_where_told(run, tmp_path: Path) -> None:
+def test_hex_is_loaded_and_started_at_the_given_address(run, tmp_path: Path) -> None:
     # ldi 5,r0 ; addi 2,r0 ; b $ (words of c40-isa.md's tables: 08600005, 02600002, branch to itself 6A00FFFF)
     (tmp_path / "p.hex").write_text("08600005\n02600002\n6A00FFFF\n")
     result = run("exec", "p.hex", "--load-at", "1000h", "--board", "flat", "--json")
@@ -117,7 +117,7 @@ def test_idle_without_an_interrupt_to_come_ends_the_run(run, tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("source", "what"),
     [
-        ("start: ldhi 0C000h,ar0\n ldi *ar0,r0\n", "C0000000h"),  # window to bus A: nobody there
+        ("start: ldhi 0C000h,ar0\n ldi *ar0,r0\n", "C0000000h"),  # window to bus A: no target there
         ("start: .word 0FFFFFFFFh\n", "300000"),  # a reserved word: the PC is named
         ("start: ldhi 0F000h,ar0\n ldi *ar0,r0\n", "F0000000"),  # a reserved address
     ],

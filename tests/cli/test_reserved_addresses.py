@@ -74,7 +74,7 @@ def test_without_a_word_an_access_is_a_fault(emulator: Path, tmp_path: Path) -> 
         assert "reserved" not in json.loads(done.stdout)
 
 
-def test_ignored_accesses_read_0_and_are_told_once_for_each_address(emulator: Path, tmp_path: Path) -> None:
+def test_ignored_accesses_read_0_and_are_reported_once_for_each_address(emulator: Path, tmp_path: Path) -> None:
     ignoring = board(tmp_path, 'reserved = "ignore"\n' + RAM)
     done = run(emulator, program(tmp_path), "--board", ignoring, "--json")
     out = json.loads(done.stdout)
@@ -176,7 +176,7 @@ def test_a_network_ignores_them_chip_by_chip(emulator: Path, tmp_path: Path) -> 
         )
 
 
-def test_a_processor_tells_of_them_and_its_snapshots_hold_what_was_told(tmp_path: Path) -> None:
+def test_a_processor_reports_them_and_its_snapshots_hold_the_reports(tmp_path: Path) -> None:
     ignoring = board(tmp_path, 'reserved = "ignore"\n' + RAM)
     processor = cmrc.c40.Processor(cmrc.c40.assemble(PROGRAM), board=ignoring)
     processor.run(until=0x300006)
@@ -257,7 +257,7 @@ def test_what_is_wrong_in_a_board_file_is_named(emulator: Path, tmp_path: Path, 
     assert done.returncode == 2 and message in done.stderr and "board.toml" in done.stderr, done.stderr
 
 
-def test_all_that_is_wrong_is_told_at_once(emulator: Path, tmp_path: Path) -> None:
+def test_all_that_is_wrong_is_reported_together(emulator: Path, tmp_path: Path) -> None:
     text = (
         'reserved = "open"\ngmicr = -1\n'
         + RAM
@@ -305,7 +305,7 @@ def test_the_dock_refuses_such_a_board(emulator: Path, tmp_path: Path) -> None:
 # What the loader says
 
 
-def test_a_section_outside_memory_is_told_the_nearest_regions(emulator: Path, tmp_path: Path) -> None:
+def test_a_section_outside_memory_is_an_error_with_the_nearest_regions(emulator: Path, tmp_path: Path) -> None:
     at = "section .text ({} words at {}) is not in RAM of board {}: nearest "
     source = program(tmp_path)
     for suffix, address, words in ((RAM + FAR, 0x600000, 9), (RAM, 0x600000, 9)):

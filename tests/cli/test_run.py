@@ -44,7 +44,7 @@ def test_the_identities_of_the_report(report_of, dsps: int) -> None:
     assert report["tasks"]["pid"]["released"] >= 55
     assert len(report["dsps"]) == dsps
     for dsp in report["dsps"]:
-        # Nobody stands still in virtual time: every chip has counted the whole run, to within an instruction's stall.
+        # No chip stays behind in virtual time: each has counted the whole run, to within an instruction's stall.
         assert dsp["cycles"] == sum(dsp["causes"].values())
         assert dsp["cycles"] == pytest.approx(SHORT * dsp["clock_hz"], abs=2000)
     assert set(report["buses"]) == {"A", "B"}

@@ -380,6 +380,6 @@ def test_a_signal_that_is_ignored_at_the_start_stays_ignored(folder: Path, numbe
     running.process.send_signal(number)
     running.until(lambda: not pending(running.process))
     so_far = len(running.came["t"])
-    running.until(lambda: len(running.came["t"]) > so_far + (1 << 20))  # it goes on
+    running.until(lambda: len(running.came["t"]) > so_far + (1 << 20))  # it continues
     assert running.signal(other) == SIGNALS[other]
     exec_check(running)

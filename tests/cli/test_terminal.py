@@ -116,7 +116,7 @@ def test_nothing_that_is_printed_is_obeyed(folder: Path, command: list[str]) -> 
         (["--set", f"{EVIL}=1"], SHOWN),
     ],
 )
-def test_what_was_there_is_still_told(folder: Path, command: list[str], shown: str) -> None:
+def test_what_was_there_is_still_reported(folder: Path, command: list[str], shown: str) -> None:
     result = emulator(folder, *command)
     assert shown in (result.stdout + result.stderr).decode()
 

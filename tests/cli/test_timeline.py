@@ -12,9 +12,8 @@ from typing import Any
 
 import pytest
 import timeline
-from locations import BUILD
+from command_line import EMULATOR, emulator
 
-EMULATOR = BUILD / "bin" / "emulator"
 ALONE = ["--quiet", "--set", "report.reference=none"]
 BUSY = [
     "--dsps",
@@ -32,16 +31,10 @@ CLOCK_PS = 30_000
 MS = 10**9
 
 
-def emulator(folder: Path, *arguments: object) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run(
-        [EMULATOR, *map(str, arguments)], check=False, cwd=folder, capture_output=True, text=True, timeout=120
-    )
-
-
 def run(folder: Path, *arguments: object) -> Any:
     """The report of a run."""
     report = folder / "report.json"
-    done = emulator(folder, *arguments, *ALONE, "--report", report)
+    done = emulator(*arguments, *ALONE, "--report", report, folder=folder)
     assert done.returncode == 0, done.stderr
     return json.loads(report.read_text())
 
@@ -150,12 +143,12 @@ def test_late_begins_at_the_deadline(busy: Drawn) -> None:
         assert one.begin == one.parent.notes["deadline_ps"] and one.end == one.parent.end
 
 
-def test_misses_tell_the_waits_of_their_chains(busy: Drawn) -> None:
-    told = {(miss["kind"], miss["robot"], miss["number"], miss["end_ps"]): miss for miss in busy.report["misses"]}
+def test_misses_show_the_waits_of_their_chains(busy: Drawn) -> None:
+    reported = {(miss["kind"], miss["robot"], miss["number"], miss["end_ps"]): miss for miss in busy.report["misses"]}
     drawn = 0
     for kind in busy.report["tasks"]:
         for one in misses_of(busy, kind):
-            miss = told[kind, one.notes["robot"], one.notes["job"], one.at]
+            miss = reported[kind, one.notes["robot"], one.notes["job"], one.at]
             waits = {
                 name: ps
                 for name, ps in miss["parts_ps"].items()
@@ -167,7 +160,7 @@ def test_misses_tell_the_waits_of_their_chains(busy: Drawn) -> None:
             } == waits
             assert one.notes.get("lateness_ps") == miss["lateness_ps"]
             drawn += 1
-    assert drawn == len(told) > 100
+    assert drawn == len(reported) > 100
 
 
 def test_flows_lead_from_each_block_in_the_way_to_the_miss(busy: Drawn) -> None:
@@ -211,14 +204,14 @@ def test_flows_lead_from_each_block_in_the_way_to_the_miss(busy: Drawn) -> None:
 
 def test_refreshes_are_those_of_the_host(busy: Drawn) -> None:
     refreshes = busy.timeline.slices[busy.timeline.track("host", "refreshes")]
-    told = busy.report["host"]["refresh_duration_ps"]
+    reported = busy.report["host"]["refresh_duration_ps"]
     durations = [one.end - one.begin for one in refreshes]
-    assert len(refreshes) == told["count"]
-    assert sum(durations) / len(durations) == pytest.approx(told["mean"], rel=1e-12)
-    assert (min(durations), max(durations)) == (told["best"], told["worst"])
+    assert len(refreshes) == reported["count"]
+    assert sum(durations) / len(durations) == pytest.approx(reported["mean"], rel=1e-12)
+    assert (min(durations), max(durations)) == (reported["best"], reported["worst"])
 
 
-def test_the_length_of_the_list_is_told_when_it_changes(busy: Drawn) -> None:
+def test_the_length_of_the_list_is_reported_when_it_changes(busy: Drawn) -> None:
     track = busy.timeline.track("host", "list length")
     lengths = [length for _, length in busy.timeline.values[track]]
     assert max(lengths) == busy.report["host"]["list_length"]["worst"]
@@ -255,7 +248,7 @@ def test_processes_and_the_plant(busy: Drawn) -> None:
     assert len(times) > 30 and all(at % 20_000_000 == 0 for at in times)
 
 
-def test_picoseconds_are_told_where_clocks_have_them(tmp_path: Path) -> None:
+def test_picoseconds_are_shown_where_clocks_have_them(tmp_path: Path) -> None:
     drawn = draw(tmp_path, "--dsps", "2", "--duration", "0.4", "--set", "run.phase_jitter=true")
     timeline.check_order(drawn.timeline)
     assert any(block.begin % 1000 for slot in (0, 1) for block in drawn.blocks(slot))
@@ -331,7 +324,7 @@ def test_the_list_has_one_owner_at_a_time(window: Drawn) -> None:
     assert all(one.end <= after.begin for one, after in itertools.pairwise(owners))
 
 
-# ---- DSPs that fail, runs that end early or go on
+# ---- DSPs that fail, runs that end early or continue
 
 
 def test_a_dsp_that_fails_is_off_from_then_on(tmp_path: Path) -> None:
@@ -430,30 +423,30 @@ def test_a_resumed_run_draws_what_is_left(tmp_path: Path) -> None:
 )
 def test_bad_input(tmp_path: Path, arguments: list[str], says: str) -> None:
     (tmp_path / "c.toml").write_text("[machine]\ndsps = 2\n")
-    done = emulator(tmp_path, "--duration", "0.1", *ALONE, *arguments)
+    done = emulator("--duration", "0.1", *ALONE, *arguments, folder=tmp_path)
     assert done.returncode == 2
     assert says in done.stderr
     assert {path.name for path in tmp_path.iterdir()} == {"c.toml"}
     assert (tmp_path / "c.toml").read_text() == "[machine]\ndsps = 2\n"
 
 
-def test_a_device_is_written_into_and_a_full_disk_is_told(tmp_path: Path) -> None:
+def test_a_device_is_written_into_and_a_full_disk_is_reported(tmp_path: Path) -> None:
     short = ["--dsps", "1", "--duration", "0.1", *ALONE]
-    assert emulator(tmp_path, *short, "--perfetto", "/dev/null").returncode == 0
+    assert emulator(*short, "--perfetto", "/dev/null", folder=tmp_path).returncode == 0
     for name in ("/dev/full",):
-        done = emulator(tmp_path, *short, "--perfetto", name)
+        done = emulator(*short, "--perfetto", name, folder=tmp_path)
         assert done.returncode != 0
         assert f"{name}: writing failed: No space left on device" in done.stderr
 
 
-def test_a_full_disk_is_told_for_packed_files(tmp_path: Path) -> None:
+def test_a_full_disk_is_reported_for_packed_files(tmp_path: Path) -> None:
     (tmp_path / "full.gz").symlink_to("/dev/full")
-    done = emulator(tmp_path, "--dsps", "1", "--duration", "0.1", *ALONE, "--perfetto", "full.gz")
+    done = emulator("--dsps", "1", "--duration", "0.1", *ALONE, "--perfetto", "full.gz", folder=tmp_path)
     assert done.returncode != 0
     assert "full.gz: writing failed: No space left on device" in done.stderr
 
 
-def test_names_of_tasks_are_told_as_they_are(tmp_path: Path) -> None:
+def test_names_of_tasks_are_written_unchanged(tmp_path: Path) -> None:
     name = 'küh<l>"er & 温度\n'
     rows = f'name = {json.dumps(name)}\nprogram = "kernel_none"\nkind = 14\nimportance = 0xF3FF\nperiod_ms = 10\n'
     (tmp_path / "c.toml").write_text("[[tasks]]\n" + rows)

@@ -43,8 +43,8 @@ def asked(folder: Path) -> str:
 
 
 def git(folder: Path, *words: str) -> None:
-    who = ("-c", "user.name=a", "-c", "user.email=a@b")
-    subprocess.run(["git", *who, *words], cwd=folder, check=True, capture_output=True)
+    author = ("-c", "user.name=a", "-c", "user.email=a@b")
+    subprocess.run(["git", *author, *words], cwd=folder, check=True, capture_output=True)
 
 
 @scm

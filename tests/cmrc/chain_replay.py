@@ -22,7 +22,7 @@ HOST, DROPPED = 0xFF, 5
 ACQUIRED, TAKEN_AWAY = (
     1,
     2,
-)  # states of a semaphore; the second tells from whom the host has acquired it, and who holds it does not change
+)  # states of a semaphore; 2: the host has acquired it from its holder, which does not change
 MUST_CONTINUE = 1  # of TB_NOTIFY: a part is done, and the job is not
 STANDS_STILL = (0, 1, 2)  # machine::Action: fail, freeze, hang
 BEFORE = ("host_late", "not_due", "host_refresh", "host_lock")
@@ -60,7 +60,7 @@ class Job:
     failed: list[int | None] = field(default_factory=list)
     end: int | None = None
     parts: dict[int, int] = field(default_factory=dict)  # claims that ran a part: when it was done
-    parted: bool = False  # a part is done, and the host has not put up the next one
+    between_parts: bool = False  # a part is done, and the host has not put up the next one
 
     def ran(self) -> int:
         return sum(done - self.claims[i][1] for i, done in self.parts.items())
@@ -97,15 +97,15 @@ class Trace:
         numbers: dict[int, int] = {}
         eligible: list[Job] = []
         continues: dict[int, bool] = {}  # by block: its last run was a part
-        goes_on: Job | None = None
+        next_part_of: Job | None = None
         for time, component, name, n in events:
             self.last = time
             slot = int(component.split()[1]) if component.startswith("dsp") else -1
             if name == "load":
                 kind = n["kind"]
-                if goes_on:  # the host loads it where it takes out the part that is done
-                    goes_on.parted = False
-                    in_list[n["block"]], goes_on = goes_on, None
+                if next_part_of:  # the host loads it where it takes out the part that is done
+                    next_part_of.between_parts = False
+                    in_list[n["block"]], next_part_of = next_part_of, None
                     continue
                 number = n["tick"] // servo if kind in SERVO else numbers.get(kind, 0)
                 numbers[kind] = numbers.get(kind, 0) + 1
@@ -115,7 +115,7 @@ class Trace:
                 for job in in_list.values():
                     if not job.waits_from:
                         job.waits_from.append(self.tick(job.due if job.kind in SERVO else n["number"]))
-                    waits = len(job.claims) < len(job.waits_from) and not job.parted
+                    waits = len(job.claims) < len(job.waits_from) and not job.between_parts
                     if (
                         waits
                         and len(job.offered) < len(job.waits_from)
@@ -140,7 +140,7 @@ class Trace:
                 else:
                     length = job.ran() + issued - job.claims[-1][1]
                     if continues[n["block"]]:
-                        job.parts[len(job.claims) - 1], job.parted = issued, True
+                        job.parts[len(job.claims) - 1], job.between_parts = issued, True
                         job.waits_from.append(issued)
                     else:
                         job.end = issued
@@ -153,7 +153,7 @@ class Trace:
             elif name == "remove":
                 gone = in_list.pop(n["block"])
                 self.taken_away(gone, time)  # without an end it was given up
-                goes_on = gone if gone.parted else None
+                next_part_of = gone if gone.between_parts else None
             elif name == "miss" and n["class"] == DROPPED:
                 kind = n["kind"]
                 number = (
@@ -272,13 +272,15 @@ def check(trace: Trace, report: dict[str, Any]) -> int:
                 stop = after if job.failed[i] is None else min(after, max(claimed, job.failed[i] or 0))
                 expected["lost_run"] = expected.get("lost_run", 0) + stop - claimed
                 expected["watchdog"] = expected.get("watchdog", 0) + after - stop
-        told = {
+        reported = {
             what: parts.pop(what, 0)
             for what in ("doorbell", "lock", "blocked", "behind_list", "no_dsp", "own_dsp_out", "lost_run", "watchdog")
         }
-        told["claim"] = sum(parts.pop(what, 0) for what in CLAIM)
+        reported["claim"] = sum(parts.pop(what, 0) for what in CLAIM)
         assert sum(parts.pop(what, 0) for what in BEFORE) == before, where
-        assert told == {what: expected.get(what, 0) for what in told}, f"{where}: {told}, by the trace {expected}"
+        assert reported == {what: expected.get(what, 0) for what in reported}, (
+            f"{where}: {reported}, by the trace {expected}"
+        )
         ran = (
             bool(job.claims)
             and len(job.claims) == len(job.waits_from)
@@ -295,7 +297,7 @@ def check(trace: Trace, report: dict[str, Any]) -> int:
         if miss["outcome"] == "late":
             assert end == job.end, where
         in_the_way = sum(block["share_ps"] for block in miss["behind"])
-        assert in_the_way == told["blocked"] + told["behind_list"], where
+        assert in_the_way == reported["blocked"] + reported["behind_list"], where
         for block in miss["behind"]:
             state, what = trace.slots[block["dsp"]].at(block["from_ps"], ("off", None))
             assert (

@@ -85,7 +85,7 @@ def of_task(kind: str, task: Report, missed: int | None) -> Iterator[str]:
     if not certain <= task["misses"] <= certain + possible or not task["longest_miss_streak"] <= task["misses"]:
         yield f"{kind}: {task['misses']} misses of {certain} to {certain + possible}, {task['longest_miss_streak']} in a row"
     if missed is not None and missed != task["misses"]:
-        yield f"{kind}: {missed} misses told of {task['misses']}"
+        yield f"{kind}: {missed} misses listed of {task['misses']}"
     why = task["why_late"]
     if sum(why["parts_ps"].values()) != why["lateness_ps"]:
         yield f"{kind}: parts of {sum(why['parts_ps'].values())} ps, {why['lateness_ps']} ps late"
@@ -129,15 +129,15 @@ def broken(report: Report, dock: Dock, config: Any) -> list[str]:
         wrong.append(
             f"{len(report['timed_events'])} events and {report['timed_events_to_come']} to come, of {len(dock.events)}"
         )
-    told = (
+    reported = (
         {kind: sum(miss["kind"] == kind for miss in report["misses"]) for kind in report["tasks"]}
         if report["misses_left_out"] == 0
         else {}
     )
     for kind, task in report["tasks"].items():
-        wrong += of_task(kind, task, told.get(kind))
+        wrong += of_task(kind, task, reported.get(kind))
     if sum(task["misses"] for task in report["tasks"].values()) != len(report["misses"]) + report["misses_left_out"]:
-        wrong.append("misses told and left out are not all")
+        wrong.append("misses listed and left out are not all")
     wrong += of_chips(report, len(dock.events), disturbed=bool(dock.events) or config.to_dict()["run.phase_jitter"])
     for path, summary in summaries({key: part for key, part in report.items() if key != "configuration"}):
         wrong += of_summary(path, summary)

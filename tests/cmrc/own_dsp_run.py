@@ -107,7 +107,9 @@ class Run:
         """Time and slot of each claim of a task's blocks."""
         kind = FIRST + next(n for n, r in enumerate(self.rows) if r["name"] == name)
         return [
-            (time, int(who.split()[1])) for time, who, what, n in self.events if what == "claim" and n["kind"] == kind
+            (time, int(component.split()[1]))
+            for time, component, what, n in self.events
+            if what == "claim" and n["kind"] == kind
         ]
 
     def runs(self, name: str) -> list[tuple[int, int]]:

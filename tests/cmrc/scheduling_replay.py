@@ -149,8 +149,8 @@ class Replay:
             self.faults.append(f"{time} ps: {what}")
 
     def follow(self, trace: Iterable[Event]) -> None:
-        for time, who, name, n in trace:
-            slot = int(who.split()[1]) if who.startswith("dsp") else -1
+        for time, component, name, n in trace:
+            slot = int(component.split()[1]) if component.startswith("dsp") else -1
             self.power_on = self.power_on or (name == "reset" and n["state"] == 1 and self.seen == 0)
             if name == "idle" and n["state"]:
                 self.idle.add(slot)

@@ -210,14 +210,14 @@ sabotage_end:
     report = sabotage(desk, body)
     others_are_well(report)
     mine = report["tasks"]["user.sway_watch"]
-    told = [failure for failure in report["failures"] if failure["kind"] == "guard"]
-    assert told and all(
+    guarded = [failure for failure in report["failures"] if failure["kind"] == "guard"]
+    assert guarded and all(
         "user.sway_watch wrote" in failure["message"] and "the first DEAD0000h at offset" in failure["message"]
-        for failure in told
+        for failure in guarded
     )
-    assert sum(int(re.search(r"wrote (\d+) words", failure["message"])[1]) for failure in told) == mine["on_time"] * (
-        words - own
-    )
+    assert sum(int(re.search(r"wrote (\d+) words", failure["message"])[1]) for failure in guarded) == mine[
+        "on_time"
+    ] * (words - own)
     assert mine["released"] == mine["on_time"] == 29
 
 
@@ -270,7 +270,7 @@ def test_a_task_that_touches_an_address_with_nothing_behind_it_stops_its_dsp(des
     assert report["tasks"]["pid"]["on_time"] > 280
 
 
-def test_a_task_that_overruns_is_reported_as_late_and_delays_nobody_with_a_dsp_to_spare(desk: Path) -> None:
+def test_a_task_that_overruns_is_reported_as_late_and_delays_no_other_with_a_dsp_to_spare(desk: Path) -> None:
     body = """        ldhi    1, rc                           ; 65 537 turns of a cycle and more: 2.6 ms, deadline 1 ms
         rptb    sabotage_end
 sabotage_end:

@@ -47,7 +47,7 @@ def test_at_power_on_every_dsp_takes_each_word_once_and_answers_once(dsps: int) 
     assert failures(report) == []
 
 
-def test_the_host_begins_when_it_is_told_or_when_all_have_booted() -> None:
+def test_the_host_begins_at_its_time_or_when_all_have_booted() -> None:
     def first_tick(**settings: Any) -> int:
         report = run(**settings)
         assert misses(report) == 0
@@ -100,7 +100,7 @@ def test_with_a_broken_wire_at_power_on_the_others_begin_without_it() -> None:
     assert report["dsps"][1]["link_words"]["in"] < report["boot_words"]
 
 
-def test_a_mended_wire_lets_the_next_reset_boot() -> None:
+def test_a_repaired_wire_lets_the_next_reset_boot() -> None:
     report = run([(0.001, "break_link", 1), (0.04, "repair_link", 1), (0.05, "reset", 1)])
     boot = report["dsps"][1]["boots"][-1]
     assert boot["reset_at_s"] == 0.05 and 0 < boot["boot_s"] < 0.005

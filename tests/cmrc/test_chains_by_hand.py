@@ -10,7 +10,7 @@ def scene(kept: int = 1000) -> ledgers.LedgerInPicoseconds:
     return ledgers.LedgerInPicoseconds(kept)
 
 
-def told(jobs: ledgers.LedgerInPicoseconds, now: int, causes: list[list[int]] | None = None) -> dict[str, Any]:
+def report_at(jobs: ledgers.LedgerInPicoseconds, now: int, causes: list[list[int]] | None = None) -> dict[str, Any]:
     report = json.loads(jobs.report_json(now, causes or []))
     assert report["audit"]["violations"] == []
     return report
@@ -48,7 +48,7 @@ def test_each_kind_of_waiting_once() -> None:
     jobs.claimed(2, 1, 1480, [0, 0])  # 7 of claiming
     jobs.finished(2, 1, 1600, [70, 50])  # 60 longer than the usual 50 + 10
     jobs.removed(2)
-    [miss] = told(jobs, 2000)["misses"]
+    [miss] = report_at(jobs, 2000)["misses"]
     assert miss["parts_ps"] == {
         "host_late": 5, "host_refresh": 18, "host_lock": 7, "doorbell": 20, "claim": 10 + 5 + 1 + 7, "claim_bus_a": 20, "claim_bus_b": 2, "lock": 15,
         "blocked": 370, "execution.execute": 20, "execution.bus": 40, "slack": -(500 - 60),
@@ -79,7 +79,7 @@ def test_each_kind_of_waiting_once() -> None:
     assert miss["unavoidable_ps"] == 1441  # the first instant after 1500 - 60
 
 
-def test_blocks_that_stood_before_it_are_told_from_those_that_ran() -> None:
+def test_blocks_before_it_in_the_list_are_distinguished_from_those_that_ran() -> None:
     jobs = scene()
     usual_pid(jobs)
     jobs.slot(1, "asleep", 0)
@@ -99,7 +99,7 @@ def test_blocks_that_stood_before_it_are_told_from_those_that_ran() -> None:
     jobs.claimed(3, 0, 1161, [61, 70])
     jobs.finished(3, 0, 1221, [111, 80])
     jobs.removed(3)
-    report = told(jobs, 2000)
+    report = report_at(jobs, 2000)
     [miss] = report["misses"]
     assert miss["parts_ps"] == {"blocked": 101, "behind_list": 60, "slack": -40}
     assert [(b["kind"], b["robot"], b["dsp"], b["share_ps"], b["overtook"]) for b in miss["behind"]] == [
@@ -125,7 +125,7 @@ def test_a_dead_dsp_costs_its_run_and_the_watchdog() -> None:
     jobs.claimed(2, 1, 3011, [0, 0])
     jobs.finished(2, 1, 3070, [50, 9])  # the shortest run by now
     jobs.removed(2)
-    [miss] = told(jobs, 4000)["misses"]
+    [miss] = report_at(jobs, 4000)["misses"]
     assert miss["parts_ps"] == {
         "host_refresh": 5,
         "doorbell": 5,
@@ -138,7 +138,7 @@ def test_a_dead_dsp_costs_its_run_and_the_watchdog() -> None:
     assert [run["end"] for run in miss["runs"]] == ["failed", "done"]
     assert (
         miss["unavoidable_ps"] == 1500 - 59 + 1
-    )  # claimed in time; since 1030 it would have to start anew, for which there is time until then
+    )  # claimed in time; after 1030 it would have to start again, for which there is time until then
 
 
 def test_a_dropped_tick_names_the_job_that_was_out() -> None:
@@ -147,14 +147,14 @@ def test_a_dropped_tick_names_the_job_that_was_out() -> None:
     jobs.release(2, "pid", 1000, 1500)
     jobs.skipped("pid", 1500, 2000, 3, 1507)
     jobs.skipped("torque_compensation", 1500, 2000, 3, 2600)
-    first, second = told(jobs, 1600)["misses"][:2]
+    first, second = report_at(jobs, 1600)["misses"][:2]
     assert first["parts_ps"] == {"previous_out": 500, "not_run": -60, "slack": -440} and first["previous"] == 1
     assert first["lateness_ps"] == 0 and first["unavoidable_ps"] == 1507
     assert second["parts_ps"] == {"host_late": 500, "slack": -500} and second["previous"] is None
     assert second["unavoidable_ps"] == 2001
 
 
-def test_what_has_not_ended_is_told_up_to_the_end_of_the_run() -> None:
+def test_what_has_not_ended_is_reported_up_to_the_end_of_the_run() -> None:
     jobs = scene()
     usual_pid(jobs)
     jobs.slot(0, "off", 100)
@@ -164,7 +164,7 @@ def test_what_has_not_ended_is_told_up_to_the_end_of_the_run() -> None:
     jobs.refresh(1000, 1000, 1000, 1000, [1, 2])
     jobs.claimed(1, 1, 1000, [0, 0])
     jobs.slot_failed(1, 1980)
-    unfinished, waiting = told(jobs, 2000)["misses"]
+    unfinished, waiting = report_at(jobs, 2000)["misses"]
     assert unfinished["outcome"] == "lost"
     assert unfinished["parts_ps"] == {"lost_run": 980, "watchdog": 20, "not_run": -60, "slack": -440}
     assert waiting["outcome"] == "never_started" and waiting["parts_ps"] == {
@@ -176,13 +176,13 @@ def test_what_has_not_ended_is_told_up_to_the_end_of_the_run() -> None:
     assert unfinished["unavoidable_ps"] == 1501 and waiting["unavoidable_ps"] == 1441
 
 
-def test_a_running_job_is_told_by_what_it_has_spent() -> None:
+def test_a_running_job_is_reported_by_what_it_has_spent() -> None:
     jobs = scene()
     usual_pid(jobs)
     jobs.release(1, "pid", 1000, 1100)
     jobs.refresh(1000, 1000, 1000, 1000, [1])
     jobs.claimed(1, 0, 1000, [50, 10])
-    [miss] = told(jobs, 1300, [[250, 110]])["misses"]
+    [miss] = report_at(jobs, 1300, [[250, 110]])["misses"]
     assert miss["outcome"] == "unfinished"
     assert miss["parts_ps"] == {"execution.execute": 150, "execution.bus": 90, "slack": -40}
 
@@ -197,7 +197,7 @@ def test_the_list_of_misses_is_bounded_and_the_sums_are_not() -> None:
         jobs.claimed(1, 0, start, [0, 0])
         jobs.finished(1, 0, start + 70, [60, 10])
         jobs.removed(1)
-    report = told(jobs, 10_000)
+    report = report_at(jobs, 10_000)
     assert [miss["number"] for miss in report["misses"]] == [1, 2] and report["misses_left_out"] == 3
     why = report["tasks"]["pid"]["why_late"]
     assert (

@@ -10,6 +10,7 @@ import cmrc
 import numpy as np
 import pytest
 from cmrc import _core
+from low_rates import AT_ONCE_AND_LOW
 
 SECONDS = 5.0
 EXPERIMENT = {"report.misses_max": 0, "report.reference": "none"}
@@ -120,10 +121,7 @@ def change(at_s: float, key: str, value: float) -> dict[str, Any]:
     return {"at_s": at_s, "action": "set", "key": key, "value": value}
 
 
-LOW_RATES: dict[str, Any] = {
-    "dsps": 1, "boot": "preloaded", "refresh_frequency_hz": 2000, "servo_frequency_hz": 250, "alpha_refreshes": 6, "beta_refreshes": 3,
-    "report.reference": "none", "report.signal_decimation": 32,
-}  # fmt: skip
+RATES: dict[str, Any] = {**AT_ONCE_AND_LOW, "report.signal_decimation": 32}
 
 
 def test_a_change_waits_for_rest_and_moves_nothing() -> None:
@@ -134,7 +132,7 @@ def test_a_change_waits_for_rest_and_moves_nothing() -> None:
         change(3.0, "control.hoist_bandwidth_rad_s", 30.0),
         change(3.5, "control.hoist_feed_forward", 0.6),
     ]
-    simulation = _core.cmrc.Simulation(_core.cmrc.config(settings={**LOW_RATES, "duration_s": 24.0}, events=events))
+    simulation = _core.cmrc.Simulation(_core.cmrc.config(settings={**RATES, "duration_s": 24.0}, events=events))
     symbol = simulation.symbol
     area = symbol("CR_BASE")
 
@@ -167,7 +165,7 @@ def test_a_change_waits_for_rest_and_moves_nothing() -> None:
     # No drive jumps: from 15 s until the ramp begins no code of a tick differs from the one before by more than it does
     # without the change.
     signals = simulation.signals()
-    plain = _core.cmrc.Simulation(_core.cmrc.config(settings={**LOW_RATES, "duration_s": 24.0}))
+    plain = _core.cmrc.Simulation(_core.cmrc.config(settings={**RATES, "duration_s": 24.0}))
     plain.run()
     window = (signals["time_s"] > 15.0) & (signals["time_s"] < time + 0.5)
     for joint in ("psi", "l"):
@@ -205,10 +203,10 @@ def test_the_bandwidth_that_a_message_names_would_do() -> None:
         cmrc.Simulation(
             dsps=1, duration_s=1.0, settings={"rates.servo_frequency_hz": 125.0, "control.hoist_bandwidth_rad_s": 150.0}
         )
-    told = float(str(refused.value).split("below ")[1].split(" ")[0])
+    limit = float(str(refused.value).split("below ")[1].split(" ")[0])
     others = {f"control.{joint}_bandwidth_rad_s": 10.0 for joint in ("slew", "luff", "rotator")}
     for factor, right in ((0.99, True), (1.01, False)):
-        settings = {"rates.servo_frequency_hz": 125.0, **others, "control.hoist_bandwidth_rad_s": told * factor}
+        settings = {"rates.servo_frequency_hz": 125.0, **others, "control.hoist_bandwidth_rad_s": limit * factor}
         if right:
             cmrc.Simulation(dsps=1, duration_s=1.0, settings=settings)
         else:

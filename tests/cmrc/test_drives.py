@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 from cmrc import _core
 from locations import OVER_A_CONTAINER
-from test_errors import LEG, LOW_RATES, at, clear, only, rates, run
+from low_rates import AT_ONCE_AND_LOW
+from test_errors import LEG, at, clear, only, rates, run
 
 cmrc = _core.cmrc
 
@@ -20,7 +21,12 @@ def lift(folder: Path, hoist_rad_s: float, *events: dict[str, Any]) -> tuple[flo
     The hoist's largest following error, m."""
     layout = folder / "layout.toml"
     layout.write_text(OVER_A_CONTAINER)
-    fixed = {**LOW_RATES, "duration_s": 16.0, "dock.layout": str(layout), "control.hoist_bandwidth_rad_s": hoist_rad_s}
+    fixed = {
+        **AT_ONCE_AND_LOW,
+        "duration_s": 16.0,
+        "dock.layout": str(layout),
+        "control.hoist_bandwidth_rad_s": hoist_rad_s,
+    }
     simulation = cmrc.Simulation(cmrc.config(settings=fixed, events=list(events)))
     simulation.run()
     report = json.loads(simulation.report_json())
@@ -70,7 +76,7 @@ def test_a_trip_is_an_error_with_its_origin(origin: str, settings: dict[str, Any
     assert simulation.exit_status == 1
 
 
-def test_a_tripped_drive_goes_on_when_the_operator_clears_and_trips_again() -> None:
+def test_a_tripped_drive_continues_when_the_operator_clears_and_trips_again() -> None:
     report, simulation = run(14, clear(9), **{"slewing.slew.rated_torque_n_m": 60.0})
     first, *others = report["errors_handled"]
     assert first["cleared_s"] == pytest.approx(9, abs=0.001) and not first["stands"]

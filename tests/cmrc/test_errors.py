@@ -9,13 +9,10 @@ import numpy as np
 import pytest
 from audited_run import programs_with
 from cmrc import _core
+from low_rates import AT_ONCE_AND_LOW
 
 cmrc = _core.cmrc
 Report = dict[str, Any]
-LOW_RATES: dict[str, Any] = {
-    "dsps": 1, "boot": "preloaded", "refresh_frequency_hz": 2000, "servo_frequency_hz": 250, "alpha_refreshes": 6, "beta_refreshes": 3,
-    "report.reference": "none",
-}  # fmt: skip
 SERVO = 1 / 250
 LEG = 3.0
 """s: the crane is under way in its first leg, from 0.05 to 18 s."""
@@ -39,7 +36,7 @@ STILL = 5e-3
 
 def run(duration_s: float, *events: dict[str, Any], **settings: Any) -> tuple[Report, Any]:
     simulation = cmrc.Simulation(
-        cmrc.config(settings={**LOW_RATES, "duration_s": duration_s, **settings}, events=list(events))
+        cmrc.config(settings={**AT_ONCE_AND_LOW, "duration_s": duration_s, **settings}, events=list(events))
     )
     simulation.run()
     report = json.loads(simulation.report_json())
@@ -107,7 +104,7 @@ def test_how_far_the_load_moved_is_the_plants_word() -> None:
     assert error["moved_most_m"] > error["moved_until_done_m"] > 0.1
 
 
-def test_a_repaired_and_cleared_drive_goes_on_and_the_status_is_0_but_not_with_strict() -> None:
+def test_a_repaired_and_cleared_drive_continues_and_the_status_is_0_but_not_with_strict() -> None:
     events = [at(LEG, "fail_drive", joint="luff"), at(6, "repair_drive", joint="luff"), clear(8)]
     report, simulation = run(14, *events)
     error = only(report)
@@ -257,7 +254,7 @@ def test_a_stuck_sway_sensor_is_replaced_and_the_run_is_a_success() -> None:
         "stick_sway beta",
     )
     assert LEG + 0.63 < error["noticed_s"] < LEG + 0.79 and not error["stands"] and simulation.exit_status == 0
-    assert rates(simulation, 5.9)["l"] > 0.1  # the leg goes on
+    assert rates(simulation, 5.9)["l"] > 0.1  # the leg continues
 
 
 @pytest.mark.parametrize("sensors", [1, 2])
@@ -318,10 +315,10 @@ def test_work_of_a_block_that_was_given_up_is_retried_then_stopped(tmp_path: Pat
         "watchdog.retries_max": 1,
     }
     report, simulation = run(0.6, clear(0.4), **settings)
-    told = [(error["origin"], error["of"], error["response"], error["stands"]) for error in report["errors_handled"]]
+    handled = [(error["origin"], error["of"], error["response"], error["stands"]) for error in report["errors_handled"]]
     given_up = ("block given up", ["grab_path"])
     # After the error is cleared, the work is tried again as often.
-    assert told[:4] == [
+    assert handled[:4] == [
         (*given_up, "retry", False),
         (*given_up, "stop", False),
         (*given_up, "retry", False),
@@ -369,7 +366,7 @@ def test_nonsense_is_refused_before_anything_runs(
     settings: dict[str, Any], events: list[dict[str, Any]], message: str
 ) -> None:
     with pytest.raises(cmrc.ConfigError) as info:
-        cmrc.config(settings={**LOW_RATES, **settings}, events=events)
+        cmrc.config(settings={**AT_ONCE_AND_LOW, **settings}, events=events)
     assert message in str(info.value)
 
 

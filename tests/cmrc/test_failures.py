@@ -101,7 +101,7 @@ def test_work_that_kills_every_dsp_is_asked_for_so_often_and_no_more(tmp_path: P
             and "process 2 (plan the grab)" in stopped["message"]
         )
         assert report["tasks"]["error"]["on_time"] == 1 + retries
-        # The servo goes on holding the crane.
+        # The servo still holds the crane.
         assert report["tasks"]["pid"]["on_time"] > 960
         assert report["stop_reason"] == "completed"
 
@@ -128,7 +128,7 @@ def test_a_task_that_hangs_once_in_a_while_is_not_stopped() -> None:
     ("events", "stop_at_s", "reason", "status"),
     [
         ([], 1.0, "completed", 0),
-        ([], 0.06, "interrupted", 0),  # who interrupts it knows
+        ([], 0.06, "interrupted", 0),  # the user has interrupted it
         (
             [{"at_s": 0.05, "action": "fail", "dsp": 0}, {"at_s": 0.05, "action": "fail", "dsp": 1}],
             1.0,

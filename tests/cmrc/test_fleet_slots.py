@@ -3,16 +3,12 @@
 import json
 import math
 from pathlib import Path
-from typing import Any
 
 import pytest
 from cmrc import _core
+from low_rates import AT_ONCE_AND_LOW
 
 cmrc = _core.cmrc
-LOW_RATES: dict[str, Any] = {
-    "dsps": 1, "boot": "preloaded", "refresh_frequency_hz": 2000, "servo_frequency_hz": 250, "alpha_refreshes": 6,
-    "beta_refreshes": 3, "report.reference": "none",
-}  # fmt: skip
 RADIUS = 8.0
 HALF_TURN = math.pi * RADIUS
 # A short loop from the spot at (22, 8) m: 20 m ahead, a half turn to the warehouse at (42, -8), 21 m back, a half turn,
@@ -27,7 +23,7 @@ heading_deg = 180.0
 to_warehouse = [[20, 0, 5], [{HALF_TURN}, {-1 / RADIUS}, 3]]
 to_spot = [[21, 0, 5], [{HALF_TURN}, {-1 / RADIUS}, 3], [1, 0, 5]]
 """
-# The crane sends off the vehicle that stands in the spot, once; then it rests, and nothing else begins.
+# The crane sends off the vehicle that stands in the spot, once; then the crane rests, and nothing else begins.
 PROCESSES = """
 [[processes]]
 number = 1
@@ -80,7 +76,13 @@ steps = ["hold 1"]
 def test_one_that_comes_back_queues_behind_the_one_that_has_moved_up(tmp_path: Path) -> None:
     layout = tmp_path / "loop.toml"
     layout.write_text(LAYOUT, encoding="utf-8")
-    settings = {**LOW_RATES, "dock.agvs": 2, "duration_s": 42, "dock.layout": str(layout), "signal_decimation": 800}
+    settings = {
+        **AT_ONCE_AND_LOW,
+        "dock.agvs": 2,
+        "duration_s": 42,
+        "dock.layout": str(layout),
+        "signal_decimation": 800,
+    }
     simulation = cmrc.Simulation(cmrc.config(toml=PROCESSES, settings=settings))
     simulation.run()
     assert json.loads(simulation.report_json())["audit"]["violations"] == []

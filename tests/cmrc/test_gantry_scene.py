@@ -6,13 +6,7 @@ from typing import Any
 import cmrc
 import numpy as np
 import pytest
-
-LOW_RATES = {
-    "rates.refresh_frequency_hz": 2000,
-    "rates.servo_frequency_hz": 250,
-    "scheduling.alpha_refreshes": 6,
-    "scheduling.beta_refreshes": 3,
-}
+from low_rates import QUARTER_RATES
 
 
 def simulate(duration_s: float, tmp_path: Path, layout: str = "", **settings: Any) -> cmrc.Simulation:
@@ -34,7 +28,7 @@ def check(report: dict[str, Any], peak: float = 2e-3) -> None:
 
 
 def test_travel_and_trolley_go_for_a_container_of_the_next_bay(tmp_path: Path) -> None:
-    result = simulate(14.0, tmp_path, "[[containers]]\nx_m = 3.0\ny_m = 10.0\n", **LOW_RATES).result()
+    result = simulate(14.0, tmp_path, "[[containers]]\nx_m = 3.0\ny_m = 10.0\n", **QUARTER_RATES).result()
     signals = result.signals
     check(result.report)
     assert signals["trolley_m"][0] == pytest.approx(-8.0, abs=1e-9) and 0.0 < signals["trolley_m"][-1] < 10.0
@@ -49,7 +43,10 @@ def test_travel_and_trolley_go_for_a_container_of_the_next_bay(tmp_path: Path) -
 
 def test_it_takes_a_container(tmp_path: Path) -> None:
     simulation = simulate(
-        15.5, tmp_path, "[home]\nx_m = 0.1\ny_m = 9.8\nz_m = 7.2\n[[containers]]\nx_m = 0.0\ny_m = 10.0\n", **LOW_RATES
+        15.5,
+        tmp_path,
+        "[home]\nx_m = 0.1\ny_m = 9.8\nz_m = 7.2\n[[containers]]\nx_m = 0.0\ny_m = 10.0\n",
+        **QUARTER_RATES,
     )
     check(simulation.result().report, 5e-3)  # a short leg and a container's guides shake the trolley most
     events = [event[1] for event in simulation._core.dock_events()]
@@ -68,7 +65,7 @@ def test_it_takes_a_container(tmp_path: Path) -> None:
     ],
 )
 def test_every_build_drives_it(tmp_path: Path, key: str, build: str, peak: float) -> None:
-    result = simulate(6.0, tmp_path, **{**LOW_RATES, key: build}).result()
+    result = simulate(6.0, tmp_path, **{**QUARTER_RATES, key: build}).result()
     check(result.report, peak)
     assert result.signals["trolley_m"][-1] > -7.0
 

@@ -10,6 +10,7 @@ import dock_checks
 import pytest
 from cmrc import _core
 from locations import AT_ONCE
+from low_rates import AT_ONCE_AND_LOW
 
 cmrc = _core.cmrc
 REFRESH_HZ = 8000
@@ -29,7 +30,7 @@ ERRORS: list[dict[str, Any]] = [
 ]  # fmt: skip
 
 
-def told(simulation: Any) -> dict[str, Any]:
+def outcome(simulation: Any) -> dict[str, Any]:
     report = dock_checks.without_the_clock(dock_checks.finite(simulation.report_json()))
     signals = {name: column.tobytes() for name, column in simulation.signals().items()}
     return {**report, "dock": simulation.dock_events(), "signals": signals}
@@ -60,7 +61,7 @@ def test_errors_are_handled_as_in_one_run(seed: int) -> None:
     )
     whole = cmrc.Simulation(config)
     whole.run()
-    expected = told(whole)
+    expected = outcome(whole)
     assert len(expected["errors_handled"]) >= 3 and any(
         error["cleared_s"] is not None for error in expected["errors_handled"]
     )
@@ -70,14 +71,13 @@ def test_errors_are_handled_as_in_one_run(seed: int) -> None:
         event["at_s"] + draw.choice([2e-4, 3e-3, 0.1]) * draw.random() for event in ERRORS for _ in range(per_event)
     ]  # while it takes effect
     parts = handed_on(config, sorted([*instants(draw, anywhere, 3.0), *after]))
-    assert dock_checks.differences(expected, told(parts)) == []
+    assert dock_checks.differences(expected, outcome(parts)) == []
 
 
 def test_changes_of_the_loops_wait_for_rest_in_whatever_simulation() -> None:
     """The first leg lasts from 0.05 to 18 s. Changes that are requested on the way take effect at its end; later
     requests build on them."""
-    settings = {"dsps": 1, "boot": "preloaded", "refresh_frequency_hz": 2000, "servo_frequency_hz": 250, "alpha_refreshes": 6, "beta_refreshes": 3,
-                "report.reference": "none", "report.signal_decimation": 32, "duration_s": 25.0}  # fmt: skip
+    settings = {**AT_ONCE_AND_LOW, "report.signal_decimation": 32, "duration_s": 25.0}
     events = [{"at_s": at_s, "action": "set", "key": f"control.{key}", "value": value} for at_s, key, value in
               [(3.0, "slew_bandwidth_rad_s", 20.0), (3.5, "hoist_bandwidth_rad_s", 30.0), (21.5, "slew_damping", 1.2), (23.0, "hoist_damping", 1.1)]]  # fmt: skip
     config = cmrc.config(settings=settings, events=events)
@@ -95,7 +95,7 @@ def test_changes_of_the_loops_wait_for_rest_in_whatever_simulation() -> None:
             *(at + 3e-3 * draw.random() for at in (21.5, 23.0) for _ in range(4)),
         ]
     )
-    assert dock_checks.differences(told(whole), told(handed_on(config, cuts))) == []
+    assert dock_checks.differences(outcome(whole), outcome(handed_on(config, cuts))) == []
 
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(1, 4))])
@@ -111,12 +111,12 @@ def test_a_busy_host_is_handed_on_in_the_middle_of_its_refreshes(seed: int) -> N
     )
     whole = cmrc.Simulation(config)
     whole.run()
-    expected, draw = told(whole), random.Random(seed)
+    expected, draw = outcome(whole), random.Random(seed)
     # The host works on a failure for a few microseconds before it reports the failure.
     before = [failure["time_s"] - draw.uniform(0, 8e-6) for failure in expected["failures"] for _ in range(4)]
     assert {failure["kind"] for failure in expected["failures"]} >= {"dropped block", "watchdog"}
     cuts = sorted([*instants(draw, 80 if seed else 40, 0.12), *before])
-    assert dock_checks.differences(expected, told(handed_on(config, cuts))) == []
+    assert dock_checks.differences(expected, outcome(handed_on(config, cuts))) == []
 
 
 @pytest.mark.campaign
@@ -127,10 +127,10 @@ def test_a_container_is_delivered_as_in_one_run() -> None:
     )
     whole = cmrc.Simulation(config)
     whole.run()
-    expected = told(whole)
+    expected = outcome(whole)
     assert expected["containers_delivered"] >= 1
     cuts = [*instants(random.Random(1), 20, 60.0), *(60 + t for t in instants(random.Random(2), 40, 68.0))]
-    found = told(handed_on(config, cuts))
+    found = outcome(handed_on(config, cuts))
     for report in (expected, found):
         report["errors"].pop("reference_elapsed_s", None)
     assert dock_checks.differences(expected, found) == []

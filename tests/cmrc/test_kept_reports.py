@@ -1,5 +1,5 @@
 """Short scenes, each with its hash and a digest of each part of its report: a change of the emulator that changes a run
-or what is told of it shows here, by scene and part."""
+or what the report says of it shows here, by scene and part."""
 
 import hashlib
 import json
@@ -38,7 +38,7 @@ def digest(part: Any) -> str:
     return hashlib.sha256(json.dumps(part, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def told(scene: str) -> str:
+def digests_of(scene: str) -> str:
     given = dict(SCENES[scene])
     result = cmrc.run(**given)
     report = {name: part for name, part in result.report.items() if name not in HOST_ONLY}
@@ -50,5 +50,5 @@ def told(scene: str) -> str:
 
 @pytest.mark.golden
 @pytest.mark.parametrize("scene", SCENES)
-def test_a_scene_is_told_as_it_is_kept(golden: Callable[[str, str], None], scene: str) -> None:
-    golden(f"report-{scene.replace(' ', '-')}.digests", told(scene))
+def test_the_report_of_a_scene_is_the_kept_one(golden: Callable[[str, str], None], scene: str) -> None:
+    golden(f"report-{scene.replace(' ', '-')}.digests", digests_of(scene))

@@ -2,7 +2,6 @@
 
 import json
 import re
-import subprocess
 from collections import defaultdict
 from pathlib import Path
 from typing import Any
@@ -10,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 from cmrc import _core
-from locations import AT_ONCE, AT_ONCE_OPTIONS, BUILD
+from locations import AT_ONCE, AT_ONCE_OPTIONS
+from traced_run import trace_of
 
 cmrc = _core.cmrc
-EMULATOR = BUILD / "bin" / "emulator"
 KIND = {"torque": 5, "pid": 6, "avoidance": 11}
 OUTCOMES = ("on_time", "late", "unfinished", "never_started", "lost", "dropped")
 
@@ -32,24 +31,9 @@ def claims_and_ends(
     path: Path, duration_s: float, *settings: str, preset: str = "base", dsps: int = 4
 ) -> list[tuple[float, str, int, int, int]]:
     """(second, "claim" or "finish", kind, tick, block)."""
-    trace = path / "trace.txt"
     sets = [word for setting in settings for word in ("--set", setting)]
-    subprocess.run(
-        [
-            EMULATOR,
-            "--dsps",
-            str(dsps),
-            "--preset",
-            preset,
-            "--duration",
-            str(duration_s),
-            "--quiet",
-            "--trace",
-            trace,
-            *AT_ONCE_OPTIONS,
-            *sets,
-        ],
-        check=True,
+    trace, _report = trace_of(
+        path, "--dsps", dsps, "--preset", preset, "--duration", duration_s, *AT_ONCE_OPTIONS, *sets
     )
     events, ticks = [], {}
     for line in trace.read_text().splitlines():

@@ -21,7 +21,7 @@ def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return programs_in(tmp_path_factory.mktemp("own") / "programs")
 
 
-# ---- who claims
+# ---- claims
 
 MIXED = [row("high", 2, importance=0xFBFE), row("low", 2, importance=0x0100), row("other", 0), row("anybody", None)]
 
@@ -49,15 +49,17 @@ def test_only_its_dsp_ever_claims_a_block_and_the_order_of_all_is_by_importance(
 
 
 def test_a_block_for_anybody_is_claimed_past_one_that_waits_for_its_dsp(tmp_path: Path, programs: Path) -> None:
-    """DSP 1 has work for 4 ms, and another block of its own waits behind that. Blocks for any DSP go on, although their
-    J is lower."""
+    """DSP 1 has work for 4 ms, and another block of its own waits behind that. Blocks for any DSP are claimed, although
+    their J is lower."""
     rows = [
         row("long", 1, argument=100_000, importance=0x7002),
         row("waits", 1, importance=0x7001),
         row("anybody", None, importance=0x7000),
     ]
     run = Run(tmp_path, programs, rows, "--dsps", "2", "--duration", "0.2")
-    assert run.task("long")["on_time"] == 0 and run.task("waits")["late"] >= 18  # 4 ms and what stood before it
+    assert (
+        run.task("long")["on_time"] == 0 and run.task("waits")["late"] >= 18
+    )  # 4 ms, and the blocks before it in the list
     assert run.task("anybody")["misses"] == 0
     for (waits, _), (anybody, slot) in zip(run.claims("waits"), run.claims("anybody"), strict=False):
         assert anybody < waits and slot == 0
@@ -134,17 +136,17 @@ def core(programs: Path, rows: list[dict[str, Any]], **settings: Any) -> Any:
     )
 
 
-def test_a_snapshot_in_the_middle_goes_on_bit_for_bit(programs: Path) -> None:
+def test_a_snapshot_in_the_middle_continues_bit_for_bit(programs: Path) -> None:
     config = core(programs, MIXED, **{"machine.dsps": 3, "run.duration_s": 0.06})
     whole = cmrc.Simulation(config)
     whole.run()
-    told = json.loads(whole.report_json())["hash"]
+    whole_hash = json.loads(whole.report_json())["hash"]
     for at_s in (0.0200301, 0.0400017, 0.0400023, 0.0400031):
         first, second = cmrc.Simulation(config), cmrc.Simulation(config)
         first.run_until(at_s)
         second.restore(first.snapshot())
         second.run()
-        assert json.loads(second.report_json())["hash"] == told
+        assert json.loads(second.report_json())["hash"] == whole_hash
 
 
 def test_the_ideal_run_has_one_dsp_that_does_it_all(programs: Path) -> None:

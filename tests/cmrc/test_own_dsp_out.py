@@ -55,7 +55,9 @@ def test_the_watchdogs_second_try_is_for_the_same_dsp(tmp_path: Path, programs: 
     assert len(put_back) == 1 and put_back[0][1]["owner"] == 1
     again = next((time, slot) for time, slot in run.claims("own") if time > put_back[0][0])
     assert again[1] == 1 and again[0] > 100 * MS
-    booted = [time for time, who, what, n in run.events if what == "reset" and who == "dsp 1" and n["state"] == 1]
+    booted = [
+        time for time, component, what, n in run.events if what == "reset" and component == "dsp 1" and n["state"] == 1
+    ]
     assert booted and again[0] > booted[-1]
     assert (
         run.task("own")["released"]

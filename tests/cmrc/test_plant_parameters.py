@@ -7,15 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 from cmrc import _core
+from low_rates import AT_ONCE_AND_LOW
 
 cmrc, plant = _core.cmrc, _core.plant
 KEYS = {key["name"]: key for key in cmrc.config_keys()}
 TABLES = ("slewing", "gantry", "agv", "landing")
 MINE = [name for name in KEYS if name.split(".")[0] in TABLES]
-LOW_RATES: dict[str, Any] = {
-    "dsps": 1, "boot": "preloaded", "refresh_frequency_hz": 2000, "servo_frequency_hz": 250, "alpha_refreshes": 6, "beta_refreshes": 3,
-    "report.reference": "none", "report.signal_decimation": 4,
-}  # fmt: skip
+RATES: dict[str, Any] = {**AT_ONCE_AND_LOW, "report.signal_decimation": 4}
 # Soft loops that hardly react to the sway sensor's noise: a torque that the feed-forward does not know moves them.
 SOFT = {
     "control.sway_gain_m_s_rad": 0.0,
@@ -120,7 +118,7 @@ def test_degrees_are_degrees_and_an_untouched_default_keeps_its_bits() -> None:
 def drift(machine: str, **settings: Any) -> np.ndarray:
     """How far each joint leaves its place within 0.13 s of the drives' being on, before the first leg has moved the
     crane: in counts of its encoder."""
-    config = cmrc.config(settings={**LOW_RATES, "dock.crane": machine, "duration_s": 0.17, **SOFT, **settings})
+    config = cmrc.config(settings={**RATES, "dock.crane": machine, "duration_s": 0.17, **SOFT, **settings})
     simulation = cmrc.Simulation(config)
     simulation.run()
     signals = simulation.signals()

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from cmrc import _core
 from locations import AT_ONCE, AT_ONCE_OPTIONS, BUILD, ROOT
+from traced_run import trace_of
 
 cmrc = _core.cmrc
 try:
@@ -60,23 +61,7 @@ def test_the_whole_configuration_reads_back_as_itself() -> None:
 
 def processes_of(toml: str, duration_s: float, tmp_path: Path, *more: str) -> list[tuple[float, int, int, int]]:
     """(second, process, started, robot) as the run's trace tells them."""
-    (tmp_path / "own.toml").write_text(toml)
-    trace = tmp_path / "trace.txt"
-    subprocess.run(
-        [
-            EMULATOR,
-            "--config",
-            tmp_path / "own.toml",
-            "--duration",
-            str(duration_s),
-            "--quiet",
-            "--trace",
-            trace,
-            *AT_ONCE_OPTIONS,
-            *more,
-        ],
-        check=True,
-    )
+    trace, _report = trace_of(tmp_path, "--duration", duration_s, *AT_ONCE_OPTIONS, *more, toml=toml)
     found = re.findall(
         r"^([0-9.]+) \[host\] process number=(\d+) state=(\d) robot=(\d+)$", trace.read_text(), re.MULTILINE
     )
@@ -122,8 +107,8 @@ def test_a_step_more_is_taken(tmp_path: Path) -> None:
 def test_the_end_of_a_process_names_the_robot_of_its_start(tmp_path: Path) -> None:
     """Process 8 of two vehicles: 30 ms each, by a table that lets it begin at once."""
     home = row(8, "agv", 'steps = ["hold 0.03"]\ninitial = [1, 4, 5]\nreplaces = [6]\nfinal = true')
-    told = [entry[1:] for entry in processes_of(home, 0.06, tmp_path, "--set", "dock.agvs=2") if entry[1] == 8]
-    assert told == [(8, 1, 1), (8, 1, 2), (8, 0, 1), (8, 0, 2)]
+    changes = [entry[1:] for entry in processes_of(home, 0.06, tmp_path, "--set", "dock.agvs=2") if entry[1] == 8]
+    assert changes == [(8, 1, 1), (8, 1, 2), (8, 0, 1), (8, 0, 2)]
 
 
 def run_report(toml: str, duration_s: float, **settings: Any) -> str:

@@ -101,7 +101,7 @@ def check_all(instants: Iterable[tuple[int, int]], known: list[tuple[int, int, i
     seen = set()
     for slot, at in instants:
         check(slot, at)
-        seen |= {what for start, end, who, what in known if who == slot and start < at < end}
+        seen |= {what for start, end, owner, what in known if owner == slot and start < at < end}
     assert seen == {"A reads", "A writes", "B reads", "B writes", "posted", "holds the list"}
 
 
@@ -143,7 +143,7 @@ def test_the_list_of_a_board_that_is_gone_goes_to_the_host_before_others_get_it(
     assert freed > 0
 
 
-def test_a_run_goes_on_where_the_host_takes_the_list_from_a_board_that_is_gone() -> None:
+def test_a_run_continues_where_the_host_takes_the_list_from_a_board_that_is_gone() -> None:
     settings = {
         **SETTINGS,
         "dsps": 4,
@@ -157,11 +157,11 @@ def test_a_run_goes_on_where_the_host_takes_the_list_from_a_board_that_is_gone()
     )
     whole, first = cmrc.Simulation(config), cmrc.Simulation(config)
     whole.run()
-    told = {**json.loads(whole.report_json()), "elapsed_s": None}
-    [taken_s] = [failure["time_s"] for failure in told["failures"] if failure["kind"] == "semaphore"]
+    expected = {**json.loads(whole.report_json()), "elapsed_s": None}
+    [taken_s] = [failure["time_s"] for failure in expected["failures"] if failure["kind"] == "semaphore"]
     for tenths in range(12, 0, -1):  # of a microsecond
         first.run_until(taken_s - tenths * 1e-7)
         resumed = cmrc.Simulation(config)
         resumed.restore(first.snapshot())
         resumed.run()
-        assert {**json.loads(resumed.report_json()), "elapsed_s": None} == told, tenths
+        assert {**json.loads(resumed.report_json()), "elapsed_s": None} == expected, tenths

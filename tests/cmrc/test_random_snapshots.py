@@ -1,4 +1,4 @@
-"""Random docks that stop at random picoseconds and go on elsewhere: in a new simulation, and in another process
+"""Random docks that stop at random picoseconds and continue elsewhere: in a new simulation, and in another process
 (docs/snapshots.md).
 
 The suite runs the first 4 docks, 60 ms each; `pytest -m campaign` runs 36 more.
@@ -30,7 +30,7 @@ def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return random_docks.programs_of_users(tmp_path_factory.mktemp("programs"))
 
 
-def told(simulation: Any) -> Report:
+def outcome(simulation: Any) -> Report:
     report = dock_checks.without_the_clock(dock_checks.finite(simulation.report_json()))
     report["dock"] = simulation.dock_events()
     return report
@@ -72,8 +72,8 @@ def faults_of(dock: Dock, seed: int) -> list[str]:
     last = cmrc.Simulation(dock.config())
     last.restore(part.snapshot())
     last.run(), straight.run()
-    found = [f"resumed: {one}" for one in dock_checks.differences(told(whole), told(last))]
-    return found + [f"looked at: {one}" for one in dock_checks.differences(told(whole), told(straight))]
+    found = [f"resumed: {one}" for one in dock_checks.differences(outcome(whole), outcome(last))]
+    return found + [f"looked at: {one}" for one in dock_checks.differences(outcome(whole), outcome(straight))]
 
 
 @pytest.mark.parametrize(
@@ -83,7 +83,7 @@ def faults_of(dock: Dock, seed: int) -> list[str]:
         for first in range(0, SEEDS, PER_TEST)
     ],
 )
-def test_a_random_dock_goes_on_from_any_instant(first: int, programs: Path) -> None:
+def test_a_random_dock_continues_from_any_instant(first: int, programs: Path) -> None:
     for seed in range(first, first + PER_TEST):
         dock = Generator(seed, programs, longest_s=0.06).dock()
         found = faults_of(dock, seed)
@@ -103,7 +103,7 @@ print(run.report_json())
 
 
 @pytest.mark.parametrize("seed", range(1000, 1002))
-def test_a_random_dock_goes_on_in_another_process(seed: int, programs: Path, tmp_path: Path) -> None:
+def test_a_random_dock_continues_in_another_process(seed: int, programs: Path, tmp_path: Path) -> None:
     draw = random.Random(seed)
     dock = Generator(seed, programs, longest_s=0.06).dock()
     whole, first = cmrc.Simulation(dock.config()), cmrc.Simulation(dock.config())

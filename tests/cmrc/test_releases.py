@@ -10,10 +10,10 @@ from typing import Any
 
 import chain_replay
 import pytest
-import scheduling_replay
 from cmrc import _core
 from cmrc_test import scheduling
 from locations import BUILD
+from traced_run import events_of
 
 cmrc, plant = _core.cmrc, _core.plant
 EMULATOR = BUILD / "bin" / "emulator"
@@ -31,44 +31,17 @@ def run(
 ) -> tuple[dict[int, list[int]], list[tuple[int, int]], dict[str, Any]]:
     """By AGV: the refreshes at which avoidance was loaded, and those at which a release was dropped, with the block in
     its way. And the report."""
-    config, trace, report = tmp_path / "run.toml", tmp_path / "trace", tmp_path / "report.json"
-    config.write_text(toml)
     options = [part for key, value in settings.items() for part in ("--set", f"{key}={value}")]
-    finished = subprocess.run(
-        [
-            EMULATOR,
-            "--quiet",
-            "--config",
-            config,
-            "--trace",
-            trace,
-            "--report",
-            report,
-            "--set",
-            "report.reference=none",
-            *options,
-        ],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    braked = json.loads(report.read_text())["braked"]
-    assert finished.returncode == (1 if braked else 0), (
-        finished.stderr
-    )  # a crane without its servo stands with an error
+    events, report = events_of(tmp_path, *options, toml=toml)
     loads: dict[int, list[int]] = {}
     drops = []
-    with trace.open() as lines:
-        events = list(scheduling_replay.events(lines))
     areas = sorted({n["area"] for _, _, name, n in events if name == "load" and n["kind"] == AVOIDANCE})
     for _, _, name, n in events:
         if name == "load" and n["kind"] == AVOIDANCE:
             loads.setdefault(areas.index(n["area"]), []).append(n["tick"])
         elif name == "miss" and n["kind"] == AVOIDANCE and n["class"] == chain_replay.DROPPED:
             drops.append((n["tick"], n["block"]))
-    found = json.loads(report.read_text())
-    assert found["audit"]["violations"] == []
-    return loads, drops, found
+    return loads, drops, report
 
 
 # ---- which processes run it
@@ -212,7 +185,7 @@ def test_an_event_releases_at_once_and_waits_for_a_block_that_is_out() -> None:
     assert loaded(steps("interval", ticks, objects={7}), ticks) == [25, 125]
     both = steps("interval_and_event", ticks, objects={110})
     assert loaded(both, ticks) == [25, 110, 125]
-    # The block that the event has released stands in for the one at 125: its deadline is 210.
+    # The block that the event has released replaces the one at 125: its deadline is 210.
     both = steps("interval_and_event", ticks, objects={110}, ends={50})
     assert loaded(both, ticks) == [25, 110] and not any(dropped for _, dropped in both)
 
@@ -246,8 +219,8 @@ def test_what_comes_into_the_field_releases_avoidance(tmp_path: Path, topology: 
     assert host["words_read"] >= 79 if bus == "B" else host["words_read"] > 0
     loads, _, _ = run(tmp_path, rows("interval_and_event"), **options)
     assert loads[0] == sorted([tick, 320, 480, 640, 800])
-    seldom = run(tmp_path, rows("event"), **options, **{"scheduling.event_read_refreshes": 200})[0]
-    assert seldom[0] == [600]  # readings at refreshes 200, 400, 600
+    every_200 = run(tmp_path, rows("event"), **options, **{"scheduling.event_read_refreshes": 200})[0]
+    assert every_200[0] == [600]  # readings at refreshes 200, 400, 600
     assert run(tmp_path, rows("event"), **options, **{"scheduling.event_field_m": 6})[0] == {}
 
 
@@ -331,7 +304,7 @@ def test_vehicles_drive_their_round_at_their_distances_and_deliver_nothing() -> 
 
 
 @pytest.mark.campaign
-def test_after_the_round_the_job_goes_on_as_ever() -> None:
+def test_after_the_round_the_job_continues_as_before() -> None:
     settings = {"agvs": 4, "dsps": 2, "load.driving": True, "report.reference": "none", "duration_s": 200.0}
     simulation = cmrc.Simulation(cmrc.config(settings=settings))
     simulation.run()

@@ -1,17 +1,15 @@
 """Whole runs against replays of their event traces: the scheduling rule, and why jobs were late."""
 
 import json
-import subprocess
 from pathlib import Path
 from typing import Any
 
 import chain_replay
 import pytest
 import scheduling_replay
-from locations import AT_ONCE_OPTIONS, BUILD
+from locations import AT_ONCE_OPTIONS
 from scheduling_replay import Replay, Rule
-
-EMULATOR = BUILD / "bin" / "emulator"
+from traced_run import events_of
 
 # All AGVs drive to the warehouse from the start: their planning runs at once.
 DRIVING = """
@@ -28,29 +26,7 @@ final = true
 
 def run(tmp_path: Path, *options: str, toml: str = "") -> tuple[list[scheduling_replay.Event], dict[str, Any]]:
     """The events and the report of a run."""
-    config, trace, report = tmp_path / "run.toml", tmp_path / "trace", tmp_path / "report.json"
-    config.write_text(toml)
-    command = [
-        EMULATOR,
-        "--quiet",
-        "--config",
-        config,
-        "--trace",
-        trace,
-        "--report",
-        report,
-        "--set",
-        "report.misses_max=100000",
-        "--set",
-        "report.reference=none",
-        *options,
-    ]
-    finished = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert finished.returncode in (0, 1), finished.stderr
-    found = json.loads(report.read_text())
-    assert found["audit"]["violations"] == []
-    with trace.open() as lines:
-        return list(scheduling_replay.events(lines)), found
+    return events_of(tmp_path, "--set", "report.misses_max=100000", *options, toml=toml)
 
 
 def failures(*rows: tuple[float, str, dict[str, Any]]) -> str:
@@ -141,8 +117,8 @@ def test_the_replay_notices_a_broken_rule(tmp_path: Path) -> None:
         faults.append(len(replay.faults))
     assert faults[0] == 0 and all(faults[1:])
     swapped = [
-        (time, who, name, {**n, "kind": {5: 6, 6: 5}.get(n["kind"], n["kind"])} if name == "load" else n)
-        for time, who, name, n in events
+        (time, component, name, {**n, "kind": {5: 6, 6: 5}.get(n["kind"], n["kind"])} if name == "load" else n)
+        for time, component, name, n in events
     ]
     replay = Replay(Rule())
     replay.follow(swapped)

@@ -70,7 +70,7 @@ def test_a_run_does_not_depend_on_how_it_is_cut(base: Report) -> None:
     assert json.loads(simulation.report_json())["hash"] == base["hash"]
 
 
-def test_the_hash_tells_configurations_apart(base: Report) -> None:
+def test_the_hash_distinguishes_configurations(base: Report) -> None:
     assert run(duration_s=0.5, dsps=3)["hash"] != base["hash"]
 
 
@@ -119,7 +119,7 @@ def test_a_hung_dsp_works_again_and_a_dead_one_does_not() -> None:
 
 
 def test_a_dsp_that_dies_holding_the_list_does_not_stop_it() -> None:
-    # A sweep over a claim: wherever it breaks off, the servo goes on with few ticks lost.
+    # A sweep over a claim: wherever it breaks off, the servo continues with few ticks lost.
     freed = 0
     for k in range(10, 40, 2):
         report = run([(0.05 + k * 0.4e-6, "hang", 0)], duration_s=0.08, dsps=2)

@@ -7,22 +7,15 @@ from typing import Any
 import numpy as np
 import pytest
 from cmrc import _core
+from low_rates import LOW_RATES
 
 cmrc = _core.cmrc
-LOW_RATES: dict[str, Any] = {
-    "dsps": 2,
-    "refresh_frequency_hz": 2000,
-    "servo_frequency_hz": 250,
-    "alpha_refreshes": 6,
-    "beta_refreshes": 3,
-    "report.reference": "none",
-}
 SPOT = (22.0, 8.0)
 DECK, BOX, CLEARANCE = 1.6, 2.591, 0.5
 
 
 def run(duration_s: float, **settings: Any) -> tuple[dict[str, Any], dict[str, np.ndarray], list[Any]]:
-    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": duration_s, **LOW_RATES, **settings}))
+    simulation = cmrc.Simulation(cmrc.config(settings={**LOW_RATES, "dsps": 2, "duration_s": duration_s, **settings}))
     simulation.run()
     report = json.loads(simulation.report_json())
     assert report["failures"] == [] and report["audit"]["violations"] == []
@@ -41,7 +34,7 @@ def test_the_crane_waits_above_the_spot_and_aligns_with_the_vehicle_that_comes()
     assert first["T_a_s"] == pytest.approx(
         second["T_g_s"], abs=1e-9
     )  # one crane, one vehicle: they meet once per cycle
-    # The load hangs still above the nominal spot from the end of process 3 until the vehicle stands there; then it is
+    # The load hangs at rest above the nominal spot from the end of process 3 until the vehicle stands there; then it is
     # moved over it.
     time, load = signals["time_s"], np.stack([signals["payload_x_m"], signals["payload_y_m"]])
     opened = [at for at, kind, *_ in events if kind == "opened"]

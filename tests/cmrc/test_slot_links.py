@@ -1,7 +1,6 @@
 """Links between the dock's DSPs (docs/add-a-task.md, Links between DSPs): words, cuts, what is lost, and what changes
 nothing."""
 
-import json
 import random
 import shutil
 from pathlib import Path
@@ -11,6 +10,7 @@ import cmrc
 import pytest
 from locations import AT_ONCE, ROOT
 from own_dsp_run import toml_of
+from slot_scenes import area_of, check_cuts_orders_and_snapshots
 
 # What both programs end with: jobs so far in word 0 of the area, and their result in word 1.
 LINK_END = """
@@ -155,16 +155,6 @@ def simulation(
     return cmrc.Simulation(config=config, dsps=dsps, duration_s=duration_s, settings=given)
 
 
-def area_of(task: int) -> int:
-    """Offset of the area of the n-th [[tasks]] in shared memory."""
-    symbols = cmrc.c40.assemble_file(ROOT / "c40_programs" / "dsp.asm", entry="_start").symbols
-    return int(symbols["US_BASE"] + task * symbols["US_WORDS"])
-
-
-def without_time(report: dict[str, Any]) -> str:
-    return json.dumps({key: value for key, value in report.items() if key != "elapsed_s"}, sort_keys=True)
-
-
 def test_words_go_over_the_link_both_ways_and_are_counted(programs: Path, tmp_path: Path) -> None:
     run = simulation(programs, tmp_path)
     report = run.run().report
@@ -210,18 +200,8 @@ def test_cuts_turn_orders_and_snapshots_change_nothing(
         made.at(at, "reset", dsp=1)
         return made
 
-    whole = scene(0).run().report
+    whole = check_cuts_orders_and_snapshots(scene, rng, seed, 0.08, at, cuts=12)
     assert whole["links"][0]["joined"] >= 2
-    cut = scene(0)
-    for time in sorted(rng.uniform(0, 0.08) for _ in range(12)):
-        cut.run_until(time)
-    assert without_time(cut.run().report) == without_time(whole)
-    assert scene(seed + 1).run().report["hash"] == whole["hash"]
-    first, second = scene(0), scene(0)
-    first.run_until(rng.choice([at + 0.0005, rng.uniform(0.02, 0.08)]))
-    second.restore(first.snapshot())
-    assert first._core.difference(second._core) is None
-    assert without_time(second.run().report) == without_time(whole)
 
 
 def test_a_partner_that_dies_is_a_cut_link_until_it_runs_again(programs: Path, tmp_path: Path) -> None:

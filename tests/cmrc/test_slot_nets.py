@@ -11,7 +11,7 @@ import cmrc
 import pytest
 from locations import ROOT
 from own_dsp_run import toml_of
-from test_slot_links import area_of, without_time
+from slot_scenes import area_of, check_cuts_orders_and_snapshots
 
 # The one lets timer 0 give pulses at TCLK0, PERIOD ticks apart, and makes IIOF1 an output that changes at each job. The
 # other's timer 1 counts the pulses; it keeps what it has counted, and the level of its IIOF2 (FLAG is bit 10 of IIF).
@@ -117,18 +117,8 @@ def test_cuts_turn_orders_and_snapshots_change_nothing(programs: Path, tmp_path:
         made.at(at, "reset", dsp=seed % 2)
         return made
 
-    whole = scene(0).run().report
+    whole = check_cuts_orders_and_snapshots(scene, rng, seed, 0.06, at, cuts=8)
     assert whole["nets"][0]["edges"] > 3000
-    cut = scene(0)
-    for time in sorted(rng.uniform(0, 0.06) for _ in range(8)):
-        cut.run_until(time)
-    assert without_time(cut.run().report) == without_time(whole)
-    assert scene(seed + 1).run().report["hash"] == whole["hash"]
-    first, second = scene(0), scene(0)
-    first.run_until(rng.choice([at + 0.0005, rng.uniform(0.02, 0.06)]))
-    second.restore(first.snapshot())
-    assert first._core.difference(second._core) is None
-    assert without_time(second.run().report) == without_time(whole)
 
 
 def test_a_pin_resets_another_dsp(programs: Path, tmp_path: Path) -> None:
@@ -136,12 +126,12 @@ def test_a_pin_resets_another_dsp(programs: Path, tmp_path: Path) -> None:
     report = run.run().report
     assert report["nets"][0]["edges"] == 2 and report["nets"][0]["level"] == 1
     # The DSP was in a block. The host knows nothing of the pin, so it resets the DSP once more when the block does not
-    # go on.
+    # continue.
     _first, by_pin, last = report["dsps"][1]["boots"]
     assert len(report["dsps"][0]["boots"]) == 1 and by_pin["reset_at_s"] > 0.02 and last["boot_s"] is not None
 
 
-def test_nets_change_nothing_where_nobody_uses_them(tmp_path: Path) -> None:
+def test_nets_that_are_not_used_change_nothing(tmp_path: Path) -> None:
     """The hash has the net's state in it, and so the configuration; all else is equal."""
     reports = [
         cmrc.Simulation(dsps=2, duration_s=0.1, settings={"machine.nets": nets, "report.reference": "none"})

@@ -1,4 +1,4 @@
-"""Snapshots of runs: a run that goes on from a snapshot is the same as a run that never stopped (docs/snapshots.md)."""
+"""Snapshots: a run that continues from a snapshot is the same as a run that never stopped (docs/snapshots.md)."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def instants(scene: str, count: int) -> list[float]:
 
 
 @pytest.mark.parametrize("scene", SCENES)
-def test_a_run_goes_on_from_any_instant_as_if_never_stopped(scene: str) -> None:
+def test_a_run_continues_from_any_instant_as_if_never_stopped(scene: str) -> None:
     whole = to_the_end(core.Simulation(configuration(scene)))
     for instant in instants(scene, 6):
         first = core.Simulation(configuration(scene))
@@ -125,7 +125,7 @@ def test_the_state_at_an_instant_does_not_depend_on_how_the_run_came_there(scene
         assert cut.snapshot().state == straight.snapshot().state
 
 
-def test_a_boot_that_was_given_up_is_told_however_the_run_is_parted_there() -> None:
+def test_a_boot_that_was_given_up_is_reported_however_the_run_is_cut_there() -> None:
     """The host reports it at its next rest: here after an access to another DSP's port, 50 to 54 us after power-on."""
     settings = {
         "machine.dsps": 4,
@@ -196,8 +196,8 @@ print(json.dumps([result.hash, result.report["errors"]]))
 """
 
 
-def test_another_process_goes_on(tmp_path: Path) -> None:
-    """The command and Python go on, each from the other's file; the ideal run is made again."""
+def test_another_process_continues(tmp_path: Path) -> None:
+    """The command and Python continue, each from the other's file; the ideal run is made again."""
     options = ["--quiet", "--dsps", "2", "--duration", "0.06"]
     for name, value in AT_ONCE.items():
         options += ["--set", f"{name}={value}"]

@@ -71,7 +71,7 @@ def test_the_words_are_those_of_the_traces_and_set() -> None:
 def test_a_word_takes_each_target_that_is_there_and_no_other(name: str) -> None:
     values, beyond = TARGETS[ACTIONS[name]["target"]]
     for value in values:
-        # Slot 3 is empty: what befalls a board needs one, and only there one can be put in.
+        # Slot 3 is empty. An action on a board needs a board; a board can be put in only where none is.
         right = ACTIONS[name]["target"] != "dsp" or name.endswith("_link") or (value == 3) == (name == "plug")
         if right:
             cmrc.config(settings=SETTINGS, events=[event(name, value, 0.01)])
@@ -99,10 +99,10 @@ def test_each_word_is_its_action_number_and_amount_to_the_machine(tmp_path: Path
     )
     seen = []
     for line in (tmp_path / "trace").read_text().splitlines():
-        if told := re.match(
+        if matched := re.match(
             r"([0-9.]+) \[host\] scripted action=(\d+) number=(\d+) amount_low=(\d+) amount_high=(\d+)", line
         ):
-            at, *words = told.groups()
+            at, *words = matched.groups()
             action, number, low, high = map(int, words)
             seen.append((round(float(at), 6), (action, number, low + (high << 32))))
     assert seen == [(round(fields["at_s"], 6), expected) for fields, expected in rows]

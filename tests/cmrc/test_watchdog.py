@@ -57,7 +57,7 @@ def test_a_dsp_that_hangs_in_the_same_block_again_is_reset_again(tmp_path: Path)
 
 @pytest.mark.parametrize("idle", ["doorbell", "pause"])
 @pytest.mark.parametrize("owner", [0, 33, 99, 0xFFFFFFFF])
-def test_a_block_whose_owner_is_no_dsp_is_taken_back_and_nobody_is_reset(owner: int, idle: str, tmp_path: Path) -> None:
+def test_a_block_whose_owner_is_no_dsp_is_taken_back_and_no_dsp_is_reset(owner: int, idle: str, tmp_path: Path) -> None:
     """A program has acquired the list's semaphore, has overwritten its block's owner word, and hangs. Owners are 1 to
     16."""
     programs = tmp_path / "programs"
@@ -67,7 +67,7 @@ kernel_spoils:
         ldi     @EXEC_BLOCK, ar0
         ldhi    {owner >> 16}, ar1
         or      {owner & 0xFFFF}, ar1
-        ldhi    0C001h, ar2             ; who has the list may write there
+        ldhi    0C001h, ar2             ; the holder of the list may write there
 takes:  ldi     *ar2, r1
         bnz     takes
         sti     ar1, *+ar0(TB_OWNER)

@@ -68,19 +68,25 @@ def attach(client: Client) -> None:
     assert client.event("stopped")["reason"] == "entry"
 
 
-def hash_of(report: Path) -> str:
-    return str(json.loads(report.read_text())["hash"])
-
-
-@pytest.mark.parametrize("end", [False, True])
-def test_an_editor_attaches_to_a_run_that_waits_and_lets_it_go_on_or_ends_it(tmp_path: Path, end: bool) -> None:
-    report, alone = tmp_path / "report.json", tmp_path / "alone.json"
+def attached(report: Path) -> "tuple[subprocess.Popen[str], Client]":
+    """A run that waits for an editor, and an editor that has attached to it."""
     run = subprocess.Popen(
         [*RUN, "--report", report, "--debug", "0", "--debug-wait"], stderr=subprocess.PIPE, text=True
     )
     assert run.stderr is not None
     client = Client(int(run.stderr.readline().split("port ")[1].split()[0]))
     attach(client)
+    return run, client
+
+
+def hash_of(report: Path) -> str:
+    return str(json.loads(report.read_text())["hash"])
+
+
+@pytest.mark.parametrize("end", [False, True])
+def test_an_editor_attaches_to_a_run_that_waits_and_lets_it_continue_or_ends_it(tmp_path: Path, end: bool) -> None:
+    report, alone = tmp_path / "report.json", tmp_path / "alone.json"
+    run, client = attached(report)
     assert client.ask("setFunctionBreakpoints", breakpoints=[{"name": "kernel_pid"}])["body"]["breakpoints"][0][
         "verified"
     ]
@@ -98,14 +104,9 @@ def test_an_editor_attaches_to_a_run_that_waits_and_lets_it_go_on_or_ends_it(tmp
     assert hash_of(report) == hash_of(alone)
 
 
-def test_an_editor_that_vanishes_lets_the_run_go_on(tmp_path: Path) -> None:
+def test_an_editor_that_vanishes_lets_the_run_continue(tmp_path: Path) -> None:
     report, alone = tmp_path / "report.json", tmp_path / "alone.json"
-    run = subprocess.Popen(
-        [*RUN, "--report", report, "--debug", "0", "--debug-wait"], stderr=subprocess.PIPE, text=True
-    )
-    assert run.stderr is not None
-    client = Client(int(run.stderr.readline().split("port ")[1].split()[0]))
-    attach(client)
+    run, client = attached(report)
     client.ask("continue", threadId=1)
     client.socket.close()
     run.wait(60)
@@ -120,12 +121,12 @@ def test_python_lets_an_editor_attach() -> None:
     there = threading.Event()
     outcome: list[bool] = []
 
-    def told(port: int) -> None:
+    def on_port(port: int) -> None:
         ports.append(port)
         there.set()
 
     def serve() -> None:
-        outcome.append(debugger.listen(told=told))
+        outcome.append(debugger.listen(told=on_port))
 
     thread = threading.Thread(target=serve)
     thread.start()

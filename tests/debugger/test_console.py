@@ -5,31 +5,18 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from locations import AT_ONCE_OPTIONS, BUILD
-from test_dap import PROGRAM
-
-TEXT = PROGRAM.replace(
-    "start:  ldp     total\n",
-    "start:  ldp     total\n        ldhi    2fh,ar7\n        or      0f800h,ar7\n        ldi     ar7,sp\n",
-)
+from command_line import emulator
+from locations import AT_ONCE_OPTIONS
+from sums import write_program
 
 
 @pytest.fixture
 def program(tmp_path: Path) -> Path:
-    path = tmp_path / "sums.asm"
-    path.write_text(TEXT)
-    return path
+    return write_program(tmp_path)
 
 
 def debug(*arguments: object, stdin: str = "") -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [str(word) for word in (BUILD / "bin" / "emulator", "debug", *arguments)],
-        input=stdin,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    return emulator("debug", *arguments, stdin=stdin)
 
 
 def script(tmp_path: Path, *commands: str) -> Path:
@@ -64,7 +51,7 @@ def test_a_firmware_test_is_ten_lines(program: Path, tmp_path: Path) -> None:
 
 
 def test_a_place_may_be_a_line_of_a_file(program: Path, tmp_path: Path) -> None:
-    line = 1 + next(n for n, text in enumerate(TEXT.splitlines()) if text.startswith("add:"))
+    line = 1 + next(n for n, text in enumerate(program.read_text().splitlines()) if text.startswith("add:"))
     done = debug(
         program,
         "-x",

@@ -13,34 +13,12 @@ import pytest
 from dap import events, responses
 from editor import Editor
 from locations import AT_ONCE_OPTIONS, BUILD
-
-PROGRAM = """\
-        .text
-start:  ldp     total
-        ldi     5,r0
-loop:   call    add
-        subi    1,r0
-        bnz     loop
-end:    b       end
-add:    ldi     @total,r1
-        addi    r0,r1
-        sti     r1,@total
-        rets
-total:  .word   0
-"""
-SUMS = [5, 9, 12, 14, 15]
+from sums import SUMS, write_program
 
 
 @pytest.fixture
 def program(tmp_path: Path) -> Path:
-    path = tmp_path / "sums.asm"
-    path.write_text(
-        PROGRAM.replace(
-            "start:  ldp     total\n",
-            "start:  ldp     total\n        ldhi    2fh,ar7\n        or      0f800h,ar7\n        ldi     ar7,sp\n",
-        )
-    )
-    return path
+    return write_program(tmp_path)
 
 
 def line_of(program: Path, text: str) -> int:
@@ -235,7 +213,7 @@ def test_the_dock_has_a_thread_for_each_dsp_and_source_that_is_built_in() -> Non
         editor.wait(events.TerminatedEvent)
 
 
-def test_a_run_is_paused_and_goes_on_and_ends_when_the_client_says_so(tmp_path: Path) -> None:
+def test_a_run_is_paused_and_continues_and_ends_when_the_client_says_so(tmp_path: Path) -> None:
     path = tmp_path / "loop.asm"
     path.write_text("        .text\nstart:  addi 1,r0\n        b start\n")
     with Editor() as editor:

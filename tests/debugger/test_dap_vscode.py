@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from locations import BUILD, ROOT
-from test_dap import PROGRAM
+from sums import write_program
 
 MODULES = ROOT / "build-editor" / "node_modules"
 
@@ -19,13 +19,7 @@ MODULES = ROOT / "build-editor" / "node_modules"
     not MODULES.is_dir(), reason="scripts/setup editor installs @vscode/debugadapter-testsupport into build-editor"
 )
 def test_a_session_of_vs_codes_own_test_client(tmp_path: Path) -> None:
-    program = tmp_path / "sums.asm"
-    program.write_text(
-        PROGRAM.replace(
-            "start:  ldp     total\n",
-            "start:  ldp     total\n        ldhi    2fh,ar7\n        or      0f800h,ar7\n        ldi     ar7,sp\n",
-        )
-    )
+    program = write_program(tmp_path)
     script = shutil.copy(ROOT / "tests" / "debugger" / "vscode" / "session.js", MODULES.parent / "session.js")
     done = subprocess.run(
         ["node", script, BUILD / "bin" / "emulator", program], capture_output=True, text=True, timeout=120, check=False

@@ -34,13 +34,13 @@ end:    bu end
     network = Network([program, program], memories=[memory])
     debugger = network.debug()
     debugger.watch(0xC0000000, on="access", chip=0)
-    who = []
+    hits = []
     for stop in debugger.run():
         for hit in stop.hits:
-            who.append((hit.chip, "wrote" in hit.text))
+            hits.append((hit.chip, "wrote" in hit.text))
             if "wrote" in hit.text:
                 assert debugger.word(0xC0000000, chip=1) == hit.value
-    assert sorted(who) == [(chip, wrote) for chip in (0, 1) for wrote in (False, True) for _ in range(3)]
+    assert sorted(hits) == [(chip, wrote) for chip in (0, 1) for wrote in (False, True) for _ in range(3)]
     writer = debugger.last_write(0xC0000000, chip=1)
     assert writer is not None and writer.value == 1
 
@@ -61,7 +61,7 @@ def test_a_condition_may_ask_for_a_word_that_other_chips_write() -> None:
 
 
 @pytest.mark.parametrize(("dsps", "settings"), [(4, {}), (16, {"preset": "saturated"}), (2, {})])
-def test_at_a_stop_the_dock_is_as_one_that_nobody_looks_at(dsps: int, settings: dict[str, str]) -> None:
+def test_at_a_stop_the_dock_is_as_without_a_debugger(dsps: int, settings: dict[str, str]) -> None:
     preset = settings.get("preset")
 
     def make() -> cmrc.Simulation:
@@ -104,8 +104,8 @@ def test_at_a_stop_the_dock_is_as_one_that_nobody_looks_at(dsps: int, settings: 
 def test_an_instant_is_found_again_and_a_change_by_hand_begins_a_branch() -> None:
     run = dock()
     debugger = run.debug()
-    told: list[str] = []
-    debugger.on_output(told.append)
+    printed: list[str] = []
+    debugger.on_output(printed.append)
     first = debugger.go_to(0.05)
     here = debugger._core.state()
     debugger.go_to(0.11)
@@ -113,7 +113,7 @@ def test_an_instant_is_found_again_and_a_change_by_hand_begins_a_branch() -> Non
     assert debugger._core.state() == here and debugger.time_s == first.time_s
     scratch = debugger.places("SCRATCH")[0]
     debugger.set_word(scratch + 5, 1234, chip=3)
-    assert "new branch" in told[0] and debugger.word(scratch + 5, chip=3) == 1234
+    assert "new branch" in printed[0] and debugger.word(scratch + 5, chip=3) == 1234
     changed = debugger._core.state()
     assert changed != here
     debugger.go_to(0.04)
@@ -122,7 +122,7 @@ def test_an_instant_is_found_again_and_a_change_by_hand_begins_a_branch() -> Non
     assert debugger._core.state() == changed
 
 
-def test_functions_are_called_at_stops_and_may_let_the_machine_go_on() -> None:
+def test_functions_are_called_at_stops_and_may_let_the_machine_continue() -> None:
     debugger = dock(**{"machine.boot": "preloaded", "host.start_ms": 0}).debug()
     number = debugger.on("claim", task="pid")
     seen: list[tuple[float, str]] = []

@@ -8,7 +8,7 @@ from cmrc.c40 import Processor, assemble
 from cmrc.debug import DebugError, Debugger
 from cmrc.network import Network
 
-# Three rounds of a loop that breaks two rules each time, and then goes on.
+# Three rounds of a loop that breaks two rules each time, and then continues.
 SOURCE = """
         .text
 start:  ldi 2,r7

@@ -11,7 +11,8 @@ from cmrc import c40 as package
 from cmrc.debug import Debugger, Hit
 from cmrc.network import Network
 from locations import ROOT
-from nasty_programs import CYCLES, DATA, Bench, assembled, generate, made, state
+from nasty_programs import CYCLES, DATA, generate
+from nasty_runs import Bench, assembled, made, state
 
 CYCLE_PS = 50_000
 SEEDS = [*range(30), *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(30, 1000))]
@@ -145,7 +146,7 @@ values: .word {source}, {destination}, {words}, 00c00008h
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_what_a_stop_shows_is_what_a_run_comes_to_that_nobody_looks_at(seed: int, tmp_path: Path) -> None:
+def test_a_stop_shows_the_state_of_a_run_without_a_debugger(seed: int, tmp_path: Path) -> None:
     rng = random.Random(seed)
     program = program_without_pins(seed)
     board, image = Bench(tmp_path).board(program), assembled(program)
@@ -159,7 +160,7 @@ def test_what_a_stop_shows_is_what_a_run_comes_to_that_nobody_looks_at(seed: int
         alone = made(program, board, image)
         alone.run(max(instant(debugger), 1))
         assert state(alone) == state(chip), (seed, instant(debugger))
-    if debugger.stop.reason == "over":  # a fault; a chip that is run on stands still
+    if debugger.stop.reason == "over":  # a fault; a chip that is run further stays there
         return
     debugger.close()
     end = chip.cycle + CYCLES

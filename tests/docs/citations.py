@@ -5,7 +5,7 @@
     paper section 6, paper 6        paper.md#6; also `equation (7)`, `paper table 1`
     ruling 33, rulings 16 to 18     decisions.md#ruling-33; also `issue 6`
 
-A list or a range cites each number that it names. The number may stand on the next line of a comment.
+A list or a range cites each number that it names. The number may be on the next line of a comment.
 """
 
 import re
@@ -43,7 +43,7 @@ _ANCHOR = re.compile(r'<a id="([^"]+)">')
 
 @dataclass(frozen=True)
 class Citation:
-    """One citation: where its words stand in the text, and the places `page#anchor` that it names."""
+    """One citation: the place of its words in the text, and the places `page#anchor` that it names."""
 
     begin: int
     end: int

@@ -1,4 +1,4 @@
-"""Each option that `--help` names stands in docs/cli.md, or in the page that docs/cli.md names for its command."""
+"""Each option that `--help` names is in docs/cli.md, or in the page that docs/cli.md names for its command."""
 
 import re
 import subprocess
@@ -41,7 +41,7 @@ def test_the_page_names_every_command() -> None:
 
 
 @pytest.mark.parametrize("command", commands(), ids=lambda name: name or "emulator")
-def test_every_option_is_told(command: str) -> None:
+def test_every_option_is_documented(command: str) -> None:
     pages = [Path(DOCS / f"{page}.md") for page in PAGES.get(command, ("cli",))]
     text = "\n".join(page.read_text(encoding="utf-8") for page in pages)
     found = options(command)

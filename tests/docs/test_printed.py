@@ -1,6 +1,6 @@
 """The figures in README.md and docs/ are those that the named command prints.
 
-A block of output stands under a comment that names its command:
+A block of output has a comment above it that names its command:
 
     <!-- printed by: emulator --dsps 4 --duration 2 | from "Deadlines" to "grab_path" -->
 
@@ -11,7 +11,7 @@ separated by commas, are shown with a blank line between them. ``cut N`` at the 
 paragraph (or table) below both say; runs of blanks count as one. ``campaign`` at the end keeps long runs out of the
 suite. ``pytest tests/docs --update-golden`` (with ``-m campaign`` for the long ones) writes blocks and tables again.
 
-Where a test holds a figure, the comment names test and phrases; each number of a phrase stands in the source of that
+Where a test holds a figure, the comment names test and phrases; each number of a phrase is in the source of that
 test:
 
     <!-- held by: tests/kernels/test_heartbeat.py::test_a_beat_keeps_registers_and_status | says "17 cycles" -->

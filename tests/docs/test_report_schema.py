@@ -55,13 +55,13 @@ def test_what_a_report_has_not_is_refused() -> None:
 def test_the_schema_has_the_keys_and_the_words_of_the_page() -> None:
     page = (ROOT / "docs" / "report.md").read_text(encoding="utf-8")
     table = page.partition("| key | meaning |")[2].partition("\n\n")[0]
-    told = {}
+    meanings = {}
     for line in table.splitlines()[2:]:
         keys, meaning = (cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:3])
-        told |= {key: meaning.replace("\\|", "|") for key in re.findall(r"`([^`]+)`", keys)}
-    assert len(told) > 30
-    assert set(told) | {"boot_words"} == set(SCHEMA["properties"])
-    other = [key for key, meaning in told.items() if SCHEMA["properties"][key]["description"] != meaning]
+        meanings |= {key: meaning.replace("\\|", "|") for key in re.findall(r"`([^`]+)`", keys)}
+    assert len(meanings) > 30
+    assert set(meanings) | {"boot_words"} == set(SCHEMA["properties"])
+    other = [key for key, meaning in meanings.items() if SCHEMA["properties"][key]["description"] != meaning]
     assert not other, "scripts/report_schema.py docs/report.schema.json writes the page's words into the schema"
 
 

@@ -71,11 +71,11 @@ def test_a_trace_gives_the_same_table_as_the_run(scene: Path, events: Path, repo
 
 
 def test_dsps_are_occupied_as_the_report_says(events: Path, report: Any) -> None:
-    told = {(f"dsp {dsp['slot']}", task): ps for dsp in report["dsps"] for task, ps in dsp["tasks_ps"].items()}
+    reported = {(f"dsp {dsp['slot']}", task): ps for dsp in report["dsps"] for task, ps in dsp["tasks_ps"].items()}
     rows = {(dsp, task): int(ps) for dsp, task, _, ps in ask(events, "occupied")}
-    assert told.keys() == rows.keys()
-    # At the end of the run a block may stand open, which has no end among the events.
-    open_ps = [told[key] - rows[key] for key in told if told[key] != rows[key]]
+    assert reported.keys() == rows.keys()
+    # At the end of the run a block may be open: it has no end among the events.
+    open_ps = [reported[key] - rows[key] for key in reported if reported[key] != rows[key]]
     assert len(open_ps) <= 3 and all(0 < ps < 10**11 for ps in open_ps)
 
 
@@ -90,7 +90,7 @@ def test_the_largest_cause_is_that_of_the_report(events: Path, report: Any) -> N
     assert {row[0] for row in rows} == {kind for kind, task in report["tasks"].items() if task["late"]}
 
 
-def test_who_is_on_the_bus(scene: Path, events: Path) -> None:
+def test_which_master_is_on_the_bus(scene: Path, events: Path) -> None:
     """The same from the lines of the trace."""
     lines = [line.split() for line in (scene / "t.trace").read_text().splitlines()[1:]]
     fields = [(line[0], dict(pair.split("=") for pair in line if "=" in pair), line) for line in lines]

@@ -1,8 +1,8 @@
-"""Pages that are walked through: the commands of docs/paths/ and docs/how-to/ run, and print what stands below them.
+"""Pages that are walked through: the commands of docs/paths/ and docs/how-to/ run, and print what the pages show.
 
 The blocks ```sh, ```python, ```asm and ```toml of a page are done in their order, in one empty folder that has `build`,
 `c40_programs` and `examples` of the tree. `sh` and `python` are run. `asm` and `toml` are written to the file that
-their first line names in a comment. A block ```text right after a run is what the run prints: its lines stand in the
+their first line names in a comment. A block ```text right after a run is what the run prints: its lines are in the
 output in this order, `...` for any lines between.
 A block ```cpp is, without its first line, in the file of the tree that its first line names.
 A page with `<!-- campaign -->` takes long and is left out of the suite.
@@ -30,7 +30,7 @@ class Block:
     text: str
     line: int
     follows: bool
-    """nothing but blank lines stands between the block before and this one"""
+    """nothing but blank lines is between the block before and this one"""
 
 
 def blocks(text: str) -> list[Block]:

@@ -18,8 +18,8 @@ def test_no_seed_and_no_mutation_breaks_a_promise(target: str, tmp_path: Path) -
     seeds = ROOT / "fuzz" / "corpus" / target
     command = [BUILD / "fuzzers" / target, "--mutations", str(MUTATIONS), "--keep", last, seeds]
     done = subprocess.run(command, capture_output=True, errors="replace", text=True, check=False, timeout=300)
-    told = f"{done.stderr[-2000:]}\nthe input is {last}: {last.read_bytes()[:200]!r}"
-    assert done.returncode == 0, told
+    failure = f"{done.stderr[-2000:]}\nthe input is {last}: {last.read_bytes()[:200]!r}"
+    assert done.returncode == 0, failure
     assert f"{len(list(seeds.iterdir()))} files and {MUTATIONS} mutations" in done.stderr
 
 

@@ -45,8 +45,8 @@ def classify(emulator: Path, first: int, count: int) -> dict[str, int]:
             0x33000000,
             1 << 23,
             32 * (12 * 256 + 256 * 256),
-        ),  # CMPF3, type 2: no immediates; nobody reads where a destination would be
-        (0x23000000, 1 << 23, 12 * 12 + 2 * 12 * INDIRECT_8 + INDIRECT_8**2),  # CMPF3, type 1: 0 has to stand there
+        ),  # CMPF3, type 2: no immediates; nothing reads the field of the destination
+        (0x23000000, 1 << 23, 12 * 12 + 2 * 12 * INDIRECT_8 + INDIRECT_8**2),  # CMPF3, type 1: 0 is required there
         (0x60000000, 1 << 24, 1 << 24),  # BR
         (0x74000000, 1 << 24, 2 * 20 * 512),  # TRAPcond, LATcond
         (0x1E800000, 1 << 23, 13 * (32 - 1 + 65536 + INDIRECT_16 + 65536)),  # LDA: 13 destinations, not from itself

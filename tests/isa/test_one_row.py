@@ -25,7 +25,7 @@ def compiled(unit: str, folder: Path) -> subprocess.CompletedProcess[str]:
 def changed(folder: Path, name: str, old: str, new: str) -> None:
     source = folder / name if (folder / name).exists() else of_tree(name)
     text = source.read_text(encoding="utf-8")
-    assert text.count(old) == 1, f"{name}: {old!r} stands there {text.count(old)} times"
+    assert text.count(old) == 1, f"{name}: {old!r} is there {text.count(old)} times"
     (folder / name).parent.mkdir(parents=True, exist_ok=True)
     (folder / name).write_text(text.replace(old, new), encoding="utf-8")
 

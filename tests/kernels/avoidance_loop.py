@@ -5,22 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+from agv_words import forget_avoidance, measure, pushed, set_leg
 from harness_agv import WINDOW_B, Dsp
 from range_scene import FIRST, MOUNT, STEP, Scene
 from reference_agv import Segment, wrap
-from test_inverse_agv import measure, pushed
-from test_trajectory_agv import DT, UNIT, set_leg
 from vehicle import Vehicle
 
 RANGE = 0x800  # of AGV 0, as AGV_UNIT is 400h
-
-
-def machine() -> Dsp:
-    dsp = Dsp()
-    dsp.agv(0)
-    for name, value in (("AG_UNIT", UNIT), ("AG_STEP_TIME", DT)):
-        dsp.put(name, value)
-    return dsp
 
 
 def show(dsp: Dsp, rays: list[int]) -> None:
@@ -62,16 +53,7 @@ def drive(
     dsp: Dsp, kernel: str | None, segments: list[Segment], scene: Scene, limit: float = 90.0, load: float = 0.0
 ) -> Drive:
     set_leg(dsp, 1, segments)
-    for name in (
-        "AG_AVOID_LIMIT",
-        "AG_AVOID_SHIFT",
-        "AG_AVOID_HOLD",
-        "AG_AVOID_WAIT",
-        "AG_AVOID_BESIDE",
-        "AG_PRODUCED",
-    ):
-        dsp.put(name, 0)
-    dsp.put("AG_PERIOD_US", 20_000)
+    forget_avoidance(dsp)
     vehicle = Vehicle(segments[0].x, segments[0].y, segments[0].heading, load)
     out, k, done = Drive(), 0, False
     while vehicle.time < limit and not (done and not vehicle.queue and vehicle.standing):

@@ -2,7 +2,7 @@
 avoidance of every AGV.
 
 No host and no crane: each AGV goes round the default loop again and again, to the warehouse and back to the loading
-spot, and stands there for a while. No host tells it to queue: only its range sensor shows what stands before it.
+spot, and waits there for a while. No host makes it queue: only its range sensor shows what is ahead of it.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import Any
 
+from agv_words import forget_avoidance, set_leg
 from cmrc import _core
 from harness_agv import WINDOW_B, Dsp, signed
 from reference_agv import Segment
@@ -61,7 +62,7 @@ class Fleet:
                 self.dsp.device(self.range[i] + s[f"RANGE_{name}"], value)
 
     def set_leg(self, i: int) -> None:
-        """From where it stands: its slot's way to the spot comes first."""
+        """From its present place: the way from its slot to the spot comes first."""
         v = self.vehicles[i]
         v.leg = v.leg % 2 + 1
         segments = segments_of(self.config.layout.legs[v.leg - 1])
@@ -74,21 +75,8 @@ class Fleet:
                 segments[0] = Segment(
                     start.x - back * math.cos(start.heading), start.y - back * math.sin(start.heading), start.heading,
                     start.length + back, 0.0, start.speed)  # fmt: skip
-        put = self.dsp.put
-        put("AG_LEG", v.leg)
-        put("AG_SEGMENT_COUNT", len(segments), v.leg)
-        for n, g in enumerate(segments):
-            for j, value in enumerate((g.x, g.y, g.heading, g.length, g.curvature, g.speed)):
-                put("AG_SEGMENT", float(value), (v.leg - 1) * 64 + n * 8 + j)
-        for name in (
-            "AG_AVOID_LIMIT",
-            "AG_AVOID_SHIFT",
-            "AG_AVOID_HOLD",
-            "AG_AVOID_WAIT",
-            "AG_AVOID_BESIDE",
-            "AG_PRODUCED",
-        ):
-            put(name, 0)
+        set_leg(self.dsp, v.leg, segments)
+        forget_avoidance(self.dsp)
         v.k, v.done = 0, False
 
     def sense(self, i: int) -> None:

@@ -82,6 +82,17 @@ class Dsp:
         self.put("CR_CONTROL_BLOCK", *block)
         self.put("CR_CONTROL", generation)
 
+    def servo_rates(self, consumed: int | None = None) -> None:
+        """The default rates as the host writes them: the servo each millisecond, a point each eighth time; with
+        `consumed`, so many points of the ring that begin at tick 0."""
+        self.put("CR_SERVO_PERIOD", 0.001)
+        self.put("CR_POINT_TICKS", 64)
+        self.put("CR_SERVO_TICKS", 8)
+        self.put("CR_PID_STAGE", 2)
+        if consumed is not None:
+            self.put("CR_CONSUMED", consumed)
+            self.put("CR_SEGMENT_START", 0)
+
     def speeds(self, words: list[float]) -> None:
         """What the host writes of the speed limits."""
         self.put("CR_SPEED", *words)

@@ -5,15 +5,10 @@ from __future__ import annotations
 
 import math
 
-import harness
 from cmrc import _core
+from harness import RETURN, WINDOW_A, WINDOW_B, from_ti, image, signed
 
-WINDOW_A, WINDOW_B = 0xC0000000, 0x70000000
-RETURN = 0x3FF000  # a word where nothing is: the kernel comes back here
-
-
-def image() -> _core.toolchain.Image:
-    return harness.image()
+__all__ = ["RETURN", "WINDOW_A", "WINDOW_B", "Dsp", "from_ti", "image", "signed", "to_ti"]
 
 
 def to_ti(x: float) -> int:
@@ -30,14 +25,6 @@ def to_ti(x: float) -> int:
     elif n == -(2**23):
         n, e = -(2**24), e - 1
     return (e & 0xFF) << 24 | (n < 0) << 23 | n & 0x7FFFFF
-
-
-def from_ti(word: int) -> float:
-    return float(_core.c40.float40.value(_core.c40.float40.from_single(word)))
-
-
-def signed(word: int) -> int:
-    return word - (1 << 32) if word & 0x80000000 else word
 
 
 class Dsp:

@@ -18,7 +18,7 @@ WHEELBASE = 9.0  # m
 STEER_LIMIT = math.radians(30.0)
 ARRIVED = 0.001  # m of arc left that count as the end of the leg
 
-STEER_LEAD = 0.4  # s by which the wheels are told ahead
+STEER_LEAD = 0.4  # s by which the wheels' commands are ahead
 STEER_SWEEP = 1.05  # s over which a step of curvature is spread: 0.36 rad (R 12 m) at 0.35 rad/s
 SWEEP_MINIMUM = 0.2  # m
 
@@ -26,7 +26,7 @@ SLOW = 2.5  # m/s, above which the feedback softens
 LATERAL_RATIO = 0.32
 HEADING_GAIN = 0.5  # 1/m
 ALONG_GAIN = 1.2  # 1/s
-AT_SPOT = 0.01  # m from the end of the leg where the vehicle is told to stand
+AT_SPOT = 0.01  # m from the end of the leg where the commanded speed is 0
 SLOWEST, FASTEST = -0.2, 6.5  # m/s
 STIFFNESS = 4.0e5  # N/rad and axle
 MASS_EMPTY, MASS_LOADED = 25.0e3, 49.0e3  # kg: with a container of 24 t

@@ -122,7 +122,7 @@ class Lane:
         foot = project(view, view.x, view.y)
         self.s, self.lateral = foot[:2] if foot else (view.s, 0.0)
         self.left = sum(g.length for g in view.segments) - self.s
-        self.last = self.left - HOME - REAR  # where the last thing may stand that is passed beside the lane
+        self.last = self.left - HOME - REAR  # the last place of an obstacle beside the lane that the vehicle passes
         self.echoes: list[Echo] = []
         self.look: Look | None = None  # what decide keeps
         self.wait, self.place = view.wait, view.place

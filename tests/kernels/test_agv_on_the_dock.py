@@ -4,12 +4,11 @@ own bay identified."""
 import math
 
 import pytest
+from agv_words import agv_dsp, measure, pushed, set_leg
 from cmrc import _core
 from harness_agv import Dsp
 from reference_agv import Segment, wrap
 from test_identify import Bay
-from test_inverse_agv import measure, pushed
-from test_trajectory_agv import DT, UNIT, set_leg
 
 MS = 10**9  # ps
 
@@ -22,10 +21,7 @@ def sense(dsp: Dsp, dock: _core.plant.Dock, t: int) -> None:
 @pytest.mark.parametrize("period_us", [20000])
 def test_both_legs_one_after_the_other(period_us: int) -> None:
     """A whole round: each leg starts where the last one left the vehicle, and ends within 3 cm of its end."""
-    dsp = Dsp()
-    dsp.agv(0)
-    for name, value in (("AG_UNIT", UNIT), ("AG_STEP_TIME", DT), ("AG_PERIOD_US", period_us)):
-        dsp.put(name, value)
+    dsp = agv_dsp(period_us=period_us)
     config = _core.plant.default_dock(1)
     dock = _core.plant.Dock(config)
     t = 0

@@ -9,14 +9,13 @@ import random
 from itertools import pairwise
 
 import pytest
-from avoidance_loop import RANGE, Drive, drive, machine, show
+from agv_words import agv_dsp, measure, set_leg
+from avoidance_loop import RANGE, Drive, drive, show
 from harness_agv import WINDOW_A, Dsp, from_ti, signed, to_ti
 from lanes import chain, loop
 from range_scene import FIRST, MOST, MOUNT, STEP, Disc, Scene
 from reference_agv import Segment, pose_at
 from reference_avoidance import BINS, METHODS, NOTHING, Lane, Look, Said, View, motion
-from test_inverse_agv import measure
-from test_trajectory_agv import set_leg
 
 # plant-and-bus.md 2.2; with a scene full of echoes a method may cost up to twice its estimate (VFH projects up to 72
 # echoes onto the lane)
@@ -30,7 +29,7 @@ BOUND = 3.5  # mm, mm/s
 
 @pytest.fixture(scope="module")
 def dsp() -> Dsp:
-    return machine()
+    return agv_dsp()
 
 
 def random_view(r: random.Random) -> View:
@@ -79,7 +78,7 @@ def random_view(r: random.Random) -> View:
         view.wait, view.place = view.count + r.randrange(-5, 50), round(s + r.uniform(5, 20), 3)
     view.flank = round(s + r.uniform(-20, 5), 3)
     if r.random() < 0.7:
-        # What is seen now stood elsewhere before: nearer to the lane, farther, or not at all.
+        # What is seen now was elsewhere before: nearer to the lane, farther, or not there at all.
         lane = Lane(view, 72)
         now = motion(lane, 0.0, math.inf, math.inf)[1]
         kept = (
@@ -148,7 +147,9 @@ def run(dsp: Dsp, kernel: str, view: View) -> tuple[Said, int, int]:
 
 
 def close(a: Said, b: Said) -> bool:
-    if (a[0] is None) != (b[0] is None) or abs(a[-1] - b[-1]) > 3:  # points of the time that it stands, of up to 2000
+    if (a[0] is None) != (b[0] is None) or abs(
+        a[-1] - b[-1]
+    ) > 3:  # points while the vehicle does not move, of up to 2000
         return False
     return all(abs(1e3 * (p - q)) <= BOUND for p, q in zip(a[:-1], b[:-1]) if p is not None and q is not None)
 

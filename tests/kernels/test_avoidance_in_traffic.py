@@ -39,7 +39,7 @@ def straight(speed: Callable[[float], float]) -> Course:
         ("who comes from behind", lambda t: 1.0, [(0, -60.0, 0.0), (20, 0.0, 0.0)], 7.9, False),
     ],
 )
-def test_who_could_have_prevented_it(
+def test_which_collisions_could_have_been_prevented(
     what: str, speed: Callable[[float], float], path: list[tuple[float, float, float]], contact: float, guilty: bool
 ) -> None:
     mover = Mover(0.3, 1.8, [Waypoint(*p) for p in path])
@@ -89,7 +89,7 @@ def stands(s: float, lateral: float, radius: float = 0.3) -> Mover:
 @pytest.mark.parametrize(
     ("kernel", "s"), [("avoidance_vfh", 30.0), ("avoidance_vfh", 36.0), ("avoidance_potential", 36.0)]
 )
-def test_who_comes_from_the_inner_side_of_a_bend_is_remembered(kernel: str, s: float) -> None:
+def test_a_person_from_the_inner_side_of_a_bend_is_remembered(kernel: str, s: float) -> None:
     """A person walks at 1.2 m/s from 11 m beside the lane. The sensor sees the person for 3 s; the person reaches the
     flank 5 s later."""
     fleet = among(
@@ -99,7 +99,7 @@ def test_who_comes_from_the_inner_side_of_a_bend_is_remembered(kernel: str, s: f
     assert not fleet.collisions()
 
 
-def test_who_walks_along_the_lane_past_the_vehicle_is_let_pass() -> None:
+def test_a_person_who_walks_along_the_lane_past_the_vehicle_is_let_pass() -> None:
     """Against the traffic through a bend, too near to be driven past: the vehicle stands from before he is beside it
     until he has reached its rear, seen or not."""
     start, stations = -25.0, np.linspace(55.0, 15.0, 9)
@@ -124,7 +124,7 @@ def test_a_post_that_leaves_no_room_before_the_legs_end_is_waited_for_in_view() 
     assert not fleet.collisions() and fleet.dock.agv_speed(0, fleet.t) == 0
 
 
-def test_who_stands_where_the_shift_must_be_given_back_is_not_passed() -> None:
+def test_a_person_where_the_shift_must_be_given_back_is_not_passed() -> None:
     """A post asks for a shift to the left; 18 m behind it, so near the leg's end that nothing is passed, somebody
     stands in the lane until 30 s."""
     at, off = on_lane(66.0, -0.3, 1), on_lane(66.0, 12.0, 1)

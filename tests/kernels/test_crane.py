@@ -113,8 +113,8 @@ def test_planning_demands_itself_until_the_last_point_of_a_leg(dsp: Dsp) -> None
     last = ref.Leg(home, [target]).points(single(PERIOD)) - 1
     more, s = (0, dsp.symbols["MUST_TRAJECTORY"] | dsp.symbols["MUST_INVERSE"]), dsp.symbols
     assert [dsp.run("trajectory_crane", k)[:2] for k in (0, 500, last - 2)] == [more] * 3
-    told = [dsp.run("trajectory_crane", k)[:2] for k in (last - 1, last, last + 1)]
-    assert (s["RESULT_END_OF_LEG"], s["MUST_INVERSE"]) in told
+    results = [dsp.run("trajectory_crane", k)[:2] for k in (last - 1, last, last + 1)]
+    assert (s["RESULT_END_OF_LEG"], s["MUST_INVERSE"]) in results
 
 
 def test_an_alignment_starts_where_the_leg_before_ended_and_aims_at_the_agv(dsp: Dsp) -> None:
@@ -241,10 +241,7 @@ def random_joints(r: random.Random) -> tuple[list[float], list[float], list[floa
 @pytest.mark.parametrize("ramp", [False, True])
 def test_torque_compensation_is_the_inverse_dynamics_of_the_set_point(dsp: Dsp, ramp: bool) -> None:
     r = random.Random(30 + ramp)
-    dsp.put("CR_SERVO_PERIOD", 0.001)
-    dsp.put("CR_POINT_TICKS", 64)
-    dsp.put("CR_SERVO_TICKS", 8)
-    dsp.put("CR_PID_STAGE", 2)
+    dsp.servo_rates()
     for n in range(60):
         payload = round(r.uniform(10e3, 50e3))
         a, b = random_joints(r), random_joints(r)

@@ -151,7 +151,7 @@ def test_pause_and_spin_find_a_block_without_a_ring(policy: int) -> None:
     assert b.shared(s["DOORBELL_IDLE"]) == 0
 
 
-def test_pause_looks_at_the_list_as_often_as_it_is_told() -> None:
+def test_pause_looks_at_the_list_as_often_as_given() -> None:
     looks = {}
     for pause in (100, 1000):
         b = Board(policy=1, pause=pause)

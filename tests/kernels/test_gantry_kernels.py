@@ -25,7 +25,7 @@ plant = _core.plant
 P = plant.gantry_crane()
 MODEL = plant.Crane(P)
 HALF = math.pi / 2
-# What stands behind drive channels 1 to 4; channel 0 is spare.
+# The joints of drive channels 1 to 4; channel 0 is spare.
 DRIVES = [P.drives[j] for j in (0, 2, 3, 4)]
 COUNTS = (0.0, *(16384 / (2 * math.pi) * d.gear for d in DRIVES))
 U_MAX = (1.0, *(1.5 * d.rated_torque for d in DRIVES))
@@ -198,12 +198,7 @@ def test_out_of_reach_is_clamped_and_said(dsp: Dsp, at: tuple[float, float, floa
 @pytest.mark.parametrize(("kernel", "build"), [("torque_gantry", CLOSED_FORM), ("torque_newton_euler", NEWTON_EULER)])
 def test_torques_are_the_plants_inverse_dynamics(dsp: Dsp, kernel: str, build: str) -> None:
     r = random.Random(7)
-    dsp.put("CR_SERVO_PERIOD", 0.001)
-    dsp.put("CR_POINT_TICKS", 64)
-    dsp.put("CR_SERVO_TICKS", 8)
-    dsp.put("CR_PID_STAGE", 2)
-    dsp.put("CR_CONSUMED", 2)
-    dsp.put("CR_SEGMENT_START", 0)
+    dsp.servo_rates(consumed=2)
     for _ in range(60):
         load = round(r.uniform(10e3, 50e3))
         q = [0.0, *(single(r.uniform(a, b)) for a, b in ((-20, 20), (-30, 38), (4, 48), (-3, 3)))]

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 
 import pytest
+from agv_words import UNIT, agv_dsp, put_segments
 from avoidance_loop import show
 from cmrc import _core
 from harness import gantry_constants
@@ -17,7 +18,6 @@ from traces import condensed
 FULL_TEXT_CYCLES = 150
 CYCLES_PER_HASH = 1000
 TICK = 1000
-UNIT = 0x400
 
 
 def crane() -> Dsp:
@@ -105,22 +105,11 @@ def ship() -> Dsp:
 
 def agv() -> Dsp:
     """In the loading spot, before its way to the warehouse and home."""
-    dsp = Dsp()
-    dsp.agv(0)
-    for name, value in (
-        ("AG_UNIT", UNIT),
-        ("AG_STEP_TIME", 0.02),
-        ("AG_PERIOD_US", 20_000),
-        ("AG_POINT_TICKS", 160),
-        ("AG_LEG", 1),
-    ):
-        dsp.put(name, value)
+    dsp = agv_dsp()
+    dsp.put("AG_POINT_TICKS", 160)
+    dsp.put("AG_LEG", 1)
     for leg, segments in enumerate((*loop(), loop()[1]), start=1):
-        dsp.put("AG_SEGMENT_COUNT", len(segments), leg)
-        for i, segment in enumerate(segments):
-            words = (segment.x, segment.y, segment.heading, segment.length, segment.curvature, segment.speed)
-            for j, value in enumerate(words):
-                dsp.put("AG_SEGMENT", float(value), (leg - 1) * 64 + 8 * i + j)
+        put_segments(dsp, leg, segments)
     for name, value in (
         ("AGV_X", 22_010),
         ("AGV_Y", 7_995),

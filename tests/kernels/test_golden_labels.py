@@ -14,7 +14,7 @@ from locations import ROOT
 from test_golden_kernels import CASES, kernel_trace
 from traces import condensed, without_operands
 
-USER = "inverse_crane"  # stands early in the image: most kernels and functions after it move
+USER = "inverse_crane"  # early in the image: most kernels and functions come after it, and move
 LONG = "avoidance_dwa"  # nearly all of the instructions of all kernels together, and a vehicle's: of the crane's area it knows nothing
 
 
@@ -26,7 +26,7 @@ def substitute(path: Path, old: str, new: str) -> None:
 
 def at_the_end(areas: str) -> str:
     """A word after the last one of the crane's area."""
-    last = 0x240 + 8  # CR_SPEED, its words, and one more, for a pointer may stand behind them
+    last = 0x240 + 8  # CR_SPEED, its words, and one more, for a pointer may point behind them
     assert (
         "CR_SPEED            .set 240h" in areas
         and "SPEED_WORDS         .set 7 " in areas
@@ -37,7 +37,7 @@ def at_the_end(areas: str) -> str:
 
 def before(word: str) -> Callable[[str], str]:
     """A word before this one of the crane's, which moves up with all that come later. What kernels copy up to the new
-    word would show: a pointer then stands on it. Words that they copy beginning behind it, as PID the joint points of
+    word would show: a pointer then points to it. Words that they copy beginning behind it, as PID the joint points of
     CR_RING, do not."""
 
     def added(areas: str) -> str:

@@ -3,10 +3,10 @@
 import random
 
 import pytest
+from agv_words import UNIT, set_leg
 from harness_agv import Dsp
 from lanes import random_leg
 from reference_agv import Segment, cut_leg, pose_at, wrap
-from test_trajectory_agv import UNIT, set_leg
 
 BOUND = 1e-3  # m: the lane is looked at every micrometre by the reference, the pose comes in mm
 
@@ -53,7 +53,7 @@ def test_no_lane_home_is_no_segment(dsp: Dsp) -> None:
 
 
 @pytest.mark.parametrize("cycles", [40, 41, 100, 999, 20_000, 150_000])
-def test_the_synthetic_load_takes_the_cycles_that_it_is_told(dsp: Dsp, cycles: int) -> None:
+def test_the_synthetic_load_takes_the_given_cycles(dsp: Dsp, cycles: int) -> None:
     result, notify, taken = dsp.run("avoidance", cycles)
     assert (result, notify) == (0, 0)
     assert abs(taken - cycles) <= 8

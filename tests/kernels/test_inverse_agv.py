@@ -5,10 +5,10 @@ import random
 from itertools import pairwise
 
 import pytest
+from agv_words import DT, UNIT, agv_dsp, measure, pushed, set_leg
 from harness_agv import Dsp, from_ti, to_ti
 from lanes import loop
 from reference_agv import STEER_LIMIT, Point, inverse, wrap
-from test_trajectory_agv import DT, UNIT, set_leg
 from vehicle import Vehicle
 
 ROUNDING = 0.5  # of the integer commands: mm/s, microradians
@@ -17,23 +17,7 @@ SPEED_BOUND, STEER_BOUND = 0.05, 2.0  # beyond that rounding, from singles (docs
 
 @pytest.fixture(scope="module")
 def dsp() -> Dsp:
-    machine = Dsp()
-    machine.agv(0)
-    machine.put("AG_UNIT", UNIT)
-    machine.put("AG_STEP_TIME", DT)
-    return machine
-
-
-def measure(dsp: Dsp, x: int, y: int, heading: int, speed: int, status: int) -> None:
-    for name, value in zip(
-        ("AGV_X", "AGV_Y", "AGV_HEADING", "AGV_SPEED", "AGV_STATUS"), (x, y, heading, speed, status)
-    ):
-        dsp.device(UNIT + dsp.symbols[name], value)
-
-
-def pushed(dsp: Dsp) -> list[int]:
-    names = ("AGV_PERIOD", "AGV_SPEED_COMMAND", "AGV_FRONT_COMMAND", "AGV_REAR_COMMAND")
-    return [dsp.device_word(UNIT + dsp.symbols[name]) for name in names]
+    return agv_dsp()
 
 
 def test_set_points_agree_with_the_reference(dsp: Dsp) -> None:

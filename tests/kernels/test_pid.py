@@ -24,7 +24,7 @@ def counts(q: list[float]) -> list[int]:
 
 
 class Servo:
-    """PID with its inputs in place; the encoders stand at `pose`."""
+    """PID with its inputs in place; the encoders show `pose`."""
 
     def __init__(self, pose: list[float], tick: int = 1000) -> None:
         self.dsp = Dsp()
@@ -264,7 +264,7 @@ def test_it_says_whether_the_load_is_over_its_place_and_displaced_by_wind() -> N
         for axis in range(2):
             code = round((wind / ref.GRAVITY) / (math.radians(10) / 2048))
             servo.dsp.device("SWAY_ALPHA", code if axis == 0 else 0, offset=axis)
-        servo.dsp.device("SPREADER_STATUS", 1)  # it stands: the observer keeps what it is given
+        servo.dsp.device("SPREADER_STATUS", 1)  # the load stands on something: the observer keeps its state
         for offset, value in ((5, beside), (45, speed), (47, wind)):
             servo.dsp.put("CR_CONSUMED", value, 0.0, offset=offset)
         assert servo.run() & (STEADY | WINDY) == bits, (beside, speed, wind)

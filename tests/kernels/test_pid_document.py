@@ -87,7 +87,7 @@ def test_a_step_of_the_set_point_does_not_kick() -> None:
         servo.put_point(0, [POSE[0], POSE[1] + 1e-5, *POSE[2:]], [0.0] * 5, [0.0, 0.0, -0.04, 0.05])
         servo.run()
         kicks.append(servo.codes()[1] - before)
-    # The fourth tick stands at 3/8 of the way from the pose to point 0.
+    # The fourth tick is at 3/8 of the way from the pose to point 0.
     proportional = ref.stiffness(POSE[2], MASS)[1] * 1e-5 * 3 / 8 * ref.CODE[1]
     assert kicks[0] == pytest.approx(proportional, abs=3)
     assert kicks[1] > 4 * proportional

@@ -63,7 +63,7 @@ def test_each_joint_has_its_own_50_ms() -> None:
     assert ticks_until(one, bits(FOLLOWING, 4)) == 29 and one.errors == bits(FOLLOWING, 4)
 
 
-def test_a_break_starts_the_50_ms_anew() -> None:
+def test_a_break_restarts_the_50_ms() -> None:
     one = servo()
     for _ in range(4):
         off_by(one, {2: 0.006})
@@ -143,7 +143,7 @@ def test_a_joint_whose_drive_is_not_ready_is_left_alone(place: int, status: int)
     assert one.dsp.floats("CR_CONSUMED", 5, offset=34)[2] == pytest.approx(0, abs=1e-7)  # no error is left
     assert one.dsp.floats("CR_CONSUMED", 5, offset=24)[2] == pytest.approx(0, abs=1)  # nor what has been integrated
     assert one.codes()[2] == pytest.approx(100.0 * ref.CODE[2], abs=1)  # the feed-forward
-    assert abs(one.dsp.floats("CR_CONSUMED", 5, offset=24)[1]) > abs(integral[1])  # the others go on
+    assert abs(one.dsp.floats("CR_CONSUMED", 5, offset=24)[1]) > abs(integral[1])  # the other joints continue
 
 
 def test_a_joint_comes_back_to_its_path_without_a_kick() -> None:
@@ -180,7 +180,7 @@ def stop(dsp: Dsp, begin: int, ticks: int, start: float, end: float) -> None:
 
 
 @pytest.mark.parametrize(("start", "end"), [(1.0, 0.0), (0.0, 1.0)])
-def test_the_set_point_stops_and_goes_on_along_the_path(start: float, end: float) -> None:
+def test_the_set_point_stops_and_continues_along_the_path(start: float, end: float) -> None:
     one = servo()
     dsp = one.dsp
     a, b = list(POSE), [x + 0.01 for x in POSE]

@@ -74,7 +74,7 @@ def test_a_change_moves_no_drive() -> None:
     without a jump."""
     servo = resting()
     servo.encoders([c - 2 for c in servo.total])
-    for _ in range(300):  # the derivative has died away, the integral goes on
+    for _ in range(300):  # the derivative has died away, the integral continues
         servo.run()
     codes = []
     for _ in range(2):

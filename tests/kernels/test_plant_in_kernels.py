@@ -143,15 +143,7 @@ def test_torque_compensation_is_the_plants_inverse_dynamics_whatever_its_paramet
         p = cmrc.dock_of(cmrc.config(settings=settings)).crane
         model = plant.Crane(p)
         dsp = Dsp(**{key.replace(".", "__"): value for key, value in settings.items()})
-        for word, value in (
-            ("CR_POINT_TICKS", 64),
-            ("CR_SERVO_TICKS", 8),
-            ("CR_PID_STAGE", 2),
-            ("CR_CONSUMED", 2),
-            ("CR_SEGMENT_START", 0),
-        ):
-            dsp.put(word, value)
-        dsp.put("CR_SERVO_PERIOD", 0.001)
+        dsp.servo_rates(consumed=2)
         for _ in range(2):
             load = round(r.uniform(10e3, 50e3))
             if gantry:

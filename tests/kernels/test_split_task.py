@@ -108,7 +108,7 @@ def test_whole_joined_and_alone_are_the_model(folder: Path, rays: list[int]) -> 
         assert abs(got + 0.5 - free) <= 0.51  # FIX rounds down; the products to 24 bits
 
 
-def test_halves_of_two_scans_are_told(folder: Path) -> None:
+def test_halves_of_two_scans_are_reported(folder: Path) -> None:
     d = Survey(folder, drawn(1))
     first, second = d.area, d.area + d.symbols["US_WORDS"]
     d.task("second", second)

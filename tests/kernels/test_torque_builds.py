@@ -83,12 +83,7 @@ def motor_torques(q: np.ndarray, qd: np.ndarray, qdd: np.ndarray, payload: float
 @pytest.fixture(scope="module")
 def dsp() -> Dsp:
     dsp = Dsp()
-    dsp.put("CR_SERVO_PERIOD", 0.001)
-    dsp.put("CR_POINT_TICKS", 64)
-    dsp.put("CR_SERVO_TICKS", 8)
-    dsp.put("CR_PID_STAGE", 2)
-    dsp.put("CR_CONSUMED", 2)
-    dsp.put("CR_SEGMENT_START", 0)
+    dsp.servo_rates(consumed=2)
     return dsp
 
 

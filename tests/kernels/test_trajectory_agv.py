@@ -5,11 +5,11 @@ import math
 import random
 
 import pytest
+from agv_words import DT, UNIT, agv_dsp, set_leg
 from harness_agv import Dsp
 from lanes import loop, random_leg
 from reference_agv import ACCELERATE, BRAKE, Segment, Trajectory, wrap
 
-DT = 0.02
 # docs/kernels_job.md: singles of inputs and outputs at 128 m, 40-bit state
 BOUNDS = {
     "x": 2e-5,
@@ -20,25 +20,11 @@ BOUNDS = {
     "left": 2e-5,
     "curvature_ahead": 2e-6,
 }
-UNIT = 0x400
 
 
 @pytest.fixture(scope="module")
 def dsp() -> Dsp:
-    machine = Dsp()
-    machine.agv(0)
-    machine.put("AG_UNIT", UNIT)
-    machine.put("AG_STEP_TIME", DT)
-    machine.put("AG_PERIOD_US", 20000)
-    return machine
-
-
-def set_leg(dsp: Dsp, leg: int, segments: list[Segment]) -> None:
-    dsp.put("AG_LEG", leg)
-    dsp.put("AG_SEGMENT_COUNT", len(segments), leg)
-    for i, s in enumerate(segments):
-        for j, value in enumerate((s.x, s.y, s.heading, s.length, s.curvature, s.speed)):
-            dsp.put("AG_SEGMENT", float(value), (leg - 1) * 64 + i * 8 + j)
+    return agv_dsp()
 
 
 def stand_at(dsp: Dsp, x: float, y: float, status: int = 0x10) -> None:

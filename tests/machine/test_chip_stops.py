@@ -45,13 +45,13 @@ TABLE: dict[str, tuple[str, str, tuple[str, int] | None, tuple[str, int] | None,
     ),  # of a linked port; the dock's are tested with its boot
     "port_wait": ("port_wait", READ_PORT, ("port_wait", 1), ("waiting", 1), "port_wait", "faults"),
     "horizon": (
-        "asks_anew",
+        "asks_again",
         "",
         None,
         None,
         None,
         None,
-    ),  # seen by who drives linked chips; who is driven never ends by it
+    ),  # only the driver of linked chips sees it; no run ends by it
     "software_interrupt": ("fault", SWI, ("fault", 1), ("fault", 1), "software_interrupt", "faults"),
 }
 HEAD = """
@@ -98,7 +98,7 @@ def test_network(program: Callable[[str], Path], reason: str) -> None:
     """Chip 1 of a pair; what chip 0 does has ended at once."""
     _, body, _, expected, *_ = TABLE[reason]
     if expected is None:
-        pytest.skip("who is driven does not show it")
+        pytest.skip("a chip of a network does not show it")
     first = program("").rename(program("").with_name("first.asm"))
     link = "0.3:1.0" if reason == "port_access" else "0.0:1.3"
     status, report = execute(first, program(body), "--link", link)
@@ -117,7 +117,7 @@ def test_processor(program: Callable[[str], Path], reason: str) -> None:
 
 @pytest.mark.parametrize("reason", TABLE)
 def test_dock(reason: str) -> None:
-    """A DSP of the dock, which goes on in an endless loop or stands still in a fault. Window A answers there; port 0
+    """A DSP of the dock, which continues in an endless loop or stops in a fault. Window A answers there; port 0
     has nothing attached."""
     _, body, *_, expected = TABLE[reason]
     if expected is None:
@@ -151,7 +151,7 @@ def test_swi_is_named_with_its_place(program: Callable[[str], Path]) -> None:
     assert m.chip_word(0, 0x2FF800) == before and len(m.faults) == 1
 
 
-def test_a_debugger_stops_at_swi_and_may_go_on_behind_it(program: Callable[[str], Path]) -> None:
+def test_a_debugger_stops_at_swi_and_may_continue_behind_it(program: Callable[[str], Path]) -> None:
     processor = c40.Processor(c40.assemble_file(program(SWI)))
     at = processor.address("start") + 6
     for _ in range(2):  # it stops there again

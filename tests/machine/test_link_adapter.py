@@ -131,7 +131,7 @@ def test_an_answer_to_a_request_of_before_the_reset_answers_nothing() -> None:
     stream = stream_of()
     setup = booting()
     setup.script(20 * US, machine.Action.reset, 0)
-    # The host has seen the request of 10 us, and takes it away within the reset; the words that follow are for nobody.
+    # The host has seen the request of 10 us, and takes it away within the reset. The words after it have no receiver.
     late = [(22 * US, REQUEST, [1], 0), (24 * US, DATA, stream[:8], 0), (36 * US, REQUEST, [], 1)]
     host = [*late, *feed(stream, 0, 40 * US, 8 * US)]
     m = machine.Machine(PROGRAM, setup, host=host, record=True)

@@ -83,7 +83,7 @@ def wrote(m: machine.Machine, slot: int, since: int) -> bool:
     return any(what == "write" and values[0] == slot and time > since for time, what, values in m.events)
 
 
-# The state of a DSP's board 50 us later; the other boards go on.
+# The state of a DSP's board 50 us later; the other boards continue.
 SEEN: dict[str, Callable[[machine.Machine, int], bool]] = {
     "fail": lambda m, n: m.standing(n),
     "freeze": lambda m, n: m.standing(n),
@@ -95,7 +95,7 @@ SEEN: dict[str, Callable[[machine.Machine, int], bool]] = {
 
 @pytest.mark.parametrize("name", SEEN)
 @pytest.mark.parametrize("slot", range(DSPS))
-def test_what_befalls_a_dsp_befalls_that_one(name: str, slot: int) -> None:
+def test_an_action_on_a_dsp_acts_on_that_one(name: str, slot: int) -> None:
     m = at_work()
     assert not SEEN[name](m, slot)
     m.act(Action.__members__[name], slot)
@@ -142,7 +142,7 @@ def test_a_host_that_pauses_hears_no_answer_before_the_end() -> None:
     assert [answered for _, answered, _ in m.reads] == [130 * US + US // 10]
 
 
-# What befalls the dock, by its own functions.
+# Actions on the dock, by its own functions.
 FAILS: dict[str, Callable[[plant.Dock, int, bool, int], None]] = {
     "drive": plant.Dock.fail_drive,
     "encoder": plant.Dock.fail_encoder,
@@ -156,7 +156,7 @@ FAILS: dict[str, Callable[[plant.Dock, int, bool, int], None]] = {
 
 
 @pytest.mark.parametrize(("name", "number"), [(name, n) for name in FAILS for n in range(TARGETS[name][1])])
-def test_what_befalls_the_dock_is_what_its_function_does(name: str, number: int) -> None:
+def test_an_action_on_the_dock_does_what_its_function_does(name: str, number: int) -> None:
     dock, twin, whole = dock_at_work(), dock_at_work(), dock_at_work()
     m = machine.Machine(assemble(""), config(dsps=1), dock=dock)
     for until, failed in ((10 * MS, True), (20 * MS, False)):

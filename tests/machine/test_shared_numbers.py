@@ -67,7 +67,7 @@ def test_a_program_with_another_number_is_refused_by_its_name(name: str) -> None
     said = f"the DSP program: {name} is {SHARED[name] + 1}, but the dock's devices have {SHARED[name]}; "
     with pytest.raises(ValueError, match=re.escape(said)):
         machine.Machine(program, dock=plant.Dock(plant.default_dock()))
-    machine.Machine(program)  # nothing stands on bus B that it could contradict
+    machine.Machine(program)  # bus B has no device that it could contradict
 
 
 @pytest.mark.parametrize("name", sorted(LAYOUT))

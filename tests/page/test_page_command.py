@@ -85,7 +85,7 @@ def test_a_page_can_be_plotted(folder: Path) -> None:
         (["scene.toml", "--out", "x.html", "--set", "machine.dsps"], "KEY=VALUE"),
     ],
 )
-def test_bad_input_is_told_and_nothing_is_written(
+def test_bad_input_is_reported_and_nothing_is_written(
     folder: Path, arguments: list[str], says: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(folder)

@@ -59,7 +59,7 @@ def test_the_planned_path_is_drawn_from_its_first_point_on(browser: Any, tmp_pat
     planned = recording.signals["planned_x_m"]
     first = int(np.flatnonzero(~np.isnan(planned))[0])
     assert 0 < first < 10 and planned[first] == pytest.approx(recording.signals["payload_x_m"][0], abs=0.01)
-    assert np.isnan(recording.signals["agv0_planned_x_m"]).all()  # it stands all the time
+    assert np.isnan(recording.signals["agv0_planned_x_m"]).all()  # the vehicle does not move
     with opened(browser, path) as tab:
         tab.page.evaluate("page.state.seek(4); page.dock.turn(1.3, 0.2, 0.6)")  # at first it is looked along
         layer(tab, "path", "l")
@@ -110,7 +110,7 @@ def test_a_ship_that_moves_is_seen_to_move(browser: Any, tmp_path: Path) -> None
         assert "ideal run" not in tab.page.locator("#facts").inner_text() and tab.problems == []
 
 
-def test_a_deadline_that_was_met_is_told_one_by_one(tab: Tab, run: tuple[Path, Recording]) -> None:
+def test_deadlines_that_were_met_are_shown_one_by_one(tab: Tab, run: tuple[Path, Recording]) -> None:
     jobs = run[1].jobs
     torque = run[1].header["kinds"].index("torque_compensation")
     row = next(i for i in run[1].last_runs().tolist() if jobs["kind"][i] == torque and jobs["outcome"][i] == 0)
@@ -125,7 +125,7 @@ def test_a_deadline_that_was_met_is_told_one_by_one(tab: Tab, run: tuple[Path, R
     )
 
 
-def test_buses_tell_who_held_them(tab: Tab, run: tuple[Path, Recording]) -> None:
+def test_buses_report_their_masters(tab: Tab, run: tuple[Path, Recording]) -> None:
     names = tab.page.evaluate("page.lanes.rows.map(row => row.name).filter(name => name.startsWith('bus'))")
     assert [name.split(" to ")[0] for name in names] == ["bus A", "bus B"]
     slice_s = run[1].header["bus_slice_s"]
@@ -139,7 +139,7 @@ def test_buses_tell_who_held_them(tab: Tab, run: tuple[Path, Recording]) -> None
         assert all(f"{share / 10:.1f} %" in said for share in held.values() if share)
 
 
-def test_load_error_and_sway_are_told_at_the_pointer(tab: Tab, run: tuple[Path, Recording]) -> None:
+def test_load_error_and_sway_are_shown_at_the_pointer(tab: Tab, run: tuple[Path, Recording]) -> None:
     signals = run[1].signals
     row = int(np.argmax(signals["load_error_m"]))
     time = float(signals["time_s"][row])
@@ -156,7 +156,7 @@ def test_load_error_and_sway_are_told_at_the_pointer(tab: Tab, run: tuple[Path, 
 
 def test_the_legend_names_what_is_drawn_and_every_key(tab: Tab) -> None:
     tab.page.keyboard.press("?")
-    told = tab.page.locator("#help").inner_text()
+    help_text = tab.page.locator("#help").inner_text()
     for name in (
         "PID",
         "obstacle avoidance",
@@ -166,7 +166,7 @@ def test_the_legend_names_what_is_drawn_and_every_key(tab: Tab) -> None:
         "a deadline that was met",
         "play, stop",
     ):
-        assert name in told, name
+        assert name in help_text, name
     swatches = tab.page.locator("#help .legend canvas").count()
     assert swatches == tab.page.locator("#help .legend span").count() > 15
     keys = tab.page.locator("#help kbd").all_inner_texts()
@@ -231,7 +231,7 @@ def test_a_name_without_end_from_right_to_left_leaves_the_page_whole(browser: An
                 assert "\u202e" not in shown and "\u2066" not in shown and "מנוף" in shown and "<img" in shown
 
 
-def test_who_wants_little_motion_sees_steps(browser: Any, run: tuple[Path, Recording]) -> None:
+def test_a_reader_who_wants_little_motion_sees_steps(browser: Any, run: tuple[Path, Recording]) -> None:
     with opened(browser, run[0], reduced_motion="reduce") as tab:
         tab.page.evaluate("page.state.setSpeed(0.1); page.state.play(true)")
         places = tab.page.evaluate(
@@ -273,7 +273,7 @@ def test_webgl_that_is_taken_away_comes_back(browser: Any, run: tuple[Path, Reco
         assert dots_that_differ(tab, "before", "after") < 200
 
 
-# Machado, Oliveira and Fernandes (2009), severity 1: what linear RGB looks like to who has no L, M, S cones.
+# Machado, Oliveira and Fernandes (2009), severity 1: what linear RGB looks like without L, M or S cones.
 BLIND = {
     "protanopia": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
     "deuteranopia": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
@@ -294,7 +294,7 @@ def lab(hexes: list[str], sees: list[list[float]] | None) -> np.ndarray[Any, Any
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
 @pytest.mark.parametrize("blind", [None, *BLIND])
-def test_colours_of_the_lanes_can_be_told_apart(tab: Tab, theme: str, blind: str | None) -> None:
+def test_colours_of_the_lanes_can_be_distinguished(tab: Tab, theme: str, blind: str | None) -> None:
     if tab.page.evaluate("document.documentElement.dataset.theme") != theme:
         tab.page.keyboard.press("d")
     colours = tab.page.evaluate("page.theme.groups")

@@ -123,7 +123,7 @@ def test_a_lane_shows_what_its_dsp_waited_for(tab: Tab, run: tuple[Path, Recordi
         tab.page.mouse.move(*tab.lane("DSP 0", time))
         hints.append(tab.hint())
     assert any(re.search(r"waiting: [\d.]+ % for bus A", hint) for hint in hints), hints
-    # Within one stretch that waited for more than the foot stands for, the causes share its height.
+    # Within one slice that waited for more than the foot's full height means, the causes share that height.
     waits = np.array([run[1].whole(f"lane.{name}") for name in ("bus_a", "bus_b", "list")])
     slot, what, took = (run[1].whole(f"lane.{name}") for name in ("slot", "what", "took"))
     pid = 4 + run[1].header["kinds"].index("pid")
@@ -159,7 +159,7 @@ def test_a_killed_dsp_is_seen_to_die(tab: Tab) -> None:
     assert tab.state("now") == KILLED_AT_S
 
 
-def test_a_click_on_a_miss_tells_why(tab: Tab, run: tuple[Path, Recording]) -> None:
+def test_a_click_on_a_miss_shows_why(tab: Tab, run: tuple[Path, Recording]) -> None:
     chain = next(
         one for one in run[1].report["misses"] if one["kind"] == "pid" and one["outcome"] == "late" and one["behind"]
     )

@@ -33,10 +33,10 @@ def test_every_job_of_the_report_is_in_the_recording_once(run: tuple[cmrc.Simula
     jobs, last = recording.jobs, recording.last_runs()
     for number, kind in enumerate(recording.header["kinds"]):
         own = last[jobs["kind"][last] == number]
-        told = report["tasks"][kind]
+        reported = report["tasks"][kind]
         for outcome, name in enumerate(OUTCOMES):
-            assert np.count_nonzero(jobs["outcome"][own] == outcome) == told[name], (kind, name)
-        assert np.count_nonzero(jobs["missed"][own]) == told["misses"], kind
+            assert np.count_nonzero(jobs["outcome"][own] == outcome) == reported[name], (kind, name)
+        assert np.count_nonzero(jobs["missed"][own]) == reported["misses"], kind
     assert np.count_nonzero(jobs["missed"]) > 50
 
 
@@ -111,7 +111,7 @@ def test_signals_are_the_docks(run: tuple[cmrc.Simulation, Recording, Path]) -> 
     ):
         for i, time in enumerate(ours["time_s"][:-1]):
             assert ours[name][i] == pytest.approx(theirs[name][rows[round(float(time), 6)]], abs=6e-4), (name, time)
-    for axis in "xyz":  # the ghost stands where the ideal run's load was
+    for axis in "xyz":  # the ghost is where the ideal run's load was
         ghost = ours[f"payload_{axis}_m"] + ours[f"ghost_{axis}_m"]
         for i, time in enumerate(ours["time_s"][1:-1], 1):
             assert ghost[i] == pytest.approx(
@@ -131,9 +131,9 @@ def test_the_command_writes_the_page_that_python_writes(emulator: Path, tmp_path
     short = ["--dsps", "2", "--duration", "0.05", "--quiet"]
     subprocess.run([emulator, *short, "--page", "a.html", "--report", "a.json"], cwd=tmp_path, check=True)
     subprocess.run([emulator, *short, "--report", "b.json"], cwd=tmp_path, check=True)
-    told = [json.loads((tmp_path / name).read_text())["hash"] for name in ("a.json", "b.json")]
+    reported = [json.loads((tmp_path / name).read_text())["hash"] for name in ("a.json", "b.json")]
     _, recording = recorded({"machine.dsps": 2, "duration_s": 0.05}, [], tmp_path / "c.html")
-    assert told[0] == told[1] == recording.report["hash"]
+    assert reported[0] == reported[1] == recording.report["hash"]
     ours, theirs = Recording.read(tmp_path / "a.html"), recording
     names = [name for name in ours.names() if name != "report"]
     assert names == [name for name in theirs.names() if name != "report"] and len(names) > 40

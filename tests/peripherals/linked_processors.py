@@ -95,7 +95,7 @@ class Network:
         before = chip.settled
         stop = chip.run(self.first_cycle(n, until) - chip.cycle)
         if stop["reason"] == "limit" and chip.settled == before and n not in self.waiting:
-            stop = chip.run(1)  # the DMA is behind its processor, whose next instruction decides how it goes on
+            stop = chip.run(1)  # the DMA is behind its processor, whose next instruction decides how the DMA continues
         assert stop["reason"] in ("port_access", "limit", "horizon"), stop
         if stop["reason"] == "port_access" and n not in self.waiting:
             self.waiting[n] = stop

@@ -11,6 +11,7 @@ from cmrc.network import Network
 CODE, DATA, STACK = 0x2FFC00, 0x2FF800, 0x2FFB00
 PERIOD_PS = 50_000  # of H1 at 40 MHz
 STOP = "end:    bu end\n"
+IDLES = "wait:   idle\n        bu wait\n"
 
 
 def program(text: str) -> Any:
@@ -22,6 +23,7 @@ def base(port: int, register: str = "ar0") -> str:
 
 
 def sender(port: int, count: int, first: int = 1) -> str:
+    """Writes first, first + 1, ... with stores that follow one another."""
     return base(port) + f"        ldi {first},r0\n" + "        sti r0,*+ar0(2)\n        addi 1,r0\n" * count + STOP
 
 
@@ -55,18 +57,23 @@ def state(network: Network) -> tuple[Any, ...]:
     return network.now_ps, registers, ports, chips, network.links, network.events
 
 
-def balanced(network: Network) -> bool:
-    """For each direction: written = read + in FIFOs + under way + lost + discarded, counted from the chips' side."""
+def check_balance(network: Network) -> None:
+    """Words written = words read + in FIFOs + under way + lost + discarded; each loss and each discard is an event."""
     for link in network.links:
-        for (chip, port), (other, other_port), traffic in ((link.a, link.b, link.forth), (link.b, link.a, link.back)):
-            mine, theirs = network.chips[chip].port(port), network.chips[other].port(other_port)
-            there = theirs["read"] + len(theirs["input"]) + theirs["discarded_input"]
-            if (
-                mine["written"]
-                != len(mine["output"]) + mine["discarded_output"] + traffic.under_way + traffic.lost + there
-            ):
-                return False
-    return True
+        for (chip, number), (other, other_number), traffic in (
+            (link.a, link.b, link.forth),
+            (link.b, link.a, link.back),
+        ):
+            mine, theirs = network.chips[chip].port(number), network.chips[other].port(other_number)
+            assert mine["written"] == len(mine["output"]) + mine["discarded_output"] + traffic.sent
+            assert traffic.sent == traffic.arrived + traffic.under_way + traffic.lost
+            assert traffic.arrived == theirs["read"] + len(theirs["input"]) + theirs["discarded_input"]
+    lost = sum(traffic.lost for link in network.links for traffic in (link.forth, link.back))
+    assert lost == sum(event.kind == "lost" for event in network.events)
+    discarded = sum(
+        chip.port(n)[f"discarded_{fifo}"] for chip in network.chips for n in range(6) for fifo in ("input", "output")
+    )
+    assert discarded == sum(event.kind == "discarded" for event in network.events)
 
 
 WORDS = list(range(1000, 1060))
@@ -89,7 +96,7 @@ def stream_by_dma(sender_core: Any, receiver_core: Any) -> None:
 
 
 def interrupt_program(port: int, work: str) -> str:
-    """ICRDY of `port` takes a word to 2FFA00h on; the main program is `work`. Vectors stand at 2FF800h."""
+    """ICRDY of `port` takes a word to 2FFA00h on; the main program is `work`. The vectors are at 2FF800h."""
     vector = 0x0D + 4 * port + 1
     return f"""
         ldhi 2fh,ar7
@@ -139,6 +146,3 @@ def mixed_network(seed: int) -> Network:
         [program(first), program(busy), program(idle), program(last)],
         links=["0.0:1.3", "0.1:2.4", "2.0:3.3"], clocks_mhz=[40, 50, 60, 33.333], turn_order=seed, record_words=True,
     )  # fmt: skip
-
-
-IDLES = "wait:   idle\n        bu wait\n"

@@ -1,8 +1,8 @@
 """DMA and timers beside a processor that runs, sleeps or waits: programs that were counted by hand from c40-hardware.md
 3, 4 and 7.
 
-The programs stand in data/faults; their right outcomes were reckoned, not taken from a run. Each is run whole, cut at
-random cycles, step by step, with the self-checks and as a member of a network: the outcome is the same.
+The programs are in data/faults; their outcomes were computed by hand, not taken from a run. Each is run whole, cut
+at random cycles, step by step, with the self-checks and as a member of a network: the outcome is the same.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import cmrc
 import pytest
 from cmrc._core import c40, toolchain
 from cmrc.network import Network
+from dma_chips import low
 
 FAULTS = Path(__file__).parent / "data" / "faults"
 TIMING = str(FAULTS / "timing-board.toml")
@@ -63,10 +64,6 @@ def run_alone(way: str, name: str, cycles: int, board: str = "default", **more: 
     WAYS.get(way, whole)(chip, cycles)
     assert sum(chip.causes.values()) == chip.cycle
     return chip, image
-
-
-def low(chip: Any, name: str) -> int:
-    return int(chip.get(name)) & 0xFFFFFFFF
 
 
 def cycles_of(chip: Any, kind: str) -> list[int]:

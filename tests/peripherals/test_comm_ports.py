@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from cmrc._core import c40
 from linked_processors import DATA, HERTZ, Network, processor
+from network_programs import STOP, base, receiver, sender
 
 PERIOD = 10**12 // HERTZ  # picoseconds
 
@@ -18,30 +19,8 @@ def port_base(n: int) -> int:
     return 0x100040 + 0x10 * n
 
 
-def base(port: int, register: str = "ar0") -> str:
-    return f"        ldhi 10h,{register}\n        or {port_base(port) & 0xFFFF:x}h,{register}\n"
-
-
-STOP = "end:    bu end\n"
-
-
-def sender(port: int, count: int, first: int = 1) -> str:
-    """Writes first, first + 1, ... with back-to-back stores."""
-    return base(port) + f"        ldi {first},r0\n" + "        sti r0,*+ar0(2)\n        addi 1,r0\n" * count + STOP
-
-
 def stores(port: int, count: int) -> str:
     return base(port) + "        ldi 7,r0\n        nop\n        nop\n" + "        sti r0,*+ar0(2)\n" * count + STOP
-
-
-def receiver(port: int, count: int) -> str:
-    """Reads `count` words with blocking reads, to 2FF800h on."""
-    return (
-        base(port)
-        + "        ldhi 2fh,ar1\n        or 0f800h,ar1\n"
-        + "        ldi *+ar0(1),r0\n        sti r0,*ar1++\n" * count
-        + STOP
-    )
 
 
 def test_cpcr_after_reset() -> None:

@@ -32,7 +32,7 @@ def add_some_stops(
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_at_a_stop_a_network_is_as_one_that_nobody_looks_at(seed: int) -> None:
+def test_at_a_stop_a_network_is_as_without_a_debugger(seed: int) -> None:
     rng = random.Random(seed)
     network = random_network(seed, 0)
     debugger = network.debug()

@@ -3,7 +3,7 @@
 One bus slot a word: what the processor loses, and what is charged to the DMA as `dma_conflict`, is never more than the
 bus cycles of the words that the DMA moved, and the turns from write to read that they cause. Bus cycles are counted
 here from c40-hardware.md 3.5, words from the DMA's counter. Of turns there are two kinds: the DMA's read comes straight
-after a write; and a store that the DMA displaces comes to stand straight before a read of the processor (7.4: one cycle
+after a write; and a store that the DMA delays comes directly before a read of the processor (7.4: one cycle
 more), which needs a store to a bus that the DMA uses.
 
 The processor can even gain, for a fetch may be made while a data access is held up: over many mixes it does not. Where
@@ -196,7 +196,7 @@ def test_by_hand_rotating_priority_may_cost_what_dma_first_does_not(tmp_path: Pa
     it, in 4 and 5, have none.
 
     The DMA reads from cycle 1 on, every second cycle. DMA first: it wins cycle 1, and the fetch is made in 2; it reads
-    again in 3, when nobody fetches. Rotating: the processor wins cycle 1, the DMA reads in 2. Its next read meets the
+    again in 3, without a fetch. Rotating: the processor wins cycle 1, the DMA reads in 2. Its next read meets the
     fetch in 4, which is a first conflict, and goes to the processor; in 5 it is the DMA's turn, and that fetch is made
     in 6, a cycle late.
     """
@@ -224,7 +224,7 @@ def test_by_hand_rotating_priority_takes_every_other_slot_and_dma_first_all(plac
     assert beside[PROCESSOR_FIRST].cycles == alone.cycles
     assert {beside[p].words for p in (ROTATING, DMA_FIRST)} == {words}
     # RPTS takes the cycles 0 to 3, and the first load reads in cycle 3 (c40-hardware.md 7.1, 7.2): of the DMA's reads
-    # only the first, in cycle 1, meets nobody.
+    # only the first, in cycle 1, meets no load.
     for priority in (ROTATING, DMA_FIRST):
         assert beside[priority].stalls == beside[priority].cycles - alone.cycles == words - 1
 

@@ -16,6 +16,7 @@ import pytest
 from cmrc import c40 as package
 from cmrc._core import c40, toolchain
 from cmrc.network import Network
+from dma_chips import low
 
 BOARD = """
 name = "one bus"
@@ -49,10 +50,6 @@ CYCLES_OF_A_WORD = 4
 """On one bus without wait states: a read after a write, 2, and a write, 2."""
 
 
-def low(chip: Any, name: str) -> int:
-    return int(chip.get(name)) & 0xFFFFFFFF
-
-
 def starved(tmp_path: Path, words: int) -> tuple[Any, Any]:
     """Code, source and destination on one bus; `words` of 0 are 2^32."""
     board = tmp_path / "board.toml"
@@ -65,22 +62,22 @@ def starved(tmp_path: Path, words: int) -> tuple[Any, Any]:
     return chip, image
 
 
-def test_a_processor_that_never_gets_its_bus_hangs_nobody(tmp_path: Path) -> None:
+def test_a_processor_that_never_gets_its_bus_does_not_hang_a_call(tmp_path: Path) -> None:
     chip, _ = starved(tmp_path, 0)
     before = -1
-    for _ in range(20):  # by steps and by runs: each call comes back, and time goes on
+    for _ in range(20):  # by steps and by runs: each call returns, and time advances
         assert chip.step()["reason"] == "limit"
         assert chip.run(100)["reason"] == "limit"
         assert before < chip.cycle < before + 50_000
         before = chip.cycle
-    assert low(chip, "R1") < 3  # at most what stood straight behind the store
+    assert low(chip, "R1") < 3  # at most the instruction directly behind the store
     moved = (1 << 32) - chip.peripherals()["DMA0.counter"]
     assert abs(moved * CYCLES_OF_A_WORD - chip.cycle) < 50
     assert sum(chip.causes.values()) == chip.cycle
 
 
 @pytest.mark.parametrize("words", [1000, 9000])
-def test_it_goes_on_as_soon_as_it_gets_it_however_it_is_run(tmp_path: Path, words: int) -> None:
+def test_a_processor_continues_as_soon_as_it_gets_its_bus_however_it_is_run(tmp_path: Path, words: int) -> None:
     outcomes = []
     for way in ("whole", "cut", "stepped"):
         chip, image = starved(tmp_path, words)
@@ -120,7 +117,7 @@ start:  ldp @control
         ldhi 10h,ar6
         ldi @control,r0
         sti r0,*+ar6(0a0h)
-        ldi *+ar6(71h),r1       ; nobody writes
+        ldi *+ar6(71h),r1       ; no word ever comes
 end:    bu end
 control: .word 0C00007h
 """

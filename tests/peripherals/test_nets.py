@@ -3,51 +3,16 @@ receiver samples its pins at the start of each of its cycles, and the sample tak
 
 from __future__ import annotations
 
-import json
 import random
-import subprocess
 from collections.abc import Callable
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import pytest
-from cmrc import c40
-from cmrc.network import ChipSnapshot, Network, NetworkError
+from cmrc.network import ChipSnapshot, Network
+from net_programs import COUNT, END, LEVEL, assembled, clock, iiof, listener
 
 CYCLE = 50_000  # ps, of H1 at 40 MHz
-HEAD = """
-        .text
-start:  ldhi 2fh,ar1            ; the vector table
-        or 0fa00h,ar1
-        ldpe ar1,ivtp
-        ldhi 2fh,sp
-        or 0fb00h,sp
-        ldhi 10h,ar0            ; the peripherals
-"""
-END = "done:   b done\n"
-EDGE, LEVEL = 0x9, 0xB  # of a nibble of IIF: an enabled interrupt
-COUNT = "isr:    addi 1,r2\n        reti\n"
-
-
-def assembled(text: str) -> Any:
-    return c40.assemble(HEAD + text)
-
-
-def clock(period: int, timer: int = 0) -> str:
-    """A timer in clock mode with its output on: the pin goes low at once, and changes every 2 * period cycles."""
-    base = 0x20 + 0x10 * timer
-    return f"        ldi {period},r0\n        sti r0,*+ar0({base + 8:x}h)\n        ldi 3c1h,r0\n        sti r0,*+ar0({base:x}h)\n"
-
-
-def listener(vector: int, setting: str, service: str = COUNT) -> Any:
-    """Sleeps, and counts the interrupts of one vector in R2."""
-    text = f"{setting}        ldi 0,r2\n        ldhi hi16(isr),r0\n        or lo16(isr),r0\n        sti r0,*+ar1({vector:x}h)\n"
-    return assembled(text + "        or 2000h,st\nwait:   idle\n        b wait\n" + service)
-
-
-def iiof(pin: int, nibble: int = EDGE) -> str:
-    return f"        ldi 0{nibble << 4 * pin:x}h,iif\n"
 
 
 def edges(network: Network) -> list[tuple[int, str]]:
@@ -290,248 +255,18 @@ def test_a_word_that_is_asked_for_by_a_pin_interrupts_its_driver_that_runs_on() 
 # ---- the end ----
 
 
-def test_a_clock_that_nobody_heeds_does_not_keep_a_network_going() -> None:
+def test_a_clock_without_a_listener_does_not_keep_a_network_running() -> None:
     network = run([assembled(clock(100) + END), assembled(END)], ["0.TCLK0>1.IIOF1"])
     assert [chip.status for chip in network.chips] == ["halt", "halt"] and network.now_ps < 10_000_000
 
 
-def test_a_sleeper_whose_net_is_still_has_come_to_rest() -> None:
+def test_a_sleeping_chip_whose_net_does_not_change_has_ended() -> None:
     network = run([assembled(END), listener(4, iiof(1))], ["0.TCLK0>1.IIOF1"])
     assert network.chips[1].status == "sleeping" and network.chips[1].message.endswith("until a pin interrupts it")
 
 
-def test_pulses_to_come_keep_a_sleeper_waiting() -> None:
+def test_future_pulses_keep_a_sleeping_chip_waiting() -> None:
     network = run(
         [listener(4, iiof(1))], ["wire: >0.IIOF1"], None, lambda network: network.pulse("wire", 50_000, width_us=1)
     )
     assert low(network, 0) == 1
-
-
-# ---- orders, cuts, snapshots ----
-
-
-def random_network(seed: int, turn_order: int) -> Network:
-    rng = random.Random(seed)
-    chips = rng.randrange(2, 5)
-    programs, nets, taken = [], [], set()
-    linked = rng.random() < 0.5  # words go round a ring: chips wait at their ports while their pins change
-    for _ in range(chips):
-        text = clock(rng.randrange(3, 60)) if rng.random() < 0.6 else ""
-        text += clock(rng.randrange(3, 60), 1).replace("3c1h", rng.choice(["3c1h", "2c1h", "0c1h", "1c1h"]))
-        text += f"        ldhi 8000h,iie\n        ldhi 0,iif\n        or {rng.choice([0x9900, 0xB900, 0x9B00, 0x9960]):#x},iif\n"
-        service = rng.choice([COUNT, "isr:    addi 1,r2\n        xor 40h,iif\n        reti\n"])
-        relay = f"        ldhi 10h,ar3\n        or 40h,ar3\n        ldi {rng.randrange(2)},r7\n        bz wait\n        sti r7,*+ar3(2)\nwait:   ldi *+ar3(31h),r7\n        addi 1,r7\n        sti r7,*+ar3(2)\n        b wait\n"
-        body = (
-            relay
-            if linked and rng.random() < 0.7
-            else rng.choice(
-                [
-                    "wait:   idle\n        b wait\n",
-                    "wait:   addi 1,r4\n        b wait\n",
-                    "wait:   ldi *+ar0(24h),r5\n        addi r5,r6\n        b wait\n",
-                ]
-            )
-        )
-        vectors = "".join(f"        sti r0,*+ar1({vector:x}h)\n" for vector in (1, 2, 3, 4, 5, 6, 0x2B))
-        programs.append(
-            assembled(
-                text
-                + "        ldi 0,r2\n        ldhi hi16(isr),r0\n        or lo16(isr),r0\n"
-                + vectors
-                + "        or 2000h,st\n"
-                + body
-                + service
-            )
-        )
-
-    def pin(names: list[str]) -> str:
-        free = [f"{chip}.{name}" for chip in range(chips) for name in names if f"{chip}.{name}" not in taken]
-        chosen = rng.choice(free)
-        taken.add(chosen)
-        return chosen
-
-    for _ in range(rng.randrange(1, 2 * chips)):
-        receivers = "+".join(pin(["IIOF2", "IIOF3", "NMI", "TCLK1"]) for _ in range(rng.choice([1, 1, 2])))
-        drivers = (
-            "&".join(pin(["TCLK0", "IIOF1"]) for _ in range(rng.choice([1, 1, 2])))
-            if len(taken) < 3 * chips and rng.random() < 0.8
-            else ""
-        )
-        nets.append(f"{drivers}>{receivers}")
-    links = [f"{n}.0:{(n + 1) % chips}.3" for n in range(chips)] if linked else []
-    made = Network(
-        programs,
-        links=links,
-        nets=nets,
-        clocks_mhz=[rng.choice([40, 50, 60, 33.333]) for _ in range(chips)],
-        turn_order=turn_order,
-        record_words=True,
-        record_peripherals=True,
-    )
-    for number, net in enumerate(nets):
-        if net.startswith(">"):
-            made.pulse(number, rng.uniform(1, 20), width_us=rng.uniform(0.01, 1), period_us=rng.uniform(2, 20))
-    for _ in range(rng.choice([0, 0, 2])):
-        action = getattr(made, rng.choice(["hold", "release", "reset"]))
-        action(rng.randrange(chips), rng.uniform(1, 60))
-    return made
-
-
-def outcome(made: Network) -> tuple[Any, ...]:
-    chips = [
-        (chip.status, chip.message, chip.pc, chip.cycles, chip.instructions, chip.causes, chip.peripherals)
-        for chip in made.chips
-    ]
-    return made.now_ps, made.nets, chips, made.event_trace
-
-
-def check(seed: int) -> None:
-    one, other = random_network(seed, 0), random_network(seed, seed + 1)
-    assert one.run(until_us=150) == other.run(until_us=150)
-    assert outcome(one) == outcome(other)
-    cut = random_network(seed, 0)
-    rng = random.Random(seed)
-    for at in sorted(rng.uniform(0, 150) for _ in range(5)):
-        cut.run(until_us=at)
-    resumed = random_network(seed, 2)
-    resumed.restore(cut.snapshot())
-    resumed.run(until_us=150)
-    assert outcome(one) == outcome(resumed)
-
-
-# 2389: a chip in IDLE that nothing can wake, held and released.
-@pytest.mark.parametrize("seed", [*range(12), 2389])
-def test_the_order_of_turns_and_cuts_change_nothing(seed: int) -> None:
-    check(seed)
-
-
-@pytest.mark.campaign
-@pytest.mark.parametrize("seed", range(12, 4000))
-def test_the_order_of_turns_and_cuts_change_nothing_by_the_hundred(seed: int) -> None:
-    check(seed)
-
-
-# ---- bad input ----
-
-
-@pytest.mark.parametrize(("nets", "message"), [
-    (["0.TCLK0"], "is not a net; DRIVER>RECEIVER is expected, as 0.TCLK0>1.IIOF1"),
-    (["0.TCLK0>1.IIOF1>1.IIOF2"], "is not a net"),
-    (["0.TCLK0>"], '"" is not a pin of a chip; CHIP.PIN is expected'),
-    (["0.TCLK0>2.IIOF1"], "there is no chip 2; 0 or 1 is expected"),
-    (["0.TCLK2>1.IIOF1"], "IIOF0 to IIOF3, TCLK0, TCLK1, NMI or RESET is expected"),
-    (["0.NMI>1.IIOF1"], "0.NMI cannot drive it; IIOF and TCLK are outputs"),
-    (["0.TCLK0+0.IIOF1>1.IIOF1"], "two pins drive it; an open-drain net is written with &"),
-    (["0.TCLK0>1.IIOF1", "0.IIOF1>1.IIOF1"], "pin 1.IIOF1 is already on net 0"),
-    (["0.TCLK0>1.IIOF1+1.IIOF1"], "pin 1.IIOF1 is in it twice"),
-])  # fmt: skip
-def test_nets_that_cannot_be(nets: list[str], message: str) -> None:
-    with pytest.raises(NetworkError) as error:
-        Network([assembled(END)] * 2, nets=nets)
-    assert message in str(error.value)
-
-
-def test_actions_that_cannot_be() -> None:
-    network = Network([assembled(END)] * 2, nets=["sync: 0.TCLK0>1.IIOF1", "free: >1.IIOF2"])
-    for wrong, message in (
-        (lambda: network.drive("sync", True, 1), "sync (0.TCLK0>1.IIOF1) is driven by a chip"),
-        (lambda: network.drive("snyc", True, 1), "there is no net snyc; sync, free is expected"),
-        (lambda: network.drive(7, True, 1), "there is no net 7; the network has 2"),
-        (lambda: network.pulse("free", 1, width_us=0), "a width of more than 0 us is expected"),
-        (
-            lambda: network.pulse("free", 1, width_us=3, period_us=3, count=2),
-            "a period of more than the width is expected",
-        ),
-        (lambda: network.pulse("free", 1, width_us=3, period_us=2), "a period of more than the width is expected"),
-    ):
-        with pytest.raises(NetworkError) as error:
-            wrong()
-        assert message in str(error.value)
-
-
-# ---- command line and files ----
-
-
-FILE = """
-[[chip]]
-name = "root"
-program = "clock.asm"
-[[chip]]
-program = "count.asm"
-[[net]]
-name = "sync"
-drivers = "root.TCLK0"
-receivers = ["1.IIOF1"]
-[[net]]
-name = "line"
-receivers = ["1.IIOF2"]
-rest = "low"
-[[event]]
-at_us = 10
-action = "pulse"
-net = "line"
-width_us = 2
-period_us = 10
-count = 3
-"""
-
-
-@pytest.fixture
-def command(emulator: Path, tmp_path: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
-    """`emulator exec` in a folder with clock.asm, count.asm and net.toml."""
-    (tmp_path / "clock.asm").write_text(HEAD + clock(100) + END)
-    text = f"{iiof(1)}        ldi 0,r2\n        ldhi hi16(isr),r0\n        or lo16(isr),r0\n        sti r0,*+ar1(4)\n        or 2000h,st\nwait:   idle\n        b wait\n"
-    (tmp_path / "count.asm").write_text(HEAD + text + COUNT)
-
-    def run(*arguments: str, file: str = FILE) -> subprocess.CompletedProcess[str]:
-        (tmp_path / "net.toml").write_text(file)
-        return subprocess.run(
-            [emulator, "exec", *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False
-        )
-
-    return run
-
-
-def test_a_net_and_an_action_on_the_command_line(command: Any) -> None:
-    done = command("count.asm", "--net", "index: >0.IIOF1", "--action", "10,pulse,index,1,20,3", "--json")
-    found = json.loads(done.stdout)
-    assert done.returncode == 0 and found["chips"][0]["registers"]["R2"] & 0xFFFFFFFF == 3
-    assert found["nets"] == [{"name": "index", "pins": ">0.IIOF1", "level": 1, "edges": 6, "missed": 0}]
-    text = command("clock.asm", "count.asm", "--net", "0.TCLK0>1.IIOF1", "--cycles", "2000").stdout
-    assert "net 0 (0.TCLK0>1.IIOF1): high, 10 edges\n" in text
-
-
-@pytest.mark.parametrize(("action", "message"), [
-    ("10,pulse,index", "AT_US,pulse,NET,WIDTH_US[,PERIOD_US[,COUNT]] is expected"),
-    ("10,pulse,index,x", "AT_US,pulse,NET,WIDTH_US[,PERIOD_US[,COUNT]] is expected"),
-    ("10,pulse,index,1,2,0.5", "COUNT is an integer"),
-    ("10,low,index,1", 'low has only a target; "1" is too much'),
-    ("10,low,intex", "there is no net intex; index is expected"),
-])  # fmt: skip
-def test_actions_on_the_command_line_that_cannot_be(command: Any, action: str, message: str) -> None:
-    done = command("count.asm", "--net", "index: >0.IIOF1", "--action", action)
-    assert done.returncode == 2 and done.stdout == "" and message in done.stderr
-
-
-def test_nets_of_a_file(command: Any) -> None:
-    found = json.loads(command("--network", "net.toml", "--cycles", "2000", "--json").stdout)
-    assert [(net["name"], net["pins"], net["level"], net["edges"]) for net in found["nets"]] == [
-        ("sync", "0.TCLK0>1.IIOF1", 1, 10),
-        ("line", ">1.IIOF2", 0, 6),
-    ]
-
-
-@pytest.mark.parametrize(("old", "new", "message"), [
-    ('drivers = "root.TCLK0"', 'drivers = "rot.TCLK0"', "net.toml:9: net.drivers: \"rot.TCLK0\" is not a pin of a chip; there is no chip rot; root or 1 is expected"),
-    ('rest = "low"', 'rest = "down"', 'net.toml:14: net.rest: "high" or "low" is expected'),
-    ('rest = "low"', "open_drain = 1", "net.toml:14: net.open_drain: true or false is expected"),
-    ('receivers = ["1.IIOF2"]', 'receivers = ["1.IIOF1"]', "net.toml:11: net line (>1.IIOF1): pin 1.IIOF1 is already on net sync"),
-    ('net = "line"', 'chip = "root"', "net.toml:18: event: pulse needs a net"),
-    ("width_us = 2\n", "", "net.toml:15: event: width_us is missing"),
-    ('action = "pulse"', 'action = "low"', "only a pulse has one"),
-    ('receivers = ["1.IIOF2"]\n', "", "net.toml:11: net: receivers is missing"),
-])  # fmt: skip
-def test_files_that_cannot_be(command: Any, old: str, new: str, message: str) -> None:
-    assert old in FILE
-    done = command("--network", "net.toml", file=FILE.replace(old, new))
-    assert done.returncode == 2 and message in done.stderr, done.stderr

@@ -1,4 +1,4 @@
-"""How the run of a network ends: a deadlock, which names who waits for whom; an end; a fault."""
+"""How the run of a network ends: a deadlock, which names each chip and what it waits for; an end; a fault."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from network_programs import (
     PERIOD_PS,
     STOP,
     WORDS,
-    balanced,
     base,
+    check_balance,
     interrupt_program,
     program,
     receiver,
@@ -25,7 +25,7 @@ from network_programs import (
 )
 
 
-def test_a_ring_in_which_all_read_first_is_a_deadlock_and_says_who_waits_for_whom() -> None:
+def test_a_ring_in_which_all_read_first_is_a_deadlock_that_names_each_wait() -> None:
     network = Network(program(receiver(3, 1)), topology="ring:3")
     stop = network.run()
     assert stop.reason == "deadlock"
@@ -41,9 +41,7 @@ def polls(port: int) -> str:
 
 @pytest.mark.parametrize("ends", [IDLES, STOP])
 @pytest.mark.parametrize("interrupts", [True, False])
-def test_a_dma_that_nobody_will_ever_serve_is_a_deadlock_where_a_processor_sleeps_for_it(
-    ends: str, interrupts: bool
-) -> None:
+def test_a_dma_that_is_never_served_is_a_deadlock_where_a_processor_sleeps_for_it(ends: str, interrupts: bool) -> None:
     """Otherwise all processors have ended, and so has the network."""
     network = Network([program(ends)] * 2, links=["0.0:1.3"])
     stream_by_dma(network.chips[0]._core, network.chips[1]._core)
@@ -59,7 +57,8 @@ def test_a_dma_that_nobody_will_ever_serve_is_a_deadlock_where_a_processor_sleep
     )
     armed = "DMA channel 3 waits for a word in input FIFO 3 (read of 00100071h) from chip 0 port 0 since cycle "
     assert armed in network.chips[1].message and network.chips[1].message.startswith(armed) == interrupts
-    assert network.chips[1].memory[DATA : DATA + len(WORDS)] == WORDS and balanced(network)
+    assert network.chips[1].memory[DATA : DATA + len(WORDS)] == WORDS
+    check_balance(network)
 
 
 def test_a_processor_that_idles_beside_its_dma_has_ended_in_the_cycle_in_which_both_have() -> None:
@@ -102,7 +101,7 @@ def test_a_stop_watch_is_nothing_to_wait_for() -> None:
     )
 
 
-def test_the_dma_goes_on_while_its_processor_waits_for_a_port() -> None:
+def test_the_dma_continues_while_its_processor_waits_for_a_port() -> None:
     waits = base(3, "ar2") + "        ldi *+ar2(1),r1\n" + STOP
     late = (
         base(0, "ar2") + "        ldi 1000,ar3\nl:      db ar3,l\n        ldi 7,r0\n        sti r0,*+ar2(2)\n" + IDLES
@@ -135,7 +134,7 @@ def test_a_processor_and_its_dma_both_wait_for_ever() -> None:
     assert "DMA channel 3 waits for a word in input FIFO 3 (read of 00100071h) from chip 0 port 0" in message
 
 
-def test_loops_that_poll_what_nobody_will_change_are_a_deadlock() -> None:
+def test_loops_that_poll_what_never_changes_are_a_deadlock() -> None:
     network = Network([program(polls(0)), program(polls(3))], links=["0.0:1.3"])
     stop = network.run()
     assert stop.reason == "deadlock" and stop.time_ps < 20_000 * PERIOD_PS
@@ -147,7 +146,7 @@ def test_loops_that_poll_what_nobody_will_change_are_a_deadlock() -> None:
     )
 
 
-def test_chips_that_wait_for_a_boot_stream_that_nobody_sends() -> None:
+def test_chips_that_wait_for_a_boot_stream_that_never_comes() -> None:
     results = []
     for seed in range(3):
         network = Network([program(STOP)] * 3, links=["0.0:1.3", "1.0:2.3"], boots=[1, 2], turn_order=seed)

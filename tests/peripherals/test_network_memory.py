@@ -31,7 +31,7 @@ def test_a_lock_keeps_the_others_out() -> None:
     assert any(chip.causes["bus_arbitration"] > 0 for chip in network.chips)
 
 
-def test_a_reset_gives_a_chips_own_lock_back_and_nobody_elses() -> None:
+def test_a_reset_releases_the_lock_of_its_chip_and_no_other() -> None:
     memory = SharedMemory("counter", 16, {0: 0xC0000000, 1: 0xC0000000, 2: 0xC0000000})
     taker = "        ldhi 0c000h,ar0\n        ldii *ar0,r4\n" + STOP
     late = "        nop\n" * 20 + "        ldhi 0c000h,ar0\n        ldi *ar0,r4\n" + STOP

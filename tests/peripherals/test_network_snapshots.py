@@ -1,4 +1,4 @@
-"""A network's state, saved and loaded: rings of nasty programs go on from random instants in another network."""
+"""A network's state, saved and loaded: rings of nasty programs continue from random instants in another network."""
 
 import random
 
@@ -6,8 +6,9 @@ import pytest
 from cmrc.c40 import assemble
 from cmrc.network import Network, SharedMemory
 from leaves import check_that_every_value_is_loaded
-from nasty_programs import CYCLES, Bench, assembled, prepare
+from nasty_programs import CYCLES
 from nasty_rings import ring
+from nasty_runs import Bench, assembled, prepare
 
 
 def network_of(programs, bench, turn_order=0):
@@ -29,7 +30,7 @@ def seen(network):
 
 
 @pytest.mark.parametrize("seed", range(40))
-def test_a_ring_of_nasty_programs_goes_on_in_another_network(seed, tmp_path):
+def test_a_ring_of_nasty_programs_continues_in_another_network(seed, tmp_path):
     programs, bench = ring(seed), Bench(tmp_path)
     rng = random.Random(seed)
     network, other = network_of(programs, bench), network_of(programs, bench, turn_order=seed + 1)
@@ -51,7 +52,7 @@ def test_a_ring_of_nasty_programs_goes_on_in_another_network(seed, tmp_path):
 
 
 # Each takes a lock in a shared memory several times, and waits for a word that the other writes there; at last the
-# second polls one that nobody writes.
+# second polls one that is never written.
 LOCKS = """        .text
 start:  ldhi 7000h,ar0
         ldhi 30h,ar1
@@ -136,7 +137,7 @@ def locking(turn_order=0):
     return network
 
 
-def test_locks_polls_and_actions_go_on_in_another_network():
+def test_locks_polls_and_actions_continue_in_another_network():
     rng = random.Random(5)
     whole = locking()
     end = whole.run(until_us=100_000)

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 from cmrc.network import Network
-from network_programs import IDLES, STOP, balanced, base, program, state
-from test_scenarios import RUN, STOP_AT_END, channel, die
+from network_programs import IDLES, STOP, base, check_balance, program, state
+from scenarios import RUN, STOP_AT_END, channel, die
 
 DATA = 0x2FF800
 PORTS = [0, 1, 3, 4]
@@ -80,10 +80,11 @@ def check(seed: int) -> None:
     one, other = network(seed, 0), network(seed, seed + 1)
     assert one.run(until_us=3000) == other.run(until_us=3000)
     assert outcome(one) == outcome(other)
-    assert balanced(one)
+    check_balance(one)
 
 
-# 237: the DMA, at priority 3, touches a link while its processor has just come to one, which nothing had announced.
+# 237: the DMA, at priority 3, accesses a link just when its processor has reached an access to a link, which nothing
+# had announced.
 # 390: a chip in a loop runs ahead of the end of its network.
 @pytest.mark.parametrize("seed", [237, 390, *range(16)])
 def test_the_order_of_turns_changes_nothing(seed: int) -> None:

@@ -83,7 +83,7 @@ def test_go_reads_back_as_zero_and_hold_freezes_the_counter() -> None:
     assert chip.peripheral("TIMER0.counter") == frozen + 50
 
 
-def test_a_counter_beyond_the_period_goes_on_through_the_top() -> None:
+def test_a_counter_beyond_the_period_continues_through_the_top() -> None:
     chip, image = program(0, 0x2C0, 1000)
     chip.run(100, until=image.symbols["wait"])
     chip.run(100)
@@ -110,7 +110,7 @@ def free_timer(control: int, period: int, counter: int | None = None) -> Any:
         chip.poke(CONTROL, control)
     else:
         chip.poke(COUNTER, counter)
-        chip.poke(CONTROL, control & ~0x40)  # without GO: it goes on from there
+        chip.poke(CONTROL, control & ~0x40)  # without GO: it continues from there
     return chip
 
 
@@ -157,7 +157,7 @@ def test_a_counter_at_its_period_overflows_with_the_next_tick(counter: int, firs
     assert flags(free_timer(PULSE, 100, counter), 210) == [first, first + 200]
 
 
-def test_a_counter_one_beyond_its_period_goes_on() -> None:
+def test_a_counter_one_beyond_its_period_continues() -> None:
     chip = free_timer(PULSE, 100, 101)
     assert flags(chip, 400) == [] and chip.peripheral("TIMER0.counter") == 301
 

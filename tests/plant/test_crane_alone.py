@@ -36,7 +36,7 @@ def test_torques_that_no_motor_gives_are_refused(torques):
 
 
 @pytest.mark.parametrize("again", [copy.copy, copy.deepcopy, lambda value: pickle.loads(pickle.dumps(value))])
-def test_snapshots_go_on_bit_for_bit(again):
+def test_snapshots_continue_bit_for_bit(again):
     crane = plant.Crane(load_mass=20e3)
     crane.step([0.0, 500.0, 3300.0, 2400.0, 1.0], 0.237)
     kept = again(crane.snapshot())

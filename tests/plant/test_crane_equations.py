@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from cmrc._core import plant
+from lossless import without_losses
 
 GRAVITY = 9.81
 RNG = np.random.default_rng(20)
@@ -244,11 +245,7 @@ def test_pinocchio_agrees_for_cranes_of_other_sizes():
 
 def free_swing(rng, crane, mass):
     """A random start with free sway, without losses, under constant forces near those that hold luff and hoist."""
-    crane.sway_damping = 0.0
-    drives = crane.drives
-    for drive in drives:
-        drive.coulomb = drive.viscous = 0.0
-    crane.drives = drives
+    without_losses(crane)
     q = np.array(
         [
             0.0,

@@ -112,7 +112,7 @@ def test_brakes_hold_when_the_drives_are_off():
     assert not dock.faulted
 
 
-def test_restored_dock_goes_on_bit_for_bit():
+def test_restored_dock_continues_bit_for_bit():
     dock = plant.Dock(quiet_dock())
     crane = Crane(dock)
     crane.hold(0.2)

@@ -68,7 +68,7 @@ def test_half_a_second_at_the_largest_code_trips(code: int, trip: bool) -> None:
     assert it.drive_trip(TRAVEL, 700 * MS) == (SATURATION if trip else 0)
 
 
-def test_a_break_begins_the_half_second_anew() -> None:
+def test_a_break_restarts_the_half_second() -> None:
     it = dock(TRAVEL)
     it.set_torque_code(TRAVEL, 2047, 0)
     it.set_torque_code(TRAVEL, 2040, 400 * MS)

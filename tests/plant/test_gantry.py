@@ -7,19 +7,14 @@ import numpy as np
 import pytest
 from cmrc import plant as public
 from cmrc._core import plant
+from lossless import without_losses
 
 G = 9.81
 HALF = math.pi / 2
 
 
 def lossless():
-    p = plant.gantry_crane()
-    p.sway_damping = 0.0
-    drives = p.drives
-    for drive in drives:
-        drive.coulomb = drive.viscous = drive.rotor_inertia = 0.0
-    p.drives = drives
-    return p
+    return without_losses(plant.gantry_crane(), rotors=False)
 
 
 def test_mujoco_agrees():

@@ -6,19 +6,14 @@ import math
 import numpy as np
 import pytest
 from cmrc._core import plant
+from lossless import without_losses
 
 G = 9.81
 ACTUATED = (0, 1, 2, 3, 6)
 
 
 def frictionless() -> plant.CraneParameters:
-    crane = plant.CraneParameters()
-    crane.sway_damping = 0.0
-    drives = crane.drives
-    for drive in drives:
-        drive.coulomb = drive.viscous = 0.0
-    crane.drives = drives
-    return crane
+    return without_losses(plant.CraneParameters())
 
 
 def payload_inputs(mass=20e3, inertia=2e5):

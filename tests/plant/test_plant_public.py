@@ -51,7 +51,7 @@ def test_a_scene_of_parts() -> None:
     config.ship.scale, config.wind.mean, config.wind.gust, config.sensors.range_rate = 0.5, 8.0, 1.0, 20.0
     scene = plant.Scene(config)
     scene.step(None, 6.0)
-    # Between waypoints at one place a mover stands, and the ray straight ahead shows it there.
+    # Between two waypoints at one place a mover does not move, and the ray straight ahead shows it there.
     assert plant.mover_place(config.layout.movers[0], 7.0) == [45.0, 9.0, 0.0, 0.0]
     assert scene.ranges(0)[90:100].min() == pytest.approx(math.hypot(45 - 29.4, 1.0) - 0.4, abs=0.05)
     assert scene.handover.phase == "free" and scene.switches == []

@@ -79,7 +79,7 @@ def test_energy_grows_by_what_the_motors_put_in():
     assert crane.energy() - before == pytest.approx(work, rel=1e-4)
 
 
-def test_snapshot_goes_on_bit_for_bit():
+def test_snapshot_continues_bit_for_bit():
     crane = plant.Crane()
     crane.run([50, 200, 1300, -1000, 1], 1e-3, 500)
     kept = crane.snapshot()

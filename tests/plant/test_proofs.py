@@ -10,19 +10,14 @@ import pytest
 from cmrc import plant as public
 from cmrc._core import plant
 from controller import LATCH
+from lossless import without_losses
 
 G = 9.81
 SECOND = 10**12
 
 
 def lossless() -> plant.CraneParameters:
-    crane = plant.CraneParameters()
-    crane.sway_damping = 0.0
-    drives = crane.drives
-    for drive in drives:
-        drive.coulomb = drive.viscous = drive.rotor_inertia = 0.0
-    crane.drives = drives
-    return crane
+    return without_losses(plant.CraneParameters(), rotors=False)
 
 
 def start(q, qd, mass, *locked, inertia=2e5):
@@ -208,7 +203,7 @@ def test_times_of_events_do_not_depend_on_the_step():
     assert max(times) - min(times) < 1e-7  # three methods
 
 
-def test_times_of_the_docks_events_do_not_depend_on_who_asks():
+def test_times_of_the_docks_events_do_not_depend_on_the_reader():
     def fault_time(quantum):
         config = plant.default_dock(0)
         config.layout.containers = []

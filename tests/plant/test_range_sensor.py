@@ -38,7 +38,7 @@ def test_rays_meet_the_other_agvs_the_ship_and_the_cranes_legs() -> None:
     dock = _core.plant.Dock(config)
     dock.advance_to(10 * MS)
     agvs = [dock.agv(i) for i in range(3)]
-    ship = edges(0, 28, 0, 40, 8)  # and the deck-house, which stands within it
+    ship = edges(0, 28, 0, 40, 8)  # and the deck-house, which is within it
     ship += [edge for x in (5, -5) for y in (5, -5) for edge in edges(x, y, 0, 0.5, 0.5)]  # the crane's legs
     seen = set()
     for i, agv in enumerate(agvs):

@@ -1,4 +1,4 @@
-"""A dock that is saved at any instant and loaded into another goes on bit for bit, with what it has recorded."""
+"""A dock that is saved at any instant and loaded into another continues bit for bit, with what it has recorded."""
 
 import math
 import random
@@ -138,7 +138,7 @@ SCENES = {
 
 @pytest.mark.parametrize("scene", SCENES)
 @pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(2, 7))])
-def test_a_dock_goes_on_in_another_one_at_any_instant(scene: str, seed: int) -> None:
+def test_a_dock_continues_in_another_one_at_any_instant(scene: str, seed: int) -> None:
     config, course = SCENES[scene]
     rng = random.Random(seed)
     whole = Heard(config())

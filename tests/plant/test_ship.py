@@ -213,7 +213,7 @@ def test_locking_takes_momentum_and_energy_that_the_container_had_on_the_ship():
     assert switch.energy_after - switch.energy_before == pytest.approx(want, abs=30.0)
 
 
-def test_a_snapshot_on_a_rolling_container_goes_on_bit_for_bit():
+def test_a_snapshot_on_a_rolling_container_continues_bit_for_bit():
     dock, crane = landed(2.0)
     again = plant.Dock(dock.config)
     again.restore(dock.snapshot())

@@ -49,7 +49,7 @@ def test_a_moving_vehicle_shares_its_momentum_with_the_one_ahead():
         run(d, 0.05, (1, 1500, 0, 0))
     (hit,) = collisions(d)
     assert hit.index == 0 and hit.values[1] == 1 and hit.values[0] == pytest.approx(before, rel=0.05)
-    # Equal masses, plastic: both go on with half the speed, and their brakes stop them at 2 m/s2.
+    # Equal masses, plastic: both continue with half the speed, and their brakes stop them at 2 m/s2.
     assert d.agv(0).speed == pytest.approx(hit.values[0] / 2, rel=0.2) and d.agv(1).speed == pytest.approx(
         d.agv(0).speed, abs=0.05
     )

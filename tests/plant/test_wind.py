@@ -96,7 +96,7 @@ def test_gusts_have_their_size_and_their_seed():
     assert np.abs(core.wind_speed(parameters(8.0, 2.0, 2), times) - one).max() > 1.0
 
 
-def test_the_dock_feels_it_and_goes_on_from_a_snapshot():
+def test_the_dock_feels_it_and_continues_from_a_snapshot():
     config = plant.default_dock()
     config.wind.mean, config.wind.gust = 12.0, 3.0
     windy, calm = plant.Scene(config), plant.Scene()

@@ -38,8 +38,8 @@ def plain_hash() -> str:
 
 
 @pytest.mark.parametrize("name", ALL)
-def test_another_thread_is_refused_at_once_and_the_run_goes_on(name: str) -> None:
-    """The run stands in its callback until the other thread has been answered."""
+def test_another_thread_is_refused_at_once_and_the_run_continues(name: str) -> None:
+    """The run waits in its callback until the other thread has been answered."""
     simulation = cmrc.Simulation(**SHORT)
     dsp = simulation.dsp(0)  # held before: reading it is refused too
     refused: list[Exception] = []
@@ -120,7 +120,7 @@ def test_a_callback_may_not_change(name: str) -> None:
     assert len(refused) == 10
 
 
-def test_after_an_exception_in_a_callback_the_run_can_go_on() -> None:
+def test_after_an_exception_in_a_callback_the_run_can_continue() -> None:
     simulation = cmrc.Simulation(**SHORT)
 
     def progress(simulated_s: float, duration_s: float) -> None:

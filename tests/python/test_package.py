@@ -16,7 +16,7 @@ HEAVY = (
     *("pandas", "pyarrow", "matplotlib", "dask", "distributed", "optuna", "duckdb", "mujoco", "gymnasium"),
     *("cmrc.sweeps", "cmrc.studies", "subprocess"),
 )
-"""What who makes one run does not wait for."""
+"""Packages that a single run must not load."""
 
 
 def test_the_import_brings_no_heavy_package() -> None:
@@ -122,7 +122,7 @@ def test_all_installs_what_every_extra_for_users_does() -> None:
 
 
 def test_the_starter_in_a_wheel_says_where_the_commands_are(tmp_path: Path) -> None:
-    """In a wheel the program stands in the package, the command cmrc beside the script that starts the program."""
+    """In a wheel the program is in the package, and the command cmrc beside the script that starts the program."""
     package, scripts = tmp_path / "cmrc", tmp_path / "scripts"
     (package / "bin").mkdir(parents=True)
     scripts.mkdir()

@@ -244,17 +244,17 @@ def test_the_version_is_in_every_report(result: cmrc.Result) -> None:
     assert cmrc.__version__ == result.version == result.report["emulator_version"]
 
 
-def test_an_explanation_names_who_stood_in_the_way(result: cmrc.Result) -> None:
+def test_an_explanation_names_what_blocked_the_job(result: cmrc.Result) -> None:
     first = min(result.missed, key=lambda miss: miss["deadline_ps"])
     text = result.explain()
     assert text == result.explain(result.missed.index(first))
     assert f"{first['kind']} number {first['number']} of the crane" in text
     for n, miss in enumerate(result.missed):
-        told = result.explain(n)
+        explanation = result.explain(n)
         for block in sorted(miss["behind"], key=lambda block: -block["share_ps"])[:3]:
-            assert f"{block['kind']} number {block['number']}" in told
+            assert f"{block['kind']} number {block['number']}" in explanation
         if miss["outcome"] == "late":
-            assert "too late" in told and ("Without" in told or "No single cause" in told)
+            assert "too late" in explanation and ("Without" in explanation or "No single cause" in explanation)
     assert "identify" in " ".join(result.explain(n) for n in range(len(result.missed)))
     with pytest.raises(IndexError, match="one by one"):
         result.explain(len(result.missed))

@@ -68,14 +68,14 @@ def test_adding_dsps(missed: dict[int, float], word: str) -> None:
     assert dsps.verdict(ADDING, load_rows(missed) + rate_rows({1: 2000, 2: 4000, 4: 4000}, GRID)).word == word
 
 
-def test_a_plateau_and_what_ends_it_are_told() -> None:
+def test_a_plateau_and_what_ends_it_are_reported() -> None:
     p = dsps.Parameters(dsps=(1, 3, 4, 5))
     rows = load_rows({1: 98.0, 3: 68.5, 4: 68.5, 5: 0.0}) + load_rows({1: 98.0, 3: 20.0, 4: 0.0, 5: 0.0}, "staggered")
-    told = dsps.verdict(p, rows + load_rows({1: 98.0, 3: 68.5, 4: 0.0, 5: 0.0}, "together-cap", avoidance=25.0))
-    assert told.word == "holds" and "none with 5 or more" in told.why
-    assert "4 (staggered)" in told.why
-    assert "4 (at most 3 at a time; 25 % of the avoidance blocks are late then)" in told.why
-    assert "From 3 to 4 DSPs nothing is won" in told.limit and "the servo stands for 66 % of the time" in told.limit
+    judged = dsps.verdict(p, rows + load_rows({1: 98.0, 3: 68.5, 4: 0.0, 5: 0.0}, "together-cap", avoidance=25.0))
+    assert judged.word == "holds" and "none with 5 or more" in judged.why
+    assert "4 (staggered)" in judged.why
+    assert "4 (at most 3 at a time; 25 % of the avoidance blocks are late then)" in judged.why
+    assert "From 3 to 4 DSPs nothing is won" in judged.limit and "the servo stands for 66 % of the time" in judged.limit
 
 
 @pytest.mark.parametrize(
@@ -242,7 +242,7 @@ def test_learning(rows: Rows, word: str) -> None:
     assert learning.verdict(learning.Parameters(last=3), rows).word == word
 
 
-def test_learning_by_one_is_told() -> None:
+def test_learning_by_one_is_reported() -> None:
     rows = cycles("off", LONG) + cycles("proportional", [60, 60, 40, 20, 3, 1, 0, 0]) + cycles("unit", [58.0] * 8)
     assert "Changing N̂_a by 1 per cycle, as printed, leaves 58 s" in learning.verdict(learning.Parameters(), rows).limit
 
@@ -342,10 +342,10 @@ def test_a_section_is_replaced_alone(tmp_path: Path) -> None:
 def test_help_explains_every_parameter(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         command.main(["--help"])
-    told = " ".join(capsys.readouterr().out.split())
+    judged = " ".join(capsys.readouterr().out.split())
     for claim in command.CLAIMS:
         for one in dataclasses.fields(claim.Parameters):
-            assert f"--{one.name.replace('_', '-')}" in told and " ".join(one.metadata["help"].split()) in told, (
+            assert f"--{one.name.replace('_', '-')}" in judged and " ".join(one.metadata["help"].split()) in judged, (
                 claim.NAME,
                 one.name,
             )

@@ -74,7 +74,7 @@ def test_progress_can_stop_a_run() -> None:
     assert len(seen) == 3
 
 
-def test_the_gil_is_free_while_a_run_goes_on() -> None:
+def test_the_gil_is_free_while_a_run_continues() -> None:
     done = threading.Event()
     counted = 0
 

@@ -61,7 +61,7 @@ def test_a_snapshot_is_bytes_and_can_be_pickled():
     assert len(snapshot.to_bytes()) < 20_000  # three megawords of memory, of which hardly any page is used
 
 
-def test_another_process_goes_on_from_a_file(tmp_path):
+def test_another_process_continues_from_a_file(tmp_path):
     processor = counting()
     (tmp_path / "state").write_bytes(processor.snapshot().to_bytes())
     (tmp_path / "count.asm").write_text(COUNT)
@@ -73,11 +73,11 @@ processor.run(1000)
 print(processor.registers["R0"], processor.cycles, processor.causes)
 """
     environment = {**os.environ, "PYTHONPATH": str(BUILD / "python")}
-    told = subprocess.run(
+    printed = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment
     ).stdout
     processor.run(1000)
-    assert told.strip() == f"{processor.registers['R0']} {processor.cycles} {processor.causes}"
+    assert printed.strip() == f"{processor.registers['R0']} {processor.cycles} {processor.causes}"
 
 
 def test_every_flipped_bit_and_every_cut_is_refused():

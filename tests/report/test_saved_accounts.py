@@ -1,4 +1,4 @@
-"""Event logs and accounts that are saved under way and loaded into new ones go on as if they had never stopped."""
+"""Event logs and accounts that are saved under way and loaded into new ones continue as if they had never stopped."""
 
 import random
 
@@ -13,24 +13,24 @@ KINDS, CAUSES = ["pid", "identify"], ["instructions", "bus_a"]
 def events(count: int, rng: random.Random) -> list[tuple[int, int, int, list[int]]]:
     """Events of two chips that run ahead of each other: in order of time for each chip alone."""
     at = [0, 0]
-    told = []
+    made_events = []
     for _ in range(count):
         chip = rng.randrange(2)
         at[chip] = max(at[chip], at[1 - chip] - 40_000) + rng.randrange(1000)
-        told.append((at[chip], DSP0 + chip, CLAIM, [rng.randrange(1 << 32) for _ in range(5)]))
-    return told
+        made_events.append((at[chip], DSP0 + chip, CLAIM, [rng.randrange(1 << 32) for _ in range(5)]))
+    return made_events
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_a_log_goes_on_in_another_one(seed: int) -> None:
+def test_a_log_continues_in_another_one(seed: int) -> None:
     rng = random.Random(seed)
-    told = events(20_000, rng)
-    cuts = set(rng.sample(range(len(told)), 12))
+    made_events = events(20_000, rng)
+    cuts = set(rng.sample(range(len(made_events)), 12))
     whole, part = report.EventLog(), report.EventLog()
     heard, parts = report.Recorder(), [report.Recorder()]
     whole.listen(heard), part.listen(parts[0])
     newest = 0
-    for number, event in enumerate(told):
+    for number, event in enumerate(made_events):
         newest = max(newest, event[0])
         for log in (whole, part):
             log.add(*event)
@@ -44,21 +44,25 @@ def test_a_log_goes_on_in_another_one(seed: int) -> None:
             parts.append(report.Recorder())
             part.listen(parts[-1])
     whole.flush(), part.flush()
-    assert part.hash() == whole.hash() and part.count == whole.count == len(told)
+    assert part.hash() == whole.hash() and part.count == whole.count == len(made_events)
     assert [line for one in parts for line in one.lines] == heard.lines  # joined, what the parts heard is the whole
     assert sum(bool(one.lines) for one in parts) > 6
 
 
 def test_a_logs_state_does_not_depend_on_when_it_settled_or_whose_turn_came_first() -> None:
-    told = events(9_000, random.Random(7))
+    made_events = events(9_000, random.Random(7))
     states = set()
-    for every, order in ((1, told), (700, told), (9_000, sorted(told, key=lambda event: event[1]))):
+    for every, order in (
+        (1, made_events),
+        (700, made_events),
+        (9_000, sorted(made_events, key=lambda event: event[1])),
+    ):
         log = report.EventLog()
         for number, event in enumerate(order):
             log.add(*event)
-            if number % every == every - 1 and order is told:
-                log.settle(max(e[0] for e in told[: number + 1]) - 50_000 if every > 1 else 0)
-        log.settle(max(event[0] for event in told) - 50_000)
+            if number % every == every - 1 and order is made_events:
+                log.settle(max(e[0] for e in made_events[: number + 1]) - 50_000 if every > 1 else 0)
+        log.settle(max(event[0] for event in made_events) - 50_000)
         states.add(log._state())
     assert len(states) == 1
 
@@ -114,14 +118,14 @@ def booked(one: report.TaskAccount, jobs: list[dict[str, object]]) -> report.Tas
     return one
 
 
-def told(one: report.TaskAccount) -> str:
+def figures(one: report.TaskAccount) -> str:
     run = report.RunReport()
     run.set_tasks(one)
     return run.to_json()
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_an_account_goes_on_in_another_one(seed: int) -> None:
+def test_an_account_continues_in_another_one(seed: int) -> None:
     rng = random.Random(seed)
     jobs = [job(rng, tick) for tick in range(120)]
     whole, part = booked(account(), jobs), account()
@@ -132,7 +136,7 @@ def test_an_account_goes_on_in_another_one(seed: int) -> None:
             part = account()
             part._load_state(state)
             assert part._state() == state, number
-    assert told(part) == told(whole) and part._state_difference(whole) is None
+    assert figures(part) == figures(whole) and part._state_difference(whole) is None
 
 
 @pytest.mark.parametrize("jobs", [12, 60])  # samples as they are, and in bins

@@ -193,7 +193,7 @@ def test_progress_is_a_line_that_goes_away(monkeypatch: pytest.MonkeyPatch) -> N
     assert log.getvalue() == "work: on\n" * 3
 
 
-def test_work_that_tells_nothing_shows_that_it_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_work_without_reports_shows_that_it_continues(monkeypatch: pytest.MonkeyPatch) -> None:
     import io
     import threading
 

@@ -138,7 +138,7 @@ def test_what_was_refused_or_failed_has_not_passed() -> None:
         assert other.counts == (other.refused + other.failed == 0)
 
 
-def test_a_search_goes_on_in_the_folder_of_a_sweep(tmp_path: Path) -> None:
+def test_a_search_continues_in_the_folder_of_a_sweep(tmp_path: Path) -> None:
     sweep({"fixed": {**FIXED, "servo_frequency_hz": 1000.0}, "axes": {"dsps": [1, 2]}}, tmp_path / "s", workers=1)
     spec = {"fixed": FIXED, "repeats": {"seeds": 1}, "search": {"bisect": "dsps", "from": 3, "to": 1, "check_seeds": 1}}
     found = function(spec, tmp_path / "s", workers=1)

@@ -241,7 +241,7 @@ def test_workers_killed_every_second_cost_no_row_of_a_hundred(tmp_path: Path) ->
     assert len(killed) >= 15 and status.begun_again > 5, (killed, status)
 
 
-def test_an_interrupted_sweep_keeps_what_was_done_and_goes_on(tmp_path: Path) -> None:
+def test_an_interrupted_sweep_keeps_what_was_done_and_continues(tmp_path: Path) -> None:
     marks = tmp_path / "marks"
     marks.mkdir()
     points = grid.made({"fixed": FIXED, "repeats": {"seeds": 8}})

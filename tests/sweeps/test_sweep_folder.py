@@ -67,7 +67,7 @@ def test_a_row_in_two_parts_counts_once(tmp_path: Path) -> None:
         assert sorted(keys(folder)) == [1, 2, 3] and not (tmp_path / "s" / ".part-left").exists()
 
 
-def test_a_second_sweep_is_refused_and_says_who_is_first(tmp_path: Path) -> None:
+def test_a_second_sweep_is_refused_and_names_the_first(tmp_path: Path) -> None:
     with Folder(tmp_path / "s"):
         with pytest.raises(SweepError, match=f"process {os.getpid()} on .* one sweep at a time"):
             Folder(tmp_path / "s").__enter__()

@@ -88,7 +88,7 @@ def test_a_grid_is_drawn_in_order_with_gaps_and_intervals(sweep: Sweep) -> None:
         plot.grid(sweep, axes(), x="seed")
 
 
-def test_lines_of_a_legend_can_be_told_apart_in_grey() -> None:
+def test_lines_of_a_legend_can_be_distinguished_in_grey() -> None:
     from cmrc.result_plots import MARKS, style
 
     looks = [(tuple(style(n).values()), MARKS[n % len(MARKS)]) for n in range(16)]

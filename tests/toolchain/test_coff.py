@@ -145,8 +145,8 @@ def test_overlapping_sections_of_a_file_are_refused_where_it_is_used(
     for command in ("disasm", "exec"):
         arguments = [emulator, command, "p.out", *(["--max-cycles", "10"] if command == "exec" else [])]
         done = subprocess.run(arguments, cwd=tmp_path, capture_output=True, text=True, check=False)
-        told = ("p.out", "(8 words at 00300000h)", f"(4 words at {place:08X}h)", "overlap")
-        assert (done.returncode == 2) == overlaps and all((word in done.stderr) == overlaps for word in told)
+        in_message = ("p.out", "(8 words at 00300000h)", f"(4 words at {place:08X}h)", "overlap")
+        assert (done.returncode == 2) == overlaps and all((word in done.stderr) == overlaps for word in in_message)
 
 
 def test_what_is_no_executable_of_this_family_is_refused(tmp_path: Path) -> None:

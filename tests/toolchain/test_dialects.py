@@ -242,12 +242,12 @@ MARKS = [
 
 
 @pytest.mark.parametrize(("line", "message"), MARKS)
-def test_gnus_marks_are_told_with_the_switch_that_takes_them(line: str, message: str) -> None:
+def test_gnus_marks_are_reported_with_the_switch_that_takes_them(line: str, message: str) -> None:
     with pytest.raises(toolchain.AssemblyError, match=message):
         words(f"x: {line}\n")
 
 
-def test_what_nobody_defines_is_anothers_in_an_object_of_gnu_or_if_asked_for(tmp_path: Path) -> None:
+def test_an_undefined_symbol_is_external_in_an_object_of_gnu_or_if_requested(tmp_path: Path) -> None:
     source = tmp_path / "a.asm"
     source.write_text(" call elsewhere\n")
     assert toolchain.assemble_object(source.read_text(), dialect="gnu")

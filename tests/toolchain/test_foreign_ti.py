@@ -96,8 +96,8 @@ def test_the_page_has_the_directives_of_all_four_collections_and_all_are_known()
     for name in re.findall(r"^\| `(\.\w+)`", done.stdout, re.MULTILINE):
         try:
             c40.assemble(f"\t{name} ((\n")
-        except c40.AssemblyError as told:  # of its operands
-            assert not any("no directive is called" in str(found["message"]) for found in told.diagnostics), name
+        except c40.AssemblyError as error:  # of its operands
+            assert not any("no directive is called" in str(found["message"]) for found in error.diagnostics), name
     with pytest.raises(c40.AssemblyError, match="no directive is called"):
         c40.assemble("\t.nonsense ((\n")
 

@@ -70,7 +70,7 @@ def test_a_macro_may_be_defined_again_with_a_warning() -> None:
     assert len(image.warnings) == 1 and "<text>:5:" in image.warnings[0] and "defined already" in image.warnings[0]
 
 
-def test_a_macro_that_defines_itself_anew_does_its_first_work_once() -> None:
+def test_a_macro_that_redefines_itself_does_its_first_work_once() -> None:
     once = "init .macro\n ldi 1,r0\ninit .macro\n nop\n .endm\n .endm\n init\n init\n"
     assert words(once) == [0x08600001, NOP]
 

@@ -100,7 +100,7 @@ def test_profile_and_diagram_of_a_linked_program_show_its_source(emulator: Path,
     assert "call fir" in out[out.index("pipeline, cycles") :]  # by its symbol
 
 
-def test_sources_stand_beside_the_program(
+def test_sources_are_found_beside_the_program(
     emulator: Path, sources: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     program = linked(emulator, sources)
@@ -115,7 +115,7 @@ def test_an_executable_of_the_assembler_has_its_lines(emulator: Path, sources: P
     assert [(line.line, line.text) for line in image.lines] == [(4, "fir:    ldi *ar0,r0"), (6, "        rets")]
 
 
-# ---- the format, told again ----
+# ---- the format, read by an independent reader ----
 
 
 def entries(data: bytes) -> dict[str, list[tuple[int, int]]]:
@@ -136,7 +136,8 @@ def test_the_entries_as_the_format_has_them(emulator: Path, sources: Path) -> No
     found = entries(data)
     symbols = struct.unpack_from("<I", data, 8)[0]
     assert data[symbols : symbols + 5] == b".file" and data[symbols + 16] == 103
-    # A place without a line is a file's symbol; the files are in the order of their first word, two entries each.
+    # An entry with line 0 has the index of a file's symbol. The files are in the order of their first word, two entries
+    # each.
     assert found[".text"] == [(0, 0), (0, 3), (2, 0), (1, 4), (2, 5), (3, 9)] and found[".data"] == [(2, 0), (0, 7)]
     assert struct.unpack_from("<H", data, 18)[0] & 4 == 0  # there are line numbers
 
@@ -177,16 +178,16 @@ def test_lines_of_a_compiler_count_from_their_function(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("lines", [
-    [(99, 0), (0x300000, 1)],  # a symbol that there is not: its file is that of the symbols before
+    [(99, 0), (0x300000, 1)],  # no such symbol: the file is that of the symbols before
     [(0x300000, 1)],  # of no file
     [(2, 0), (0x400000, 1)],  # nowhere in the section
 ])  # fmt: skip
-def test_lines_that_lie_nowhere_are_passed_over(lines: list[tuple[int, int]]) -> None:
+def test_lines_without_a_place_are_ignored(lines: list[tuple[int, int]]) -> None:
     image = toolchain.read_coff_bytes(of_a_compiler(lines))
     assert len(image.sections) == 1 and all(line.address == 0x300000 for line in image.lines)
 
 
-def test_a_table_behind_the_end_is_passed_over() -> None:
+def test_a_table_behind_the_end_is_ignored() -> None:
     assert toolchain.read_coff_bytes(of_a_compiler(COMPILED, where=10**6)).lines == []
 
 

@@ -125,7 +125,7 @@ export interface Recording {
 
 const FIRST_KIND = 4;
 
-/** Numbers are told less those of the job of their kind and robot before. */
+/** Numbers are recorded as differences from the job before of the same kind and robot. */
 function absolute(number: Float64Array, kind: ArrayLike<number>, robot: ArrayLike<number>): void {
   const last = new Map<number, number>();
   for (let i = 0; i < number.length; ++i) {

@@ -2,7 +2,7 @@
 import { ENDS, OUTCOMES, WAITS, type Header, type Runs } from "./recording";
 import { ASLEEP, AWAKE, FAILED, OFF } from "./lanes";
 
-/** Text without what controls a terminal, a line, or the direction of what stands beside it. */
+/** Text without characters that control a terminal, a line, or the direction of the text beside it. */
 export function plain(text: string): string {
   return text.replace(/[\u0000-\u001f\u007f-\u009f\u2028\u2029]/g, " ").replace(/[\u200e\u200f\u061c\u202a-\u202e\u2066-\u2069]/g, "");
 }
@@ -96,7 +96,7 @@ export function runLines(header: Header, runs: Runs, run: number): string[] {
 /** The parts of a miss's chain (docs/report.md, Why late). */
 export const PARTS: Record<string, string> = {
   host_late: "the host's refresh that put it up began late",
-  not_due: "it stood in the list and was not due yet",
+  not_due: "it was in the list and not due yet",
   host_refresh: "the host's refresh was at work",
   host_lock: "the refresh waited for the list, which a DSP held",
   doorbell: "every free DSP was asleep, to be rung and woken",
@@ -105,7 +105,7 @@ export const PARTS: Record<string, string> = {
   claim_bus_b: "the claim waited for bus B",
   lock: "the claim waited for the list, which somebody else held",
   blocked: "every DSP ran a block that was claimed before this one could be",
-  behind_list: "blocks that stood before it in the list kept every DSP busy",
+  behind_list: "blocks before it in the list kept every DSP busy",
   no_dsp: "no DSP was there",
   own_dsp_out: "the one DSP that may run it was not there",
   lost_run: "runs that came to nothing",
@@ -122,9 +122,9 @@ export function part(name: string): string {
 
 const DOCK: Record<string, string> = {
   near_contact: "the load is near something to land on", free_again: "the load hangs free again", touch: "the load touches",
-  hard_landing: "hard landing", landed: "all four corners stand", lifted: "all four corners are off", locked: "the twist locks close",
-  opened: "the twist locks open", refused: "the twist locks turned back", set_on_agv: "the container stands on the vehicle",
-  agv_dry: "a vehicle's set-points ran dry", agv_overflow: "a vehicle's buffer ran over", agv_arrived: "a vehicle stands at the warehouse",
+  hard_landing: "hard landing", landed: "all four corners are down", lifted: "all four corners are off", locked: "the twist locks close",
+  opened: "the twist locks open", refused: "the twist locks turned back", set_on_agv: "the container is on the vehicle",
+  agv_dry: "a vehicle's set-points ran dry", agv_overflow: "a vehicle's buffer ran over", agv_arrived: "a vehicle has arrived at the warehouse",
   delivered: "a container is delivered", joint_limit: "a joint ran into its end stop", drive_stopped: "a drive got no torque code and brakes",
   drive_resumed: "a drive takes codes again", drive_tripped: "a drive tripped", drive_warm: "a drive is warm", fault: "the sway passed 40 degrees",
   joint_stuck: "a joint sticks", joint_slipped: "a joint broke away", collision: "a vehicle ran into something", missed: "a landing is to be tried again",

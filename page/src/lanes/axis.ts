@@ -24,7 +24,7 @@ export function label(mark: number, step: number, base: number): string {
   return `+${((mark - base) * scale).toFixed(digits)} ${unit}`;
 }
 
-/** The whole that fine marks are told from. */
+/** The round instant that fine marks are counted from. */
 export function baseOf(from: number, step: number): number {
   return step >= 1e-3 ? 0 : Math.floor(from / (step * 1000) + 1e-9) * step * 1000;
 }

@@ -9,7 +9,7 @@ export interface Stretch {
   to: number;
 }
 
-/** Where a row stands on the canvas, in its dots. */
+/** The place of a row on the canvas, in its dots. */
 export interface Place {
   left: number;
   width: number;
@@ -19,7 +19,7 @@ export interface Place {
 
 const SEEN = 4; // dots that work gets at least
 const FOOT = 0.27; // of a lane's height, for its waits
-const WAITS_FULL = 0.05; // of the time: what the height of the foot stands for
+const WAITS_FULL = 0.05; // of the time: the meaning of the foot's full height
 
 type Context = CanvasRenderingContext2D;
 
@@ -53,7 +53,7 @@ export class LanePainter {
     this.waits(context, below, shares);
   }
 
-  /** Shares of the time that went into waiting, by cause. Where they are more than the foot stands for, they fill it. */
+  /** Shares of the time that went into waiting, by cause. Where they are more than its full height means, they fill the foot. */
   private waits(context: Context, place: Place, shares: Float32Array): void {
     const width = Math.round(place.width), height = Math.round(place.height), columns = GROUPS.length + WAITS.length;
     const dots = this.dots(context, width, height), colours = WAIT_COLOURS.map(packed), ground = packed(this.theme.groups[GROUP_ASLEEP]);
@@ -244,7 +244,7 @@ export class LanePainter {
     context.putImageData(this.image!, Math.round(place.left), Math.round(place.top));
   }
 
-  /** An empty picture to be put where a row stands. */
+  /** An empty picture for the place of a row. */
   private dots(context: Context, width: number, height: number): Uint32Array {
     if (this.image?.width !== width || this.image.height !== height) this.image = context.createImageData(width, height);
     return new Uint32Array(this.image.data.buffer);
@@ -256,7 +256,7 @@ function packed(hex: string): number {
   return ((255 << 24) | (b << 16) | (g << 8) | r) >>> 0;
 }
 
-/** What the height of a bus's row stands for, in percent: the least round number that holds its busiest slice. */
+/** The full height of a bus's row, in percent: the least round number that holds its busiest slice. */
 export function fullScale(bus: Bus): number {
   let most = 0;
   for (let i = 0; i < bus.refused.length; ++i) most = Math.max(most, bus.masters.reduce((sum, master) => sum + master.held[i], 0) / 10);

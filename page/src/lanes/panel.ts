@@ -76,7 +76,7 @@ export class LanePanel {
           const share = (n: number): string => `${(n / 10).toFixed(1)} %`;
           const all = bus.masters.reduce((sum, master) => sum + master.held[i], 0);
           return [`bus ${bus.name}: in use ${share(all)} of ${words.time(header.bus_slice_s)}`, ...bus.masters.filter((m) => m.held[i] > 0).map((m) => `${m.name}: ${share(m.held[i])}`),
-            ...(bus.refused[i] ? [`${bus.refused[i]} attempts were told to come again`] : [])];
+            ...(bus.refused[i] ? [`${bus.refused[i]} attempts had to be repeated`] : [])];
         },
       });
     }
@@ -136,11 +136,11 @@ export class LanePanel {
   private paintEvents(context: CanvasRenderingContext2D, place: Place, dots: number): void {
     const { from, to } = this.state, scale = place.width / (to - from), middle = place.top + place.height / 2, size = 5 * dots;
     const x = (moment: Moment): number => place.left + (moment.at - from) * scale;
-    const told: Moment[] = [];
+    const labelled: Moment[] = [];
     this.byOrder.forEach(({ moments, at }, order) => {
       for (let i = before(at, from - 1e-12) + 1; i < at.length && at[i] <= to; ) {
         const moment = moments[i];
-        if (order) told.push(moment);
+        if (order) labelled.push(moment);
         context.fillStyle = moment.bad ? OKABE_ITO.vermillion : moment.scripted ? OKABE_ITO.orange : this.theme.soft;
         context.beginPath();
         if (moment.scripted) context.moveTo(x(moment) - size, middle - size), context.lineTo(x(moment) + size, middle - size), context.lineTo(x(moment), middle + size);
@@ -150,12 +150,12 @@ export class LanePanel {
         i = Math.max(i, before(at, at[i] + (2 * dots) / scale)) + 1; // one of each kind in two columns
       }
     });
-    told.sort((a, b) => a.at - b.at);
+    labelled.sort((a, b) => a.at - b.at);
     context.font = `${10.5 * dots}px system-ui, sans-serif`;
     context.textBaseline = "middle";
     context.fillStyle = this.theme.ink;
-    told.forEach((moment, i) => {
-      const next = i + 1 < told.length ? x(told[i + 1]) - size : place.left + place.width;
+    labelled.forEach((moment, i) => {
+      const next = i + 1 < labelled.length ? x(labelled[i + 1]) - size : place.left + place.width;
       const room = Math.min(340 * dots, next - x(moment) - 2.5 * size);
       if (room > 30 * dots) context.fillText(this.shortened(context, moment.what, room), x(moment) + 1.6 * size, middle);
     });

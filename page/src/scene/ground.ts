@@ -1,13 +1,13 @@
-// What stands still: quay, water, lanes, rails, places; and the ship, which may move.
+// What does not move: quay, water, lanes, rails, places; and the ship, which may move.
 import * as THREE from "three";
 import type { Layout } from "../data/recording";
 import type { Theme } from "../ui/colours";
 import type { Samples } from "./samples";
 import { box, boxOf, edges, paint } from "./shapes";
 
-const FAR = 700; // m of quay and water beyond what stands there
+const FAR = 700; // m of quay and water beyond the outermost object
 
-/** What lies flat is drawn over the ground and under all that stands on it, in its order, whatever the depth's fineness. */
+/** Flat things are drawn over the ground and under all upright ones, in this order, whatever the resolution of the depth. */
 function onGround(colour: string): THREE.MeshBasicMaterial {
   return new THREE.MeshBasicMaterial({ color: colour, side: THREE.DoubleSide, depthTest: false, depthWrite: false });
 }

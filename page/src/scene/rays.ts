@@ -1,4 +1,4 @@
-// The vehicles' range rays against what stands on the dock: the geometry of the sensor, without its noise.
+// The vehicles' range rays against the objects on the dock: the geometry of the sensor, without its noise.
 import type { Layout } from "../data/recording";
 import type { Samples } from "./samples";
 

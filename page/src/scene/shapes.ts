@@ -28,7 +28,7 @@ export function paint(colour: string): THREE.MeshBasicMaterial {
   return new THREE.MeshBasicMaterial({ color: colour, vertexColors: true });
 }
 
-/** A box; its middle stands at the origin, or its underside where `standing`. */
+/** A box; its middle is at the origin, or its underside where `standing`. */
 export function box(x: number, y: number, z: number, material: THREE.Material, standing = false): THREE.Mesh {
   const geometry = shaded(new THREE.BoxGeometry(x, y, z));
   if (standing) geometry.translate(0, 0, z / 2);

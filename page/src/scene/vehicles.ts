@@ -1,4 +1,4 @@
-// The vehicles: body, wheels that steer, what their range sensor sees, and where the ideal run's stand.
+// The vehicles: body, wheels that steer, what their range sensor sees, and the vehicles of the ideal run.
 import * as THREE from "three";
 import type { Layout } from "../data/recording";
 import { OKABE_ITO } from "../ui/colours";

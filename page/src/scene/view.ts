@@ -87,7 +87,7 @@ export class DockView {
     this.ghost.add(shape, spreader);
   }
 
-  /** The load's ways, seen through what stands before them. */
+  /** The load's paths, seen through the objects before them. */
   private addTracks(): void {
     const column = (name: string): Float64Array | undefined => this.samples.column(name);
     const planned = ["x", "y", "z"].map((axis) => column(`planned_${axis}_m`));
@@ -106,7 +106,7 @@ export class DockView {
     }
   }
 
-  /** All vehicles where they stand at first are in the picture. */
+  /** The picture holds all vehicles at their first places. */
   private firstView(): { eye: THREE.Vector3; target: THREE.Vector3 } {
     const { layout } = this.recording.header;
     const back = Math.min(-30, ...Array.from({ length: layout.agv.count }, (_, i) => this.samples.column(`agv${i}_x_m`)![0] - 8));

@@ -16,7 +16,7 @@ export interface Theme {
   water: string;
 }
 
-/** What lanes tell apart. A name and what it stands for. */
+/** What the lanes distinguish: names and their meanings. */
 export const GROUPS = [
   { name: "no board, or booting", of: "" },
   { name: "dead", of: "failed, and not yet reset" },

@@ -91,7 +91,7 @@ export class MissPanel {
         const item = element("li");
         const button = element("button", `${one.kind} ${one.number}`, "link");
         button.addEventListener("click", () => this.goTo(one.claimed_ps * PS));
-        item.append(button, ` on DSP ${one.dsp}: ${words.time(one.share_ps * PS)}${one.overtook ? ", it stood before it in the list" : ", it was claimed before"}`);
+        item.append(button, ` on DSP ${one.dsp}: ${words.time(one.share_ps * PS)}${one.overtook ? ", it was before it in the list" : ", it was claimed before"}`);
         list.append(item);
       }
       if (chain.behind.length > 40) list.append(element("li", `and ${chain.behind.length - 40} more`));

@@ -71,10 +71,10 @@ export class Plots {
   }
 
   resize(left: number): void {
-    const anew = left !== this.left;
+    const resized = left !== this.left;
     this.left = left;
     for (const one of this.plots) {
-      if (anew) {
+      if (resized) {
         one.plot.destroy();
         one.plot = this.make(one.host, one.series);
       } else {

@@ -1,4 +1,4 @@
-// What is shown: the instant, the stretch of time of the lanes, the speed, the miss that was chosen. One place, and who listens.
+// What is shown: the instant, the stretch of time of the lanes, the speed, the miss that was chosen. One place, and its listeners.
 
 export type Part = "now" | "view" | "playing" | "speed" | "miss" | "theme" | "options";
 

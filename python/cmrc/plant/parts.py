@@ -19,7 +19,7 @@ apply_layout = _core.plant.apply_layout
 load_layout = _core.plant.load_layout
 """``load_layout(config, path)``: the same from a file. Raises LayoutError, OSError."""
 LayoutError = _core.plant.LayoutError
-"""A layout file that is wrong: where, and what would be right. A ValueError."""
+LayoutError.__doc__ = """A layout file that is wrong: where, and what would be right. A ValueError."""
 inverse_kinematics = _core.plant.inverse_kinematics
 """``inverse_kinematics(crane_parameters, crane_pose)``: the coordinates (7) at which the load hangs vertically there.
 Raises ValueError out of reach."""

@@ -192,7 +192,7 @@ def longest_gap(report: Report) -> int:
 
 def handled(report: Report) -> str:
     """What the controller noticed as an error, and what it did: ``2 × drive time-out: retry``."""
-    said = [f"{error['origin']}: {error['response'] or 'nobody decided'}" for error in report["errors_handled"]]
+    said = [f"{error['origin']}: {error['response'] or 'no decision'}" for error in report["errors_handled"]]
     return ", ".join(f"{said.count(one)} × {one}" for one in dict.fromkeys(said)) or "–"
 
 

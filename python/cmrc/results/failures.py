@@ -41,7 +41,7 @@ class Parameters:
     latest_s: float = parameter(0.06, "last instant of a failure, s")
     after_s: float = parameter(
         0.15,
-        "how long a run goes on after the failure, s: beyond the limit of silence, the drives' time-out and a boot",
+        "how long a run continues after the failure, s: beyond the limit of silence, the drives' time-out and a boot",
     )
 
 
@@ -201,7 +201,7 @@ def verdict(p: Parameters, all_rows: Sequence[Row]) -> Verdict:
         )
         if len(dead) < len(last):
             limit += (
-                f" One that only hangs is reset and goes on; that costs up to "
+                f" One that only hangs is reset and continues; that costs up to "
                 f"{max(row['samples'] for row in last if not row['stopped'])} samples in a row: a DSP that holds "
                 f"no block is missed only by its silence."
             )
@@ -210,7 +210,7 @@ def verdict(p: Parameters, all_rows: Sequence[Row]) -> Verdict:
 
 def section(p: Parameters, all_rows: Sequence[Row]) -> str:
     columns = {
-        "trials": "trials", "recomputed": "block put back", "whole": "nothing lost, work goes on",
+        "trials": "trials", "recomputed": "block put back", "whole": "nothing lost, work continues",
         "interval": "share, % (95 %)", "detected": "noticed after, ms",
         "samples": "servo samples missed in a row", "worst": "worst",
     }  # fmt: skip

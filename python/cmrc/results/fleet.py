@@ -49,8 +49,8 @@ def runs(p: Parameters) -> list[Run]:
 
 
 def rows(p: Parameters, done: Sequence[tuple[Run, Reports]]) -> list[Row]:
-    """One row per number of AGVs, over all layouts; the first round of all AGVs, for which they stand ready, is left
-    out of the means."""
+    """One row per number of AGVs, over all layouts; the means leave out the first round of all AGVs, for which they
+    wait at the spot."""
     table = []
     for agvs in p.agvs:
         reports = [of[-1] for run, of in done if run.label["agvs"] == agvs]

@@ -71,7 +71,7 @@ def _check(key: str, config: _core.cmrc.Config) -> None:
     if found != key:
         raise RuntimeError(
             f"{socket.gethostname()}: this worker has another build of cmrc ({build()[:12]}), or other "
-            "files behind the configuration's paths, than who started the sweep"
+            "files behind the configuration's paths, than the process that started the sweep"
         )
     _same_build.add(build())
 

@@ -147,7 +147,7 @@ def main() -> None:
             print(
                 f"CraneEnv, order {order}, tolerance {tolerance:.0e}: {steps_per_second(shares, order=order, tolerance=tolerance):.0f} steps/s"
             )
-    print(f"CraneEnv as it stands: {steps_per_second(shares):.0f} steps/s")
+    print(f"CraneEnv unchanged: {steps_per_second(shares):.0f} steps/s")
     print(f"MuJoCo: {mujoco_steps_per_second():.0f} steps/s")
     print(
         f"a million steps of 1 ms, other torques at each: Crane {million_steps_of_crane():.1f} s, MuJoCo {million_steps_of_mujoco():.1f} s"

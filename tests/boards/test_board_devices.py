@@ -9,25 +9,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from board_parts import HEAD
 from cmrc.c40 import Processor, SnapshotError, assemble
+from command_line import emulator
 from locations import BUILD, ROOT
 
-BOARD = """
-name = "bench board"
-
-[[region]]
-name = "RAM"
-base = 0x300000
-words = 0x10000
-bus = "local"
-
-[[region]]
-name = "devices"
-kind = "window"
-base = 0xA0000000
-words = 0x1000
-bus = "global"
-
+BOARD = (
+    HEAD
+    + """
 [[device]]
 name = "UART"
 kind = "console"
@@ -46,6 +35,7 @@ name = "front"
 kind = "led"
 base = 0xA0000200
 """
+)
 # Sends what is typed, in capitals, until a full stop; then it writes to the VIC and the LED.
 SOURCE = """
 start:  ldhi    0A000h,ar0
@@ -85,17 +75,6 @@ def board(tmp_path: Path) -> Path:
 def source(tmp_path: Path) -> Path:
     (tmp_path / "p.asm").write_text(SOURCE)
     return tmp_path / "p.asm"
-
-
-def emulator(*arguments: object, stdin: str = "") -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [str(word) for word in (BUILD / "bin" / "emulator", *arguments)],
-        input=stdin,
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
 
 
 def test_a_console_and_an_led_in_exec(board: Path, source: Path, tmp_path: Path) -> None:
@@ -233,7 +212,7 @@ def test_a_region_holds_a_rom_and_the_board_boots_from_it(tmp_path: Path, width:
 
 REFUSED = [
     ("", 'kind = "led"', 'kind = "lamp"', "console, registers, led, fifo"),
-    ("", "base = 0xA0000200", "base = 0xA0001000", "needs a"),
+    ("", "base = 0xA0000200", "base = 0xA0010000", "needs a"),
     ("", "base = 0xA0000200", "base = 0xA0000105", "VIC is there"),
     ("", "words = 0x10\nvalue", "words = 0\nvalue", "from 1 to 1048576"),
     ("", "waits = 3", "words = 3", "a console has its 2 words"),

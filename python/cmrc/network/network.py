@@ -1,105 +1,24 @@
-"""Networks of TMS320C40s connected by their communication ports (docs/networks.md).
-
-ring = cmrc.network.Network(program, topology="ring:8")
-stop = ring.run()
-ring.chips[0].memory[ring.chips[0].address("token")], ring.links[0].forth.sent
-"""
+"""Chips connected by their communication ports, as one machine: ``Network``."""
 
 from __future__ import annotations
 
-import math
 import os
 import weakref
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, overload
 
 from cmrc import _core, arguments, snapshots
 from cmrc.chip_state import AccessesToNothing, ChipState
 from cmrc.debug import Debugger
-from cmrc.devices import PINS, Attached, Device, Front, OneRun, attached, copied, refuse_call_that_acts
-from cmrc.programs import Path, Program, assemble_file, read_coff
-from cmrc.snapshots import ChipSnapshot, SnapshotError
-
-NetworkError = _core.network.NetworkError
-"""Raised for an impossible network: a ValueError that names chip, port or link, and what would be right."""
-
+from cmrc.devices import Attached, Device, Front, OneRun, attached, copied, refuse_call_that_acts
+from cmrc.network import description
+from cmrc.network.description import NetworkError
+from cmrc.network.records import Event, Link, Net, NetworkStop, PeripheralEvent, SharedMemory, Traffic
+from cmrc.programs import Path, Program
+from cmrc.snapshots import ChipSnapshot
 
 MOST_CYCLES = 10**13
 """The longest run: a network's time is counted in 64 bits of picoseconds."""
-
-
-@dataclass(frozen=True)
-class NetworkStop:
-    """Why a run ended: ``ended`` (every chip has ended, or sleeps and nothing can wake it), ``deadlock`` (no event is
-    left, and chips wait) or ``limit``."""
-
-    reason: str
-    time_ps: int
-
-
-@dataclass(frozen=True)
-class Traffic:
-    """Words of one direction of a link that left the sending FIFO: sent = arrived + under_way + lost. ``tokens``: how
-    often the sender got the token."""
-
-    sent: int
-    arrived: int
-    under_way: int
-    lost: int
-    tokens: int
-
-
-@dataclass(frozen=True)
-class Event:
-    """An event of a link (``word``, ``token``, ``lost``, ``dead``, ``cut``, ``restored``), of a net (``rise``,
-    ``fall``, ``missed``), or of a chip (``discarded``, ``reset``, ``hold``, ``release``, ``pull_out``).
-
-    ``place`` is the number of the link, net or chip. ``side`` is 0 for the link's first end and 1 for its second; for
-    ``discarded`` the port, for ``missed`` the chip. ``count``: bytes of a lost word that had crossed; for a discarded
-    word 1 for the input FIFO, 0 for the output FIFO. ``text`` is the line of a link trace.
-    """
-
-    kind: str
-    time_ps: int
-    place: int
-    side: int
-    word: int
-    count: int
-    text: str
-
-
-@dataclass(frozen=True)
-class PeripheralEvent:
-    """An event of a chip's peripherals: ``port_write`` and ``port_read`` (``number`` the port, ``value`` the word,
-    ``channel`` the DMA channel, None for the processor), ``dma_start`` and ``dma_end`` (``number`` the channel;
-    ``value`` its control word; at the end 1 for the auxiliary half), ``timer``, ``interrupt`` (``number`` its place in
-    the vector table, ``value`` the interrupted address)."""
-
-    chip: int
-    time_ps: int
-    kind: str
-    cycle: int
-    number: int
-    value: int
-    channel: int | None
-
-
-@dataclass(frozen=True)
-class SharedMemory:
-    """Words that several chips access, each at an address inside a window of its board. ``waits``: cycles of an access
-    beyond one."""
-
-    name: str
-    words: int
-    places: Mapping[int, int]
-    """Chip to address of word 0."""
-    waits: int = 0
-    dual_port: bool = False
-    """A dual-port memory: its two chips wait for one another only at the same word, and its last two words are
-    mailboxes (docs/networks.md)."""
-    pins: Mapping[int, str] | None = None
-    """For a dual-port memory: chip to the pin that its mailbox pulls low (``IIOF0`` to ``IIOF3``, ``NMI``)."""
 
 
 class Chip(ChipState, AccessesToNothing, Front):
@@ -130,30 +49,6 @@ class Chip(ChipState, AccessesToNothing, Front):
         """The chip at the other end of the link for which this one waits."""
         number = self._core.waits_for
         return None if number is None else int(number)
-
-
-@dataclass(frozen=True)
-class Link:
-    """A link: its ends as (chip, port), and the words from the first to the second end (``forth``) and ``back``."""
-
-    a: tuple[int, int]
-    b: tuple[int, int]
-    cut: bool
-    token_lost: bool
-    forth: Traffic
-    back: Traffic
-
-
-@dataclass(frozen=True)
-class Net:
-    """A wire between pins: ``pins`` as given, its present ``level``, its edges so far, and how many of them a receiver
-    has missed."""
-
-    name: str
-    pins: str
-    level: bool
-    edges: int
-    missed: int
 
 
 class Network(OneRun):
@@ -197,20 +92,20 @@ class Network(OneRun):
             if isinstance(programs, (str, os.PathLike, Program))
             else arguments.items("programs", programs, "a program or a list of programs")
         )
-        images = [_program(program) for program in given]
+        images = [description.program(program) for program in given]
         count = len(images)
         if topology is not None and count == 1:
-            count = _chips_of(arguments.text("topology", topology, 'a topology ("ring:4")'))
+            count = description.chips_of(arguments.text("topology", topology, 'a topology ("ring:4")'))
         images = images * count if len(images) == 1 else images
         if len(images) != count:
             raise NetworkError(f"{len(images)} programs for {count} chips")
         board = [
             arguments.path("boards", each, '"default", "flat" or the path of a board file')
-            for each in _each(boards, count, "boards")
+            for each in description.each_chip(boards, count, "boards")
         ]
         clock = [
             None if each is None else arguments.number("clocks_mhz", each, "a number of MHz")
-            for each in _each(clocks_mhz, count, "clocks_mhz")
+            for each in description.each_chip(clocks_mhz, count, "clocks_mhz")
         ]
         name = [
             arguments.text("names", each, "the name of a chip")
@@ -224,16 +119,17 @@ class Network(OneRun):
                 "board": board[n],
                 "clock_mhz": clock[n],
                 "name": name[n],
-                "until": _address(image, until),
+                "until": description.address(image, until),
                 "boot": n in boots,
             }
             for n, image in enumerate(images)
         ]
         wires = [
-            _wire(f"links[{n}]", link) for n, link in enumerate(arguments.items("links", links, "a list of links"))
+            description.link(f"links[{n}]", link)
+            for n, link in enumerate(arguments.items("links", links, "a list of links"))
         ]
         shared = [
-            _shared(f"memories[{n}]", memory)
+            description.shared_memory(f"memories[{n}]", memory)
             for n, memory in enumerate(arguments.items("memories", memories, "a list of SharedMemory"))
         ]
         joined = [
@@ -241,7 +137,7 @@ class Network(OneRun):
             for n, net in enumerate(arguments.items("nets", nets, "a list of nets"))
         ]
         order = arguments.whole("turn_order", turn_order, "a seed", 0, 2**64 - 1)
-        own = _devices(devices, count)
+        own = description.devices(devices, count)
 
         def make() -> tuple[Any, list[list[Attached]]]:
             nonlocal own
@@ -267,7 +163,9 @@ class Network(OneRun):
             arguments.path("path", path, "the path of a network file"),
             arguments.whole("turn_order", turn_order, "a seed", 0, 2**64 - 1),
         )
-        network._take(lambda: (_core.network.Network(file, _program, order), []), record_words, record_peripherals)
+        network._take(
+            lambda: (_core.network.Network(file, description.program, order), []), record_words, record_peripherals
+        )
         return network
 
     def _take(
@@ -293,7 +191,7 @@ class Network(OneRun):
                 // round(self._core.chip(0).hertz)
             )
         else:
-            limit = _instant("until_us", until_us)
+            limit = description.instant("until_us", until_us)
             if limit < self.now_ps:
                 raise ValueError(
                     f"until_us: {until_us} us has passed, the network is at {self.now_ps / 1e6} us; a later instant is expected"
@@ -426,7 +324,7 @@ class Network(OneRun):
         for a net that a chip drives, unless it is open-drain."""
         refuse_call_that_acts("drive")
         kind = "open" if level is None else "high" if arguments.flag("level", level) else "low"
-        self._core.schedule(kind, _instant("at_us", at_us), self._net(net))
+        self._core.schedule(kind, description.instant("at_us", at_us), self._net(net))
 
     def pulse(
         self, net: int | str, at_us: float, *, width_us: float, period_us: float | None = None, count: int | None = None
@@ -436,7 +334,7 @@ class Network(OneRun):
         width = arguments.number("width_us", width_us, "a duration in us", 0.0)
         period = None if period_us is None else arguments.number("period_us", period_us, "a duration in us", 0.0)
         pulses = None if count is None else arguments.whole("count", count, "a number of pulses", 1, 2**63 - 1)
-        self._core.schedule_pulses(_instant("at_us", at_us), self._net(net), width, period, pulses)
+        self._core.schedule_pulses(description.instant("at_us", at_us), self._net(net), width, period, pulses)
 
     def _net(self, net: object) -> int:
         return (
@@ -448,117 +346,6 @@ class Network(OneRun):
     def _schedule(self, kind: str, target: object, at_us: float) -> None:
         refuse_call_that_acts(kind)
         what = "link" if kind in ("cut", "restore") else "chip"
-        self._core.schedule(kind, _instant("at_us", at_us), arguments.whole(what, target, f"the number of a {what}"))
-
-
-def _program(given: Program | Path) -> Program:
-    if isinstance(given, Program):
-        return given
-    arguments.path("programs", given, "a program, as cmrc.c40.assemble gives it, or the path of a source or COFF file")
-    return assemble_file(given) if str(given).endswith((".asm", ".s", ".S")) else read_coff(given)
-
-
-def _address(program: Program, where: int | str | None) -> int | None:
-    if where is None:
-        return where
-    if not isinstance(where, str):
-        return arguments.whole("until", where, "an address (0 to FFFFFFFFh) or a label")
-    if where not in program.symbols:
-        raise KeyError(f"the program has no symbol {where}")
-    return int(program.symbols[where])
-
-
-def _instant(name: str, microseconds: float) -> int:
-    """An instant in ps, within 64 bits."""
-    found = (
-        round(arguments.number(name, microseconds, "an instant in us, 0 to 9e12,", 0.0) * 1e6)
-        if microseconds != math.inf
-        else 2**63
-    )
-    if found > 9 * 10**18:
-        raise ValueError(f"{name}: {microseconds} us is out of range; an instant in us, 0 to 9e12, is expected")
-    return found
-
-
-def _wire(name: str, link: object) -> tuple[str, dict[str, Any]]:
-    right = 'a link as "0.3:1.0", or ("0.3:1.0", {"word_cycles": 5}),'
-    if isinstance(link, str):
-        return link, {}
-    if not isinstance(link, (tuple, list)) or len(link) != 2 or not isinstance(link[0], str):
-        arguments.refuse(name, link, right)
-    cycles = arguments.mapping(name, link[1], right)
-    return link[0], {
-        key: arguments.whole(f"{name}, {key}", value, "a number of cycles", 0, 2**31 - 1)
-        for key, value in cycles.items()
-    }
-
-
-def _shared(name: str, memory: object) -> dict[str, Any]:
-    m = arguments.instance(name, memory, SharedMemory, "a cmrc.network.SharedMemory")
-    if not isinstance(m.places, Mapping):
-        arguments.refuse(f"{name}.places", m.places, "a dictionary of chips and addresses")
-    return {
-        "name": arguments.text(f"{name}.name", m.name),
-        "words": arguments.whole(f"{name}.words", m.words, "a number of words"),
-        "waits": arguments.whole(f"{name}.waits", m.waits, "a number of cycles", 0, 2**31 - 1),
-        "dual_port": arguments.flag(f"{name}.dual_port", m.dual_port),
-        "pins": [_pin(f"{name}.pins", (m.pins or {}).get(chip)) for chip in m.places],
-        "places": [
-            (
-                arguments.whole(f"{name}.places", chip, "the number of a chip"),
-                arguments.whole(f"{name}.places", at, "an address"),
-            )
-            for chip, at in m.places.items()
-        ],
-    }
-
-
-def _pin(name: str, pin: object) -> str | None:
-    if pin is not None and pin not in PINS:
-        raise ValueError(f"{name}: {', '.join(PINS)} is expected, not {pin!r}")
-    return None if pin is None else str(pin)
-
-
-def _devices(given: object, count: int) -> list[list[Attached]]:
-    if not isinstance(given, Mapping | None):
-        arguments.refuse("devices", given, "a dictionary of chips, each with a dictionary of addresses and devices,")
-    own: list[list[Attached]] = [[] for _ in range(count)]
-    for chip, places in (given or {}).items():
-        own[arguments.whole("devices", chip, f"the number of a chip, 0 to {count - 1},", 0, count - 1)] = attached(
-            places
+        self._core.schedule(
+            kind, description.instant("at_us", at_us), arguments.whole(what, target, f"the number of a {what}")
         )
-    seen: dict[int, int] = {}
-    for number, mine in enumerate(own):
-        for place in mine:
-            if seen.setdefault(id(place.device), number) != number and not place.acts_on_others:
-                raise ValueError(
-                    f"devices: {place.where} is attached to chips {seen[id(place.device)]} and {number}; only a device with acts_on_others = True can be (docs/boards.md)"
-                )
-    return own
-
-
-def _chips_of(topology: str) -> int:
-    return int(_core.network.chips_of(topology))
-
-
-def _each(given: Any, count: int, what: str) -> list[Any]:
-    values = [given] * count if given is None or isinstance(given, (str, int, float)) else list(given)
-    if len(values) != count:
-        raise NetworkError(f"{what}: one for all chips or {count} are expected, not {len(values)}")
-    return values
-
-
-__all__ = [
-    "Chip",
-    "ChipSnapshot",
-    "Event",
-    "Link",
-    "Net",
-    "Network",
-    "NetworkError",
-    "NetworkStop",
-    "PeripheralEvent",
-    "SharedMemory",
-    "SnapshotError",
-    "Traffic",
-]
