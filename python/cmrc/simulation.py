@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import operator
 import os
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
@@ -47,11 +48,29 @@ def configured(
     file = None if config is None else arguments.path("config", config, "the path of a TOML file")
     name = None if preset is None else arguments.text("preset", preset, "the name of a preset")
     given = arguments.mapping("settings", settings, 'a dictionary of keys and values, {"machine.dsps": 2},')
+    given |= keywords
+    for key, value in given.items():
+        _refuse_array(key, value)
     rows = [
         arguments.mapping(f"events[{n}]", event, "a dictionary with the fields of [[events]]")
         for n, event in enumerate(arguments.items("events", events, "a list of dictionaries"))
     ]
-    return _core.cmrc.config(file=file, preset=name, settings={**given, **keywords}, events=rows)
+    for n, row in enumerate(rows):
+        for key, value in row.items():
+            _refuse_array(f"events[{n}].{key}", value)
+    return _core.cmrc.config(file=file, preset=name, settings=given, events=rows)
+
+
+def _refuse_array(key: str, value: object) -> None:
+    """An array has ``__index__``, as an integer has, but is none."""
+    if isinstance(value, Mapping):
+        for inner, one in value.items():
+            _refuse_array(f"{key}.{inner}", one)
+    elif hasattr(value, "__index__"):
+        try:
+            operator.index(value)
+        except TypeError:
+            raise ConfigError(f"{key}: {type(value)} cannot be used; a bool, int, float or str is expected") from None
 
 
 def write_snapshot(path: str | os.PathLike[str], snapshot: Snapshot) -> None:
@@ -143,7 +162,10 @@ class Simulation:
         ``at(0.5, "fail", dsp=1)``, ``at(1, "stall_bus", bus="A", lasts_ms=0.2)``, ``at(2, "set", key="scheduling.p",
         value=0x5000)``. Raises ConfigError.
         """
-        self._core.at({"at_s": at_s, "action": action, **fields})
+        event = {"at_s": at_s, "action": action, **fields}
+        for key, value in event.items():
+            _refuse_array(key, value)
+        self._core.at(event)
 
     def run(self, on_progress: Progress | None = None) -> Result:
         """Runs to the end of the duration, without holding the GIL.

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cmrc import _core
+from cmrc.arguments import instance, mapping, number
 from cmrc.plant.arguments import assign, numbers
 from cmrc.plant.parts import CraneSnapshot
 
@@ -123,7 +124,7 @@ class Crane:
     """
 
     def __init__(self, config: Mapping[str, object] | None = None, **keywords: object) -> None:
-        given: dict[str, Any] = {**(config or {}), **keywords}
+        given: dict[str, Any] = {**mapping("config", config, "a dictionary of parameters"), **keywords}
         options = {name: given.pop(name, default) for name, default in _OPTIONS.items()}
         machine = given.pop("machine", "slewing")
         if machine not in ("slewing", "gantry"):
@@ -192,7 +193,7 @@ class Crane:
 
     def set_load(self, mass: float, inertia: float = 0.0) -> None:
         """Hangs another load below the spreader (kg, kg m2). Raises ValueError above ``rated_load``."""
-        self._core.set_load(mass, inertia)
+        self._core.set_load(number("mass", mass, "a mass in kg"), number("inertia", inertia, "an inertia in kg m2"))
 
     def snapshot(self) -> CraneSnapshot:
         """The whole state; after ``restore`` the crane continues bit for bit."""
@@ -200,7 +201,7 @@ class Crane:
 
     def restore(self, snapshot: CraneSnapshot) -> None:
         """Goes back to a snapshot of a crane with the same config."""
-        self._core.restore(snapshot)
+        self._core.restore(instance("snapshot", snapshot, CraneSnapshot, "what Crane.snapshot() gives"))
 
     def mass_matrix(self) -> Array:
         """M(q), rotors included: kg, kg m or kg m2."""
@@ -244,7 +245,9 @@ class Crane:
         Dry friction is smoothed; coordinates that brakes or friction hold have rows and columns of zeros. Differences
         of fourth order: 1e-6 or better of A's entries.
         """
-        snapshot = self.snapshot() if state is None else state
+        snapshot = (
+            self.snapshot() if state is None else instance("state", state, CraneSnapshot, "a snapshot of a crane")
+        )
         lags = np.array([drive.torque_lag for drive in self.parameters.drives])
         a = np.zeros((19, 19))
         a[:14] = self._core.linearize(snapshot)

@@ -7,9 +7,20 @@ from collections.abc import Sequence
 import numpy as np
 
 from cmrc import _core
+from cmrc.arguments import flag, instance, whole
 from cmrc.plant.arguments import device_code, numbers
 from cmrc.plant.crane import JOINTS, Array
-from cmrc.plant.parts import AgvSignal, ContainerStatus, DockConfig, DockEvent, DockState, Handover, Signal, Switch
+from cmrc.plant.parts import (
+    AgvSignal,
+    ContainerStatus,
+    DockConfig,
+    DockEvent,
+    DockState,
+    Handover,
+    Signal,
+    Switch,
+    default_dock,
+)
 
 
 class Scene:
@@ -21,7 +32,11 @@ class Scene:
     """
 
     def __init__(self, config: DockConfig | None = None, agvs: int = 1) -> None:
-        self._dock = _core.plant.Dock(_core.plant.default_dock(agvs) if config is None else config)
+        if config is None:
+            config = default_dock(whole("agvs", agvs, "a number of AGVs, 0 to 16,", 0, 16))
+        self._dock = _core.plant.Dock(
+            instance("config", config, DockConfig, "a DockConfig, as default_dock() gives it,")
+        )
         self._time = 0
 
     @property
@@ -68,15 +83,19 @@ class Scene:
 
     def lock(self, closed: bool) -> None:
         """Commands the twist locks; they turn while all four corners are seated."""
-        self._dock.spreader_command(int(closed), self._time)
+        self._dock.spreader_command(int(flag("closed", closed)), self._time)
 
     def agv(self, index: int) -> AgvSignal:
         """True pose, speed and steering of an AGV at the last latch."""
-        return self._dock.agv(index)
+        return self._dock.agv(self._agv(index))
 
     def ranges(self, index: int) -> Array:
         """The range sensor's 180 rays in m, from right to left."""
-        return np.array(self._dock.agv_scan(index, self._time)) * 1e-3
+        return np.array(self._dock.agv_scan(self._agv(index), self._time)) * 1e-3
+
+    def _agv(self, index: object) -> int:
+        count = self._dock.config.agv_count
+        return whole("index", index, f"the number of an AGV, 0 to {count - 1},", 0, count - 1)
 
     @property
     def signal(self) -> Signal:
@@ -114,5 +133,5 @@ class Scene:
     def restore(self, snapshot: DockState) -> None:
         """Goes back to a snapshot of a scene with the same config. A snapshot between two points of the 125-us grid
         goes back to the latch before it."""
-        self._dock.restore(snapshot)
+        self._dock.restore(instance("snapshot", snapshot, DockState, "what Scene.snapshot() gives"))
         self._time = int(self._dock.time)

@@ -37,7 +37,7 @@ class Sweep:
 
     def __init__(self, folder: str | os.PathLike[str], of: Sequence[Run] | None = None) -> None:
         """``of``: the points of one grid. None: every run of the folder, whichever grids it was filled from."""
-        self.folder = Folder(folder)
+        self.folder = Folder(arguments.path("folder", folder, "the folder of a sweep"))
         self.folder.check()
         if self.folder.head() is None:
             raise SweepError(f"{folder}: not a folder of a sweep")
