@@ -9,7 +9,7 @@ from typing import Any
 import cmrc
 import numpy
 import pytest
-from cmrc import _core, c40, network, plant, plot
+from cmrc import _core, c40, network, page, plant, plot
 from cmrc.sweeps import Sweep
 
 LOOP = c40.assemble("_start: addi 1,r0\n        b _start\n")
@@ -208,6 +208,12 @@ CALLS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         "number: there is no shared memory 3",
     ),
     "run an array": (lambda: cmrc.run(dsps=numpy.zeros(3)), V, "dsps: <class 'numpy.ndarray'>"),
+    "run a dictionary": (lambda: cmrc.run(dsps={}), V, "dsps: <class 'dict'>"),
+    "settings a dictionary": (
+        lambda: cmrc.Simulation(settings={"machine": {"dsps": {}}}),
+        V,
+        "machine.dsps: <class 'dict'>",
+    ),
     "settings an array": (
         lambda: cmrc.Simulation(settings={"machine": {"dsps": numpy.zeros(3)}}),
         V,
@@ -271,6 +277,15 @@ CALLS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     "Scene.agv": (lambda: plant.Scene().agv(1), V, "index: 1"),
     "Scene.ranges": (lambda: plant.Scene().ranges("x"), W, "index: 'x' (str)"),
     "Scene.restore": (lambda: plant.Scene().restore(3), W, "snapshot: 3 (int)"),
+    "Scene.step": (lambda: plant.Scene().step(None, "x"), W, "dt: 'x' (str)"),
+    "Scene.drive": (lambda: plant.Scene().drive(0, None, 0.0, 0.0), W, "speed (m/s): None"),
+    "Scene.hold": (lambda: plant.Scene().hold(0, "x"), W, "seconds: 'x' (str)"),
+    "CraneEnv dt": (lambda: plant.CraneEnv([12.0, 16.0, 14.0], dt="x"), W, "dt: 'x' (str)"),
+    "CraneEnv duration": (lambda: plant.CraneEnv([12.0, 16.0, 14.0], duration=None), W, "duration: None"),
+    "CraneEnv.reset": (lambda: plant.CraneEnv([12.0, 16.0, 14.0]).reset(options=3), W, "options: 3 (int)"),
+    "Crane.sensitivity": (lambda: plant.Crane().sensitivity([0.0] * 5, "x"), W, "seconds: 'x' (str)"),
+    "Agv.step": (lambda: plant.Agv().step("x", 0.0, 0.0, 0.01), W, "Agv.step: 'x' (str)"),
+    "Recording.read": (lambda: page.Recording.read(3), W, "path: 3 (int)"),
     "Crane config": (lambda: plant.Crane(numpy.zeros(3)), W, "config: array([0., 0., 0.]) (ndarray)"),
     "Crane.restore": (lambda: plant.Crane().restore(3), W, "snapshot: 3 (int)"),
     "Crane.set_load": (lambda: plant.Crane().set_load("x"), W, "mass: 'x' (str)"),

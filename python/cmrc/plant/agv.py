@@ -47,7 +47,7 @@ class Agv:
         load_mass, load_inertia, tolerance = numbers("load_mass, load_inertia and tolerance", loads, 3)
         parameters = AgvParameters()
         drive = given.pop("drive", "steered")
-        if drive not in ("steered", "differential"):
+        if not isinstance(drive, str) or drive not in ("steered", "differential"):
             raise ValueError(f'drive must be "steered" or "differential", not {drive!r}')
         parameters.drive = getattr(AgvDrive, drive)
         assign(parameters, "an AGV", given, "start", "load_mass", "load_inertia", "tolerance")

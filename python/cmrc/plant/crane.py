@@ -127,7 +127,7 @@ class Crane:
         given: dict[str, Any] = {**mapping("config", config, "a dictionary of parameters"), **keywords}
         options = {name: given.pop(name, default) for name, default in _OPTIONS.items()}
         machine = given.pop("machine", "slewing")
-        if machine not in ("slewing", "gantry"):
+        if not isinstance(machine, str) or machine not in ("slewing", "gantry"):
             raise ValueError(f'machine must be "slewing" or "gantry", not {machine!r}')
         parameters = _core.plant.gantry_crane() if machine == "gantry" else _core.plant.CraneParameters()
         assign(parameters, "a crane", given, *_OPTIONS)
@@ -141,7 +141,7 @@ class Crane:
         parameters.drives = drives
         if options["model"] not in ("sway", "rigid"):
             raise ValueError(f'model must be "sway" (L1) or "rigid" (L0), not {options["model"]!r}')
-        if options["integrator"] not in INTEGRATORS:
+        if not isinstance(options["integrator"], str) or options["integrator"] not in INTEGRATORS:
             raise ValueError(f"integrator must be one of {', '.join(INTEGRATORS)}, not {options['integrator']!r}")
         sensors = _core.plant.SensorParameters()
         assign(sensors, "the sensors", {"seed": options["seed"]})
@@ -236,7 +236,8 @@ class Crane:
     def sensitivity(self, torques: Sequence[float], seconds: float) -> Sensitivity:
         """How the state after ``seconds`` with these torques depends on the payload's mass and the rope's length
         (CVODES, Adams). The crane's state does not change."""
-        return Sensitivity(*(np.array(part) for part in self._core.sensitivity(torques, seconds)))
+        time = number("seconds", seconds, "a time in s")
+        return Sensitivity(*(np.array(part) for part in self._core.sensitivity(torques, time)))
 
     def linearize(self, state: CraneSnapshot | None = None) -> Linearization:
         """The crane linearised around a snapshot (by default the present state), which need not be at rest: the

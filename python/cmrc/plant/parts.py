@@ -115,6 +115,8 @@ for _name, _class in list(vars().items()):
         if issubclass(_class, Exception) or "__members__" in vars(_class):
             continue
         class_in_our_words(_class, _name)
+class_in_our_words(_core.plant.CraneAlone, "Crane")
+class_in_our_words(_core.plant.AgvAlone, "Agv")
 for _class in _MADE_EMPTY:
     copyreg.pickle(_class, _reduce)
 for _class in _MADE_OF:

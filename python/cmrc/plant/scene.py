@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cmrc import _core
-from cmrc.arguments import flag, instance, whole
+from cmrc.arguments import flag, instance, number, whole
 from cmrc.plant.arguments import device_code, numbers
 from cmrc.plant.crane import JOINTS, Array
 from cmrc.plant.parts import (
@@ -50,7 +50,7 @@ class Scene:
 
         A torque that is not finite faults its drive: the brake holds from then on.
         """
-        if not 0.0 <= dt <= 60.0:
+        if not 0.0 <= number("dt", dt, "a step of 0 to 60 s") <= 60.0:
             raise ValueError(f"a step must be 0 to 60 s (got {dt})")
         if torques is not None:
             torques = numbers(f"torques ({', '.join(JOINTS)})", torques, 5)
@@ -73,13 +73,13 @@ class Scene:
         """Writes a set-point into that AGV's FIFO: m/s, steering angles in rad. ``hold`` sets how long each is held."""
         most = 2**31 - 1
         angles = [
-            device_code(f"{name}, rad,", angle, 1e6, -most, most) for name, angle in (("front", front), ("rear", rear))
+            device_code(f"{name} (rad)", angle, 1e6, -most, most) for name, angle in (("front", front), ("rear", rear))
         ]
-        self._dock.agv_push(agv, device_code("speed, m/s,", speed, 1e3, -most, most), angles[0], angles[1], self._time)
+        self._dock.agv_push(agv, device_code("speed (m/s)", speed, 1e3, -most, most), angles[0], angles[1], self._time)
 
     def hold(self, agv: int, seconds: float) -> None:
         """Sets how long each set-point of that AGV is held, at least 1 ms."""
-        self._dock.agv_period(agv, device_code("a set-point's time, s,", seconds, 1e6, 0, 2**32 - 1), self._time)
+        self._dock.agv_period(agv, device_code("seconds", seconds, 1e6, 0, 2**32 - 1), self._time)
 
     def lock(self, closed: bool) -> None:
         """Commands the twist locks; they turn while all four corners are seated."""
