@@ -139,11 +139,12 @@ class Debugger:
 
     def places(self, place: int | str, chip: int = 0) -> list[int]:
         """The addresses of a place: a number, a label, ``label+4``, or ``file.asm:LINE``. Raises DebugError."""
+        number = self._number(chip)
         if isinstance(place, int) and not isinstance(place, bool):
             return [arguments.whole("place", place, "an address", 0, 2**32 - 1)]
         return [
             int(address)
-            for address in self._d.places(chip, arguments.text("place", place, 'a label, a number or "FILE:LINE"'))
+            for address in self._d.places(number, arguments.text("place", place, 'a label, a number or "FILE:LINE"'))
         ]
 
     def break_at(
@@ -155,7 +156,7 @@ class Debugger:
         with ``{expressions}``, instead of stopping.
         """
         number = -1
-        for address in self.places(place, chip or 0):
+        for address in self.places(place, 0 if chip is None else chip):
             number = self._add(
                 "code", chip=chip, address=address, condition=condition, ignore=ignore, log=log, text=str(place)
             )
@@ -178,13 +179,13 @@ class Debugger:
         Memory, peripheral registers and windows as one chip (None: every chip) accesses them, by the processor or its
         DMA; words that chips share, by any chip or the host.
         """
-        if on not in ("write", "read", "access", "change"):
-            raise ValueError(f'on: "{on}" is unknown; write, read, access or change is expected')
+        if not isinstance(on, str) or on not in ("write", "read", "access", "change"):
+            raise ValueError(f"on: {on!r} is unknown; write, read, access or change is expected")
         count = arguments.whole("words", words, "a number of words", 1, 2**32 - 1)
         return self._add(
             "word",
             chip=chip,
-            address=self.places(place, chip or 0)[0],
+            address=self.places(place, 0 if chip is None else chip)[0],
             words=count,
             on=on,
             condition=condition,
@@ -333,6 +334,9 @@ class Debugger:
     def _chip(self, chip: int | None) -> int:
         if chip is None:
             return self.stop.chip or 0
+        return self._number(chip)
+
+    def _number(self, chip: object) -> int:
         last = len(self._d.chip_names()) - 1
         return arguments.whole("chip", chip, f"the number of a chip, 0 to {last},", 0, last)
 
