@@ -105,13 +105,17 @@ def instance(name: str, value: object, kind: type[Kind], right: str) -> Kind:
 
 
 def drawn_from(name: str, kind: Callable[[], type], right: str) -> Callable[[Callable[P, Drawn]], Callable[P, Drawn]]:
-    """A plot whose first argument must be of a class; ``kind`` gives the class when it is called."""
+    """A plot whose first argument must be of a class; ``kind`` gives the class when it is called. The second one, if it
+    has one, is an Axes."""
 
     def decorate(plot: Callable[P, Drawn]) -> Callable[P, Drawn]:
         @functools.wraps(plot)
         def checked(*given: P.args, **keywords: P.kwargs) -> Drawn:
             if given or name in keywords:
                 instance(name, given[0] if given else keywords[name], kind(), right)
+            axes = given[1:2] or ([keywords["axes"]] if "axes" in keywords else [])
+            if axes and not hasattr(axes[0], "add_patch"):
+                refuse("axes", axes[0], "an Axes of matplotlib")
             return plot(*given, **keywords)
 
         return checked

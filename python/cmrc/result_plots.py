@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cmrc.arguments import drawn_from
+from cmrc.arguments import drawn_from, number
 from cmrc.events import built_in_tasks
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def gantt(result: Result, axes: Axes, from_s: float, to_s: float) -> None:
     """
     if result.events is None:
         raise ValueError("gantt: the result has no events; cmrc.run(..., keep_events=True) keeps them")
-    if not from_s < to_s:
+    if not number("from_s", from_s, "an instant in s") < number("to_s", to_s, "an instant in s"):
         raise ValueError(f"gantt: from {from_s} s to {to_s} s is not a window; from_s < to_s is expected")
     blocks = [block for block in runs(result.events) if block[3] > from_s and block[2] < to_s]
     kinds = list(dict.fromkeys(block[1] for block in sorted(blocks, key=lambda block: -(block[3] - block[2]))))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cmrc.arguments import drawn_from
+from cmrc.arguments import drawn_from, text
 from cmrc.result_plots import MARKS, legend, style
 
 if TYPE_CHECKING:
@@ -48,6 +48,9 @@ def grid(sweep: Sweep, axes: Axes, x: str | None = None, lines: str | None = Non
     Points that were refused or failed are gaps. Raises ValueError if further axes vary, because one point would have
     several values.
     """
+    for name, axis in (("x", x), ("lines", lines)):
+        if axis is not None:
+            text(name, axis, "the name of an axis of the sweep")
     from cmrc.sweeps import metrics
 
     summary = sweep.summary(metric)

@@ -11,10 +11,12 @@ import numpy
 import pytest
 from cmrc import _core, c40, network, page, plant, plot
 from cmrc.sweeps import Sweep
+from matplotlib.figure import Figure
 
 LOOP = c40.assemble("_start: addi 1,r0\n        b _start\n")
 LONGEST = 200
 TABLE = cmrc.Table(x=numpy.zeros(3))
+RESULT = cmrc.run(dsps=1, duration_s=0.03, keep_events=True, settings={"report.reference": "none"})
 
 
 def simulation(**more: Any) -> Any:
@@ -270,6 +272,16 @@ CALLS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     "Debugger.on_output": (lambda: processor().debug().on_output(3), W, "heard: 3 (int)"),
     "plot.sheet": (lambda: plot.sheet(3), W, "result: 3 (int)"),
     "plot.overview": (lambda: plot.overview([1]), W, "recording: [1] (list)"),
+    "plot.cdf axes": (lambda: plot.cdf(RESULT, 3), W, "axes: 3 (int)"),
+    "plot.gantt from_s": (lambda: plot.gantt(RESULT, Figure().subplots(), "x", 1.0), W, "from_s: 'x' (str)"),
+    "sweep folder": (lambda: cmrc.sweep({"fixed": {}}, 3), W, "folder: 3 (int)"),
+    "Sweep.rerun": (lambda: Sweep.rerun(None, 3), W, "run: 3 (int)"),
+    "plot.grid x": (lambda: plot.grid(object.__new__(Sweep), Figure().subplots(), x=3), W, "x: 3 (int)"),
+    "Limits.limit": (
+        lambda: cmrc.limits(dsps=[1], settings={"run.duration_s": 0.021}).limit("servo"),
+        KeyError,
+        "\"scan: 'servo' was not scanned; one of dsps",
+    ),
     "plot.grid": (lambda: plot.grid(None, None), W, "sweep: None"),
     "Sweep": (lambda: Sweep(3), W, "folder: 3 (int)"),
     "Table a column": (lambda: TABLE["y"], KeyError, "\"there is no column 'y'; one of x is expected"),
