@@ -5,14 +5,17 @@ Each function returns the argument in the right type. Raises TypeError for a wro
 
 from __future__ import annotations
 
+import functools
 import math
 import numbers
 import operator
 import os
-from collections.abc import Iterable, Mapping
-from typing import Any, NoReturn, TypeVar
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, NoReturn, ParamSpec, TypeVar
 
 Kind = TypeVar("Kind")
+Drawn = TypeVar("Drawn")
+P = ParamSpec("P")
 
 
 def refuse(name: str, value: object, right: str) -> NoReturn:
@@ -32,6 +35,15 @@ def mapping(name: str, value: object, right: str) -> dict[str, Any]:
         if not isinstance(key, str):
             refuse(f"{name}, key", key, "a name")
     return dict(value)
+
+
+def chips(name: str, value: object, right: str) -> Mapping[Any, Any]:
+    """A dictionary with numbers of chips as keys; None is an empty one."""
+    if value is None:
+        return {}
+    if not isinstance(value, Mapping):
+        refuse(name, value, right)
+    return value
 
 
 def items(name: str, value: object, right: str) -> list[Any]:
@@ -90,3 +102,22 @@ def instance(name: str, value: object, kind: type[Kind], right: str) -> Kind:
     if not isinstance(value, kind):
         refuse(name, value, right)
     return value
+
+
+def drawn_from(name: str, kind: Callable[[], type], right: str) -> Callable[[Callable[P, Drawn]], Callable[P, Drawn]]:
+    """A plot whose first argument must be of a class; ``kind`` gives the class when it is called. The second one, if it
+    has one, is an Axes."""
+
+    def decorate(plot: Callable[P, Drawn]) -> Callable[P, Drawn]:
+        @functools.wraps(plot)
+        def checked(*given: P.args, **keywords: P.kwargs) -> Drawn:
+            if given or name in keywords:
+                instance(name, given[0] if given else keywords[name], kind(), right)
+            axes = given[1:2] or ([keywords["axes"]] if "axes" in keywords else [])
+            if axes and not hasattr(axes[0], "add_patch"):
+                refuse("axes", axes[0], "an Axes of matplotlib")
+            return plot(*given, **keywords)
+
+        return checked
+
+    return decorate

@@ -91,6 +91,14 @@ class Register:
     parts: dict[str, str]
 
 
+def _condition(number: object) -> int:
+    return arguments.whole("number", number, "the number of a stop condition", 0, 2**31 - 1)
+
+
+def _kind_of_step(how: object) -> str:
+    return arguments.text("how", how, 'a kind of step ("instruction", "over", "line")')
+
+
 def _stop(given: dict[str, Any]) -> Stop:
     return Stop(
         given["reason"], given["time_ps"], given["chip"], given["text"], tuple(Hit(**hit) for hit in given["hits"])
@@ -131,11 +139,12 @@ class Debugger:
 
     def places(self, place: int | str, chip: int = 0) -> list[int]:
         """The addresses of a place: a number, a label, ``label+4``, or ``file.asm:LINE``. Raises DebugError."""
+        number = self._number(chip)
         if isinstance(place, int) and not isinstance(place, bool):
             return [arguments.whole("place", place, "an address", 0, 2**32 - 1)]
         return [
             int(address)
-            for address in self._d.places(chip, arguments.text("place", place, 'a label, a number or "FILE:LINE"'))
+            for address in self._d.places(number, arguments.text("place", place, 'a label, a number or "FILE:LINE"'))
         ]
 
     def break_at(
@@ -147,7 +156,7 @@ class Debugger:
         with ``{expressions}``, instead of stopping.
         """
         number = -1
-        for address in self.places(place, chip or 0):
+        for address in self.places(place, 0 if chip is None else chip):
             number = self._add(
                 "code", chip=chip, address=address, condition=condition, ignore=ignore, log=log, text=str(place)
             )
@@ -170,13 +179,13 @@ class Debugger:
         Memory, peripheral registers and windows as one chip (None: every chip) accesses them, by the processor or its
         DMA; words that chips share, by any chip or the host.
         """
-        if on not in ("write", "read", "access", "change"):
-            raise ValueError(f'on: "{on}" is unknown; write, read, access or change is expected')
+        if not isinstance(on, str) or on not in ("write", "read", "access", "change"):
+            raise ValueError(f"on: {on!r} is unknown; write, read, access or change is expected")
         count = arguments.whole("words", words, "a number of words", 1, 2**32 - 1)
         return self._add(
             "word",
             chip=chip,
-            address=self.places(place, chip or 0)[0],
+            address=self.places(place, 0 if chip is None else chip)[0],
             words=count,
             on=on,
             condition=condition,
@@ -212,7 +221,7 @@ class Debugger:
         return self._add(
             "happening",
             chip=chip,
-            name=kind,
+            name=arguments.text("kind", kind, "a kind of event, as happenings() has it,"),
             fields={k: str(v) for k, v in fields.items()},
             condition=condition,
             ignore=ignore,
@@ -226,23 +235,29 @@ class Debugger:
     def _add(self, kind: str, *, chip: int | None, **fields: Any) -> int:
         if chip is not None:
             arguments.whole("chip", chip, "the number of a chip", 0, CHIPS_MOST)
+        for name in ("condition", "log"):
+            if name in fields:
+                arguments.text(name, fields[name])
+        if "ignore" in fields:
+            arguments.whole("ignore", fields["ignore"], "a number of hits")
         return int(self._d.add({"kind": kind, "chip": chip, **fields}))
 
     def remove(self, number: int) -> None:
         """Removes a stop condition."""
-        self._d.remove(number)
+        self._d.remove(_condition(number))
         self._calls.pop(number, None)
 
     def call(self, number: int, function: Callable[[Stop], bool | None]) -> None:
         """Calls a function at every forward stop by this condition, with the machine at the stop. If it returns True,
         the machine runs on."""
-        if number not in self._d.hits():
-            raise DebugError(f"there is no stop condition {number}")
+        if _condition(number) not in self._d.hits():
+            raise DebugError(f"there is no stop condition {number}; one of {sorted(self._d.hits())} is expected")
+        arguments.function("function", function, "a function")
         self._calls[number] = function
 
     def enable(self, number: int, on: bool = True) -> None:
         """Switches a stop condition on or off."""
-        self._d.enable(number, on)
+        self._d.enable(_condition(number), arguments.flag("on", on))
 
     def hits(self) -> dict[int, int]:
         """How often each stop condition was met, going forward."""
@@ -283,7 +298,7 @@ class Debugger:
         """One step of a chip, by default of the last stop's chip: ``instruction``, ``over`` a call, ``line``,
         ``next_line``, ``out`` of the routine, to its next ``claim`` of a task block, the next ``refresh`` of the list,
         or the next ``happening`` (event) of any kind."""
-        return _stop(self._d.step(self._chip(chip), how))
+        return _stop(self._d.step(self._chip(chip), _kind_of_step(how)))
 
     def back(self) -> Stop:
         """Goes back to the last stop condition met before now; if there is none, to the beginning."""
@@ -291,7 +306,7 @@ class Debugger:
 
     def step_back(self, how: str = "instruction", *, chip: int | None = None) -> Stop:
         """The same steps, backwards."""
-        return _stop(self._d.step_back(self._chip(chip), how))
+        return _stop(self._d.step_back(self._chip(chip), _kind_of_step(how)))
 
     def go_to(self, time_s: float) -> Stop:
         """Goes to an instant since the debugger was made, before or after now. Stop conditions are not checked."""
@@ -310,12 +325,20 @@ class Debugger:
 
     @staticmethod
     def _ps(time_s: float) -> int:
-        return round(arguments.number("time_s", time_s, "seconds, 0 or more", 0) * 1e12)
+        right = "seconds, 0 to 9e6,"
+        found = arguments.number("time_s", time_s, right, 0)
+        if found * 1e12 > MOST_PICOSECONDS:
+            raise ValueError(f"time_s: {time_s} is out of range; {right} is expected")
+        return round(found * 1e12)
 
     def _chip(self, chip: int | None) -> int:
         if chip is None:
             return self.stop.chip or 0
-        return arguments.whole("chip", chip, "the number of a chip", 0, CHIPS_MOST)
+        return self._number(chip)
+
+    def _number(self, chip: object) -> int:
+        last = len(self._d.chip_names()) - 1
+        return arguments.whole("chip", chip, f"the number of a chip, 0 to {last},", 0, last)
 
     # ---- views ----
 
@@ -403,8 +426,10 @@ class Debugger:
         Port 0 is any free port; ``told`` is a function that is called with the number of the port. Raises OSError for a
         port in use.
         """
+        arguments.function("told", told, "a function of the port's number")
         return bool(self._d.listen(arguments.whole("port", port, "a port", 0, 65535), told))
 
     def on_output(self, heard: Callable[[str], None] | None) -> None:
         """Sets the function that is called with the texts of log points, and of changes by hand."""
+        arguments.function("heard", heard, "a function of a text")
         self._d.on_output(heard)

@@ -213,8 +213,8 @@ class Front:
 
     @property
     def not_modelled(self) -> list[tuple[str, int, str]]:
-        """(name, cycle, what) of what the program asked of a device of the board file that the device does not do:
-        what, and the first time."""
+        """Functions of the board file's devices that the program has requested and that are not modelled: name of the
+        device, cycle of the first request, function."""
         return list(self._core.not_modelled)
 
     def send(self, name: str, words: Sequence[int]) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import BinaryIO
 
-from cmrc import _core
+from cmrc import _core, arguments
 
 FileRoles = _core.io.FileRoles
 SameFile = _core.io.SameFile
@@ -37,7 +37,8 @@ def read(path: str | os.PathLike[str], most: int) -> bytes:
 def write(path: str | os.PathLike[str], content: str | bytes) -> None:
     """Writes a file; text in UTF-8. Until the new file is complete, the old one stays. A device, a pipe or a terminal
     is written directly. Raises OSError."""
-    _core.io.write(path, content.encode() if isinstance(content, str) else content)
+    place = arguments.path("path", path, "the path of a file")
+    _core.io.write(place, content.encode() if isinstance(content, str) else content)
 
 
 @contextmanager

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import math
 
+from cmrc import arguments
+
 _EXTENDED_FRACTION = 31
 _SINGLE_FRACTION = 23
 
@@ -14,8 +16,7 @@ def extended_to_float(register: int) -> float:
 
     Every register value is a double, so the conversion is exact. Raises ValueError outside 0 .. 2**40 - 1.
     """
-    if not 0 <= register < 1 << 40:
-        raise ValueError(f"{register:#x} is not a 40-bit register value")
+    register = arguments.whole("register", register, "a 40-bit register value", 0, 2**40 - 1)
     return _value(register >> 32, register & 0xFFFF_FFFF, _EXTENDED_FRACTION)
 
 
@@ -24,8 +25,7 @@ def single_to_float(word: int) -> float:
 
     Raises ValueError outside 0 .. 2**32 - 1.
     """
-    if not 0 <= word < 1 << 32:
-        raise ValueError(f"{word:#x} is not a 32-bit word")
+    word = arguments.whole("word", word, "a 32-bit word", 0, 2**32 - 1)
     return _value(word >> 24, word & 0x00FF_FFFF, _SINGLE_FRACTION)
 
 
@@ -57,8 +57,9 @@ def _value(exponent: int, mantissa: int, fraction: int) -> float:
 
 def _parts(value: float, fraction: int) -> tuple[int, int]:
     """Exponent and mantissa field. The implied bit is the sign's complement: 1.f or -2 + 0.f."""
+    value = arguments.number("value", value) if not isinstance(value, float) else value
     if not math.isfinite(value):
-        raise ValueError(f"{value} has no counterpart on the C40")
+        raise ValueError(f"value: {value} has no counterpart on the C40; a finite number is expected")
     if value == 0:
         return -128, 0
     significand, exponent = math.frexp(abs(value))
@@ -70,7 +71,7 @@ def _parts(value: float, fraction: int) -> tuple[int, int]:
     if scaled == one and value < 0:  # -1.0 is -2.0 of the next lower exponent
         scaled, exponent = 2 * one, exponent - 1
     if exponent > 127:
-        raise OverflowError(f"{value} is beyond the C40's range")
+        raise OverflowError(f"value: {value} is beyond the C40's range; less than 2^128 is expected")
     if exponent < -127:
         return -128, 0
     mantissa = scaled - one if value > 0 else 3 * one - scaled

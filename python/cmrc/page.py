@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cmrc import arguments
 from cmrc.errors import Error
 
 FORMAT = 1
@@ -95,8 +96,8 @@ class Recording:
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Recording:
         """Reads the recording of a page. Raises OSError; PageError for a file that is not a page."""
-        name = os.fspath(path)
-        text = Path(path).read_text(encoding="utf-8", errors="replace")
+        name = arguments.path("path", path, "the path of a page")
+        text = Path(name).read_text(encoding="utf-8", errors="replace")
         found = re.search(r'<script type="text/plain" id="recording">([A-Za-z0-9+/=\s]*)</script>', text)
         if found is None:
             raise PageError(f"{name} is not a page of this emulator (cmrc page CONFIG.toml writes one)")

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cmrc.arguments import drawn_from
 from cmrc.page import Recording
 from cmrc.result_plots import cdf, gantt, histogram, legend, load_error, misses, sheet, style
 from cmrc.sweep_plots import cost, grid
@@ -53,6 +54,9 @@ MET_MISSED = {"all met": "#a9cfe0", "one missed": "#a03000"}
 """Light and dark, so that they differ in grey, too."""
 
 
+_of_recording = drawn_from("recording", lambda: Recording, "a cmrc.page.Recording")
+
+
 def _edges(recording: Recording) -> list[float]:
     """Edges of the intervals over which jobs and errors are summed: at most 360."""
     begin, end = float(recording.header["from_s"]), float(recording.header["to_s"])
@@ -60,6 +64,7 @@ def _edges(recording: Recording) -> list[float]:
     return [begin + (end - begin) * i / slices for i in range(slices + 1)]
 
 
+@_of_recording
 def plan(recording: Recording, axes: Axes) -> None:
     """From above: ship, fixed boxes, the crane's legs, containers, lanes, the load's path, the AGVs' paths with their
     outlines at the end."""
@@ -121,6 +126,7 @@ def plan(recording: Recording, axes: Axes) -> None:
     axes.legend(fontsize=7, ncols=5, loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=below, frameon=False)
 
 
+@_of_recording
 def side(recording: Recording, axes: Axes) -> None:
     """Across the quay: the paths of the jib's tip or the trolley and of the load over y and z."""
     signals, layout = recording.signals, recording.header["layout"]
@@ -141,6 +147,7 @@ def side(recording: Recording, axes: Axes) -> None:
     legend(axes)
 
 
+@_of_recording
 def joints(recording: Recording, axes: Axes) -> None:
     """The joints over time, each scaled to its own range."""
     signals = recording.signals
@@ -160,6 +167,7 @@ def joints(recording: Recording, axes: Axes) -> None:
     legend(axes)
 
 
+@_of_recording
 def tracking(recording: Recording, axes: Axes) -> None:
     """Each joint's error against the ideal run, root mean square in each interval of the deadlines."""
     edges, time = _edges(recording), recording.signals["time_s"]
@@ -178,6 +186,7 @@ def tracking(recording: Recording, axes: Axes) -> None:
         legend(axes)
 
 
+@_of_recording
 def sway(recording: Recording, axes: Axes) -> None:
     """Both sway angles in degrees; contact in grey."""
     signals = recording.signals
@@ -192,6 +201,7 @@ def sway(recording: Recording, axes: Axes) -> None:
     legend(axes)
 
 
+@_of_recording
 def deadlines(recording: Recording, axes: Axes) -> None:
     """Jobs per kind over time: light where all were on time, dark where one was missed."""
     from matplotlib.colors import ListedColormap
@@ -224,6 +234,7 @@ def deadlines(recording: Recording, axes: Axes) -> None:
     )
 
 
+@_of_recording
 def overview(recording: Recording) -> Figure:
     """All of them on one sheet."""
     from cmrc.figures import ShownFigure

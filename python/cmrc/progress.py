@@ -1,5 +1,5 @@
-"""What long work shows on standard error: one line that changes on a terminal and in a notebook, else a line now and
-then."""
+"""Progress of long work on standard error: one line that changes on a terminal and in a notebook, elsewhere a new line
+every 15 s."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ def of_sweep(status: Status) -> str:
 
 def show_progress(what: str = "cmrc") -> Callable[..., None]:
     """An ``on_progress`` that shows a line on standard error, in a notebook below its cell: for ``run``, ``compare``,
-    ``limits``, ``sweep``, ``search`` and ``Simulation.run``. It is gone when the work is done.
+    ``limits``, ``sweep``, ``search`` and ``Simulation.run``. The line is erased when the work is done.
 
     ``cmrc.sweep("misses.toml", "misses", on_progress=cmrc.show_progress())``"""
     line: ProgressLine | None = None

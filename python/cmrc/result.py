@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from cmrc import arguments
 from cmrc.table import Table
 
 if TYPE_CHECKING:
@@ -110,7 +111,8 @@ class Result:
         """
         from cmrc.explanations import explain
 
-        return explain(self.report, n)
+        miss = None if n is None else arguments.whole("n", n, "the number of a missed job", -(2**63), 2**63 - 1)
+        return explain(self.report, miss)
 
     def plot(self) -> Figure:
         """Deadlines, response times and the load's error on one sheet (``cmrc.plot``). Raises ImportError without

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cmrc.arguments import drawn_from, number
 from cmrc.events import built_in_tasks
 
 if TYPE_CHECKING:
@@ -28,6 +29,15 @@ MISSED = ("late", "unfinished", "never_started", "lost", "dropped")
 _EVENT = re.compile(r"(\d+\.\d+) \[dsp (\d+)\] (claim|finish) block=(0x[0-9a-f]+|\d+) kind=(\d+)")
 
 
+def _result() -> type:
+    from cmrc.result import Result
+
+    return Result
+
+
+_of_result = drawn_from("result", _result, "a cmrc.Result")
+
+
 def style(n: int) -> dict[str, Any]:
     """Colour and dashes of the n-th line."""
     return {"color": COLOURS[n % len(COLOURS)], "linestyle": LINES[(n + n // len(COLOURS)) % len(LINES)]}
@@ -39,6 +49,7 @@ def legend(axes: Axes, **more: Any) -> None:
         axes.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, **more)
 
 
+@_of_result
 def gantt(result: Result, axes: Axes, from_s: float, to_s: float) -> None:
     """The blocks of each DSP from ``from_s`` to ``to_s``: a bar per block from claim to end, a cross per missed
     deadline.
@@ -47,7 +58,7 @@ def gantt(result: Result, axes: Axes, from_s: float, to_s: float) -> None:
     """
     if result.events is None:
         raise ValueError("gantt: the result has no events; cmrc.run(..., keep_events=True) keeps them")
-    if not from_s < to_s:
+    if not number("from_s", from_s, "an instant in s") < number("to_s", to_s, "an instant in s"):
         raise ValueError(f"gantt: from {from_s} s to {to_s} s is not a window; from_s < to_s is expected")
     blocks = [block for block in runs(result.events) if block[3] > from_s and block[2] < to_s]
     kinds = list(dict.fromkeys(block[1] for block in sorted(blocks, key=lambda block: -(block[3] - block[2]))))
@@ -99,6 +110,7 @@ def runs(events: str) -> Iterator[tuple[int, str, float, float]]:
         yield slot, name, begin, last
 
 
+@_of_result
 def histogram(result: Result, axes: Axes) -> None:
     """Shares of the finished jobs of each kind over their response time, in bins from one power of two to the next: one
     row per kind, a darker colour for more, the share in % as a number."""
@@ -141,6 +153,7 @@ def histogram(result: Result, axes: Axes) -> None:
     axes.set_yticks(range(len(kinds)), list(kinds), fontsize=7)
 
 
+@_of_result
 def cdf(result: Result, axes: Axes) -> None:
     """Share of the finished jobs of each kind within a response time: exact at the powers of two, and at least that
     share at a percentile."""
@@ -167,6 +180,7 @@ def cdf(result: Result, axes: Axes) -> None:
     legend(axes)
 
 
+@_of_result
 def misses(result: Result, axes: Axes) -> None:
     """Jobs of each kind that were not on time, by outcome."""
     tasks = {kind: task for kind, task in result.report["tasks"].items() if task["released"]}
@@ -198,6 +212,7 @@ def misses(result: Result, axes: Axes) -> None:
     legend(axes)
 
 
+@_of_result
 def load_error(result: Result, axes: Axes) -> None:
     """The load's true distance from its planned place: the ideal run's load at the same instant. PID's own view of its
     joints is not used. Raises ValueError for a result without a reference."""
@@ -216,6 +231,7 @@ def load_error(result: Result, axes: Axes) -> None:
     legend(axes)
 
 
+@_of_result
 def sheet(result: Result) -> Figure:
     """Misses, response times and the load's error on one sheet."""
     from cmrc.figures import ShownFigure

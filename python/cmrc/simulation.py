@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import json
+import operator
 import os
 from collections.abc import Callable, Mapping, Sequence
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any
 
 from cmrc import _core, arguments, files
 from cmrc.chip_state import ChipState
 from cmrc.debug import Debugger
 from cmrc.keywords import listed
+from cmrc.keywords import settings as settings_by_keyword
 from cmrc.programs import Program
 from cmrc.result import Profile, Result
 from cmrc.snapshots import SnapshotError
@@ -47,11 +49,39 @@ def configured(
     file = None if config is None else arguments.path("config", config, "the path of a TOML file")
     name = None if preset is None else arguments.text("preset", preset, "the name of a preset")
     given = arguments.mapping("settings", settings, 'a dictionary of keys and values, {"machine.dsps": 2},')
+    given |= keywords
+    for key, value in given.items():
+        _check_kind(key, value)
     rows = [
         arguments.mapping(f"events[{n}]", event, "a dictionary with the fields of [[events]]")
         for n, event in enumerate(arguments.items("events", events, "a list of dictionaries"))
     ]
-    return _core.cmrc.config(file=file, preset=name, settings={**given, **keywords}, events=rows)
+    for n, row in enumerate(rows):
+        for key, value in row.items():
+            _check_kind(f"events[{n}].{key}", value)
+    return _core.cmrc.config(file=file, preset=name, settings=given, events=rows)
+
+
+def _check_kind(key: str, value: object) -> None:
+    """An array has ``__index__``, as an integer has, but is none; a dictionary is for the settings of a table."""
+    if isinstance(value, Mapping) and key not in _names_of_settings():
+        for inner, one in value.items():
+            _check_kind(f"{key}.{inner}", one)
+        return
+    try:
+        if hasattr(value, "__index__"):
+            operator.index(value)
+        usable = not isinstance(value, Mapping)
+    except TypeError:
+        usable = False
+    if not usable:
+        raise ConfigError(f"{key}: {type(value)} cannot be used; a bool, int, float or str is expected")
+
+
+@cache
+def _names_of_settings() -> frozenset[str]:
+    """All names of settings, whole and short."""
+    return frozenset({*settings_by_keyword(), *(key["name"] for key in _core.cmrc.config_keys())})
 
 
 def write_snapshot(path: str | os.PathLike[str], snapshot: Snapshot) -> None:
@@ -143,7 +173,10 @@ class Simulation:
         ``at(0.5, "fail", dsp=1)``, ``at(1, "stall_bus", bus="A", lasts_ms=0.2)``, ``at(2, "set", key="scheduling.p",
         value=0x5000)``. Raises ConfigError.
         """
-        self._core.at({"at_s": at_s, "action": action, **fields})
+        event = {"at_s": at_s, "action": action, **fields}
+        for key, value in event.items():
+            _check_kind(key, value)
+        self._core.at(event)
 
     def run(self, on_progress: Progress | None = None) -> Result:
         """Runs to the end of the duration, without holding the GIL.

@@ -32,7 +32,10 @@ class Limits:
     def limit(self, scan: str) -> float | None:
         """The limit of ``"cycles"``, ``"dsps"`` or ``"servo"``; None if the easiest point misses. KeyError if it was
         not scanned."""
-        value = self.report["scans"][scan]["limit"]
+        scans = self.report["scans"]
+        if not isinstance(scan, str) or scan not in scans:
+            raise KeyError(f"scan: {scan!r} was not scanned; one of {', '.join(scans)} is expected")
+        value = scans[scan]["limit"]
         return None if value is None else float(value)
 
     @property

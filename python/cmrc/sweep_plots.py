@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cmrc.arguments import drawn_from, text
 from cmrc.result_plots import MARKS, legend, style
 
 if TYPE_CHECKING:
@@ -30,6 +31,16 @@ UNITS = {
 NO_UNIT = ("dsps", "agvs", "slots", "cycle_time_factor", "seed")
 
 
+def _sweep() -> type:
+    from cmrc.sweeps import Sweep
+
+    return Sweep
+
+
+_of_sweep = drawn_from("sweep", _sweep, "a cmrc.sweeps.Sweep")
+
+
+@_of_sweep
 def grid(sweep: Sweep, axes: Axes, x: str | None = None, lines: str | None = None, metric: Metric = "misses") -> None:
     """A metric over the setting ``x``, one line per value of the setting ``lines``; if repeats vary, with a 95 %
     interval. Without names: the axis with the most values, and the next one.
@@ -37,6 +48,9 @@ def grid(sweep: Sweep, axes: Axes, x: str | None = None, lines: str | None = Non
     Points that were refused or failed are gaps. Raises ValueError if further axes vary, because one point would have
     several values.
     """
+    for name, axis in (("x", x), ("lines", lines)):
+        if axis is not None:
+            text(name, axis, "the name of an axis of the sweep")
     from cmrc.sweeps import metrics
 
     summary = sweep.summary(metric)
@@ -92,6 +106,7 @@ def _axes_of(
     return x, lines
 
 
+@_of_sweep
 def cost(sweep: Sweep, axes: Axes, missed: Metric = "f_p_missed", price: Metric = "load_rms") -> None:
     """The cost of misses: a point per run, the share of missed deadlines against the load's true error. Runs with one
     value of the first axis have the same mark."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cmrc import arguments
 from cmrc.extras import needed
 
 if TYPE_CHECKING:
@@ -32,8 +33,15 @@ class Table(dict[str, NDArray[Any]]):
         """Number of rows."""
         return len(next(iter(self.values()), ()))
 
+    def __missing__(self, name: object) -> NDArray[Any]:
+        raise KeyError(f"there is no column {name!r}; one of {', '.join(self)} is expected")
+
     def row(self, index: int) -> dict[str, Any]:
-        """One row as a dict."""
+        """One row as a dict; -1 is the last one. Raises IndexError."""
+        last = self.rows - 1
+        arguments.whole("index", index, "the number of a row", -(2**63), 2**63 - 1)
+        if not -self.rows <= index <= last:
+            raise IndexError(f"index: there is no row {index}; 0 to {last} is expected")
         return {name: column[index] for name, column in self.items()}
 
     def to_pandas(self) -> pandas.DataFrame:

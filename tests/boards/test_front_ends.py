@@ -1,4 +1,4 @@
-"""What a program is given, over the ways of running it: the same words, wherever it runs."""
+"""The inputs of a program in each front end: the same words, wherever the program runs."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ STRIDES = [("console", 2, 1), ("fifo", 4, 1), ("mailbox", 2, 1), ("timer", 3, 3)
 def test_registers_stand_a_stride_apart_and_nothing_is_between(
     tmp_path: Path, kind: str, stride: int, last: int
 ) -> None:
-    """The second register (of a timer the fourth) is read where it is; a write between does nothing, a read gives 0."""
+    """The second register (of a timer the fourth) is read at its stride; between registers a read gives 0."""
     (tmp_path / "b.toml").write_text(HEAD + device(kind, stride=stride))
     at = stride * last
     text = (

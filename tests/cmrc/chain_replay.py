@@ -85,7 +85,7 @@ class Trace:
         self.names = NAMES | {kind: name for kind, (name, _) in (tasks or {}).items()}
         self.own = {kind: dsp for kind, (_, dsp) in (tasks or {}).items() if dsp is not None}
         self.jobs: dict[tuple[int, int], Job] = {}
-        at_start = "awake" if preloaded else "off"  # a DSP that has not booted is off, for ever if its link is broken
+        at_start = "awake" if preloaded else "off"  # a DSP that has not booted is off, forever if its link is broken
         self.slots = [Steps([0], [(at_start, None)]) for _ in range(dsps)] + [
             Steps([0], [("off", None)]) for _ in range(empty)
         ]

@@ -85,7 +85,7 @@ def test_every_page_that_is_named_exists() -> None:
         ),
         ("// as c40-hardware.md\n/// 1.4 says", ["c40-hardware.md#1-4"]),
         ("plant-and-bus.md 4.4 items 13 to 16", ["plant-and-bus.md#4-4-13", "plant-and-bus.md#4-4-16"]),
-        ("`plant-and-bus.md` 2.2 reckons with 150 000", ["plant-and-bus.md#2-2"]),
+        ("`plant-and-bus.md` 2.2 assumes 150 000", ["plant-and-bus.md#2-2"]),
         ("Rulings 24, 36; issue 6", ["decisions.md#ruling-24", "decisions.md#ruling-36", "decisions.md#issue-6"]),
         ("paper section 3, the paper's table 1", ["paper.md#3", "paper.md#table-1"]),
         ("equations (2) to (4)", ["paper.md#equation-2", "paper.md#equation-4"]),

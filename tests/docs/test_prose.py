@@ -6,6 +6,7 @@ Tables, code and output, comments, headings, and lines that are one link or one 
 import ast
 import io
 import re
+import subprocess
 import tokenize
 from collections.abc import Iterator
 from pathlib import Path
@@ -29,6 +30,8 @@ PLAIN = {
     r"\breckon(?:s|ed|ing)?\b": "count, compute, assume",
     r"\bnought\b": "0, nothing",
     r"\bamidst\b|\bwhilst\b|\bamongst\b": "amid, while, among",
+    r"\bgo(?:es|ing)? on\b": "continue",
+    r"\bseldom\b|\b(?:its|their) kin\b": "rarely, similar ones",
     r"\bheretofore\b|\bhenceforth\b|\bthereof\b|\btherein\b|\bthereby\b": "until now, from now on, of it, in it, by that",
 }
 """Words of books, and what to write"""
@@ -89,6 +92,24 @@ def test_words_are_the_usual_ones(page: Path) -> None:
     assert not found
 
 
+def sources() -> list[Path]:
+    """C++, Python and TypeScript, as git has them."""
+    kinds = ("*.cpp", "*.hpp", "*.py", "*.pyi", "*.ts")
+    listed = subprocess.run(["git", "ls-files", *kinds], cwd=ROOT, capture_output=True, text=True, check=True)
+    return [ROOT / name for name in listed.stdout.splitlines() if (ROOT / name).exists()]
+
+
+STUB = ROOT / "python" / "cmrc" / "_core" / "plant.pyi"
+"""One module of C++ has one stub; scripts/settings_stub.py writes half of it."""
+
+
+@pytest.mark.skipif(not (ROOT / ".git").exists(), reason="not a clone: git lists the sources")
+def test_sources_have_fewer_than_500_lines() -> None:
+    lengths = {path: path.read_text(encoding="utf-8").count("\n") for path in sources()}
+    assert len(lengths) > 1000
+    assert not {str(path.relative_to(ROOT)): n for path, n in lengths.items() if n >= 500 and path != STUB}
+
+
 def python_files() -> list[Path]:
     """The package, tests, examples, and scripts, which have no suffix."""
     named = [path for folder in ("python", "tests", "examples") for path in (ROOT / folder).rglob("*.py*")]
@@ -109,6 +130,17 @@ def prose_lines(text: str) -> set[int]:
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
             found.update(range(node.lineno, (node.end_lineno or node.lineno) + 1))
     return found
+
+
+def test_words_of_python_are_the_usual_ones() -> None:
+    files = [file for file in python_files() if file != Path(__file__)]
+    assert not [
+        f"{file.relative_to(ROOT)}:{text.count(chr(10), 0, match.start()) + 1}: {match[0]!r}; write: {instead}"
+        for file in files
+        for text in [file.read_text(encoding="utf-8")]
+        for pattern, instead in PLAIN.items()
+        for match in re.finditer(pattern, text, re.IGNORECASE)
+    ]
 
 
 @pytest.mark.parametrize("file", python_files(), ids=lambda file: str(file.relative_to(ROOT)))

@@ -119,7 +119,7 @@ def outline(x: float, y: float, heading: float, length: float = 14.8, width: flo
 
 
 def could_prevent(course: Course, contact: float, other: Callable[[float], np.ndarray], vehicle: bool) -> bool:
-    """`other`: points of what was hit, at a time. That another vehicle may turn or brake has to be reckoned with."""
+    """`other`: points of what was hit, at a time. Another vehicle may turn or brake."""
     if course.at(contact - 0.02)[3] < 0.05:  # it stood, or rolled back to its set-point
         return False
     times = course.time[course.time <= contact]

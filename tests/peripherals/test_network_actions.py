@@ -75,7 +75,7 @@ def test_a_chip_pulled_out_takes_its_links_with_it() -> None:
 
 
 def test_a_chip_pulled_out_stands_from_that_instant_on_and_drives_no_pin() -> None:
-    """Both count for ever; chip 0 has IIOF1 as an output that is low. Without a driver the net is high."""
+    """Both count forever; chip 0 has IIOF1 as an output that is low. Without a driver the net is high."""
     count = "        ldi 0,r0\nloop:   addi 1,r0\n        b loop\n"
     network = Network(
         [program("        ldi 20h,iif\n" + count), program(count)], nets=["0.IIOF1>1.IIOF0"], record_words=True

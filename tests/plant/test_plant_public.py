@@ -179,9 +179,9 @@ def test_arrays_of_the_wrong_shape_are_named() -> None:
     with pytest.raises(ValueError, match="torques .* 5 numbers"):
         scene.step([0.0] * 4, 0.1)
     for speed in (math.nan, math.inf, 1e12):
-        with pytest.raises(ValueError, match="speed, m/s"):
+        with pytest.raises(ValueError, match=r"speed \(m/s\)"):
             scene.drive(0, speed, 0.0, 0.0)
-    with pytest.raises(ValueError, match="time"):
+    with pytest.raises(ValueError, match="seconds must be"):
         scene.hold(0, -1.0)
     with pytest.raises(ValueError, match="waypoint"):
         plant.mover_place(plant.Mover(0.3, 1.8, []), 1.0)

@@ -24,9 +24,9 @@ EXACT = {
     "frexp", "ilogb", "ldexp", "llrint", "llround", "logb", "lrint", "lround", "modf", "nearbyint", "nextafter",
     "remainder", "remquo", "rint", "round", "roundeven", "scalbln", "scalbn", "sqrt", "trunc",
 }  # fmt: skip
-# What no run reaches: toml++ takes it where it writes TOML, for the width of a line.
+# No run reaches it: toml++ calls it when it writes TOML, for the width of a line.
 UNREACHED = {("libtomlplusplus.so.3", "log10")}
-# Approximations that each maker of CPUs chooses, and what gives another rounding than the two operations that it fuses.
+# Approximations, which differ between makers of CPUs; fused operations, whose rounding differs from that of the two.
 VARYING = re.compile(
     r"^v?(rsqrt|rcp)[ps]s$|^vfn?m(add|sub)|^f(sin|cos|sincos|ptan|patan|2xm1|yl2x|yl2xp1)$|^(cpuid|xgetbv)$"
 )

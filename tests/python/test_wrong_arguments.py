@@ -7,11 +7,16 @@ from pathlib import Path
 from typing import Any
 
 import cmrc
+import numpy
 import pytest
-from cmrc import _core, c40, network
+from cmrc import _core, c40, network, page, plant, plot
+from cmrc.sweeps import Sweep
+from matplotlib.figure import Figure
 
 LOOP = c40.assemble("_start: addi 1,r0\n        b _start\n")
 LONGEST = 200
+TABLE = cmrc.Table(x=numpy.zeros(3))
+RESULT = cmrc.run(dsps=1, duration_s=0.03, keep_events=True, settings={"report.reference": "none"})
 
 
 def simulation(**more: Any) -> Any:
@@ -204,6 +209,123 @@ CALLS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         IndexError,
         "number: there is no shared memory 3",
     ),
+    "run an array": (lambda: cmrc.run(dsps=numpy.zeros(3)), V, "dsps: <class 'numpy.ndarray'>"),
+    "run a dictionary": (lambda: cmrc.run(dsps={}), V, "dsps: <class 'dict'>"),
+    "settings a dictionary": (
+        lambda: cmrc.Simulation(settings={"machine": {"dsps": {}}}),
+        V,
+        "machine.dsps: <class 'dict'>",
+    ),
+    "settings an array": (
+        lambda: cmrc.Simulation(settings={"machine": {"dsps": numpy.zeros(3)}}),
+        V,
+        "machine.dsps: <class 'numpy.ndarray'>",
+    ),
+    "events an array": (
+        lambda: cmrc.Simulation(events=[{"at_s": numpy.zeros(2), "action": "fail", "dsp": 0}]),
+        V,
+        "events[0].at_s: <class 'numpy.ndarray'>",
+    ),
+    "at an array": (lambda: simulation().at(0.01, "fail", dsp=numpy.zeros(2)), V, "dsp: <class 'numpy.ndarray'>"),
+    "write_snapshot path": (lambda: cmrc.write_snapshot(None, simulation().snapshot()), W, "path: None"),
+    "extended_to_float text": (lambda: c40.extended_to_float("x"), W, "register: 'x' (str)"),
+    "extended_to_float float": (lambda: c40.extended_to_float(3.5), W, "register: 3.5 (float)"),
+    "extended_to_float nan": (lambda: c40.extended_to_float(math.nan), W, "register: nan (float)"),
+    "extended_to_float -1": (lambda: c40.extended_to_float(-1), V, "register: -1"),
+    "single_to_float list": (lambda: c40.single_to_float([1]), W, "word: [1] (list)"),
+    "single_to_float -1": (lambda: c40.single_to_float(-1), V, "word: -1"),
+    "float_to_extended text": (lambda: c40.float_to_extended("x"), W, "value: 'x' (str)"),
+    "float_to_single None": (lambda: c40.float_to_single(None), W, "value: None"),
+    "float_to_single nan": (lambda: c40.float_to_single(math.nan), V, "value: nan"),
+    "float_to_single 1e300": (lambda: c40.float_to_single(1e300), OverflowError, "value: 1e+300"),
+    "decode text": (lambda: c40.decode("x"), W, "word: 'x' (str)"),
+    "decode -1": (lambda: c40.decode(-1), V, "word: -1"),
+    "decode cpu": (lambda: c40.decode(0, cpu=3), W, "cpu: 3 (int)"),
+    "encodings cpu": (lambda: c40.encodings(cpu=None), W, "cpu: None"),
+    "read_rom": (lambda: c40.read_rom(3), W, "path: 3 (int)"),
+    "read_rom width": (lambda: c40.read_rom("x", width="8"), W, "width: '8' (str)"),
+    "Processor.trace labels": (lambda: processor().trace(1, labels=1), W, "labels: 1 (int)"),
+    "Network without programs": (lambda: network.Network([]), V, "programs: there is none"),
+    "Network topology beside two programs": (lambda: chips(topology=3.5), W, "topology: 3.5 (float)"),
+    "Network boots": (lambda: chips(boots=3), W, "boots: 3 (int)"),
+    "Network boots a text": (lambda: chips(boots=["x"]), W, "boots[0]: 'x' (str)"),
+    "Network clocks an object": (lambda: chips(clocks_mhz=object), W, "clocks_mhz: <class 'object'> (type)"),
+    "Network.run array": (lambda: chips().run(until_us=numpy.zeros(2)), W, "until_us: array([0., 0.]) (ndarray)"),
+    "SharedMemory pins": (
+        lambda: chips(memories=[network.SharedMemory("m", 16, {0: 0x70000000}, pins=["NMI"])]),
+        W,
+        "memories[0].pins: ['NMI'] (list)",
+    ),
+    "Debugger.remove": (lambda: processor().debug().remove("x"), W, "number: 'x' (str)"),
+    "Debugger.enable": (lambda: processor().debug().enable(None), W, "number: None"),
+    "Debugger.call": (lambda: processor().debug().call(7, print), V, "there is no stop condition 7"),
+    "Debugger.step": (lambda: processor().debug().step(3), W, "how: 3 (int)"),
+    "Debugger.step_back": (lambda: processor().debug().step_back(None), W, "how: None"),
+    "Debugger.on": (lambda: processor().debug().on(3), W, "kind: 3 (int)"),
+    "Debugger.break_at": (lambda: processor().debug().break_at(0, log=3), W, "log: 3 (int)"),
+    "Debugger.places": (lambda: processor().debug().places("loop", chip="x"), W, "chip: 'x' (str)"),
+    "Debugger.break_at chip": (lambda: processor().debug().break_at("_start", chip=1.5), W, "chip: 1.5 (float)"),
+    "Debugger.watch chip": (lambda: processor().debug().watch(0, chip=7), V, "chip: 7 is out of range"),
+    "Debugger.watch on": (lambda: processor().debug().watch(0, on=3), V, "on: 3 is unknown"),
+    "Debugger.stack": (lambda: processor().debug().stack(chip=1), V, "chip: 1 is out of range"),
+    "Debugger.go inf": (lambda: processor().debug().go(math.inf), V, "time_s: inf"),
+    "Debugger.on_output": (lambda: processor().debug().on_output(3), W, "heard: 3 (int)"),
+    "plot.sheet": (lambda: plot.sheet(3), W, "result: 3 (int)"),
+    "plot.overview": (lambda: plot.overview([1]), W, "recording: [1] (list)"),
+    "plot.cdf axes": (lambda: plot.cdf(RESULT, 3), W, "axes: 3 (int)"),
+    "plot.gantt from_s": (lambda: plot.gantt(RESULT, Figure().subplots(), "x", 1.0), W, "from_s: 'x' (str)"),
+    "sweep folder": (lambda: cmrc.sweep({"fixed": {}}, 3), W, "folder: 3 (int)"),
+    "Sweep.rerun": (lambda: Sweep.rerun(None, 3), W, "run: 3 (int)"),
+    "plot.grid x": (lambda: plot.grid(object.__new__(Sweep), Figure().subplots(), x=3), W, "x: 3 (int)"),
+    "Limits.limit": (
+        lambda: cmrc.limits(dsps=[1], settings={"run.duration_s": 0.021}).limit("servo"),
+        KeyError,
+        "\"scan: 'servo' was not scanned; one of dsps",
+    ),
+    "plot.grid": (lambda: plot.grid(None, None), W, "sweep: None"),
+    "Sweep": (lambda: Sweep(3), W, "folder: 3 (int)"),
+    "Table a column": (lambda: TABLE["y"], KeyError, "\"there is no column 'y'; one of x is expected"),
+    "Table.row": (lambda: TABLE.row(5), IndexError, "index: there is no row 5"),
+    "Table.row text": (lambda: TABLE.row("x"), W, "index: 'x' (str)"),
+    "Scene config": (lambda: plant.Scene(3), W, "config: 3 (int)"),
+    "Scene agvs": (lambda: plant.Scene(agvs=17), V, "agvs: 17"),
+    "Scene.lock": (lambda: plant.Scene().lock(3), W, "closed: 3 (int)"),
+    "Scene.agv": (lambda: plant.Scene().agv(1), V, "index: 1"),
+    "Scene.ranges": (lambda: plant.Scene().ranges("x"), W, "index: 'x' (str)"),
+    "Scene.restore": (lambda: plant.Scene().restore(3), W, "snapshot: 3 (int)"),
+    "Scene.step": (lambda: plant.Scene().step(None, "x"), W, "dt: 'x' (str)"),
+    "Scene.drive": (lambda: plant.Scene().drive(0, None, 0.0, 0.0), W, "speed (m/s): None"),
+    "Scene.hold": (lambda: plant.Scene().hold(0, "x"), W, "seconds: 'x' (str)"),
+    "CraneEnv dt": (lambda: plant.CraneEnv([12.0, 16.0, 14.0], dt="x"), W, "dt: 'x' (str)"),
+    "CraneEnv duration": (lambda: plant.CraneEnv([12.0, 16.0, 14.0], duration=None), W, "duration: None"),
+    "CraneEnv.reset": (lambda: plant.CraneEnv([12.0, 16.0, 14.0]).reset(options=3), W, "options: 3 (int)"),
+    "Crane.sensitivity": (lambda: plant.Crane().sensitivity([0.0] * 5, "x"), W, "seconds: 'x' (str)"),
+    "Agv.step": (lambda: plant.Agv().step("x", 0.0, 0.0, 0.01), W, "Agv.step: 'x' (str)"),
+    "Recording.read": (lambda: page.Recording.read(3), W, "path: 3 (int)"),
+    "Crane config": (lambda: plant.Crane(numpy.zeros(3)), W, "config: array([0., 0., 0.]) (ndarray)"),
+    "Crane.restore": (lambda: plant.Crane().restore(3), W, "snapshot: 3 (int)"),
+    "Crane.set_load": (lambda: plant.Crane().set_load("x"), W, "mass: 'x' (str)"),
+    "Crane.linearize": (lambda: plant.Crane().linearize(3), W, "state: 3 (int)"),
+    "Agv config": (lambda: plant.Agv(3), W, "config: 3 (int)"),
+    "Agv.restore": (lambda: plant.Agv().restore(3), W, "snapshot: 3 (int)"),
+    "Agv.set_load": (lambda: plant.Agv().set_load(1.0, "x"), W, "inertia: 'x' (str)"),
+    "default_dock": (lambda: plant.default_dock("x"), W, "default_dock: 'x' (str) cannot be used; agv_count: a whole"),
+    "apply_layout": (lambda: plant.apply_layout(3, ""), W, "apply_layout: 3 (int), '' (str)"),
+    "inverse_kinematics": (lambda: plant.inverse_kinematics(3), W, "inverse_kinematics: 3 (int)"),
+    "Pose": (lambda: plant.Pose("x"), W, "Pose: 'x' (str) cannot be used; (x: a number, y: a number, heading: a numb"),
+    "Signal": (lambda: plant.Signal(3), W, "Signal: "),
+    "Dock": (lambda: plant.Dock(None), W, "Dock: None (NoneType) cannot be used; config: DockConfig"),
+    "Dock.advance_to": (
+        lambda: plant.Dock(plant.default_dock()).advance_to("x"),
+        W,
+        "Dock.advance_to: 'x' (str) cannot be used; t: a whole number",
+    ),
+    "DriveParameters.coulomb": (
+        lambda: setattr(plant.DriveParameters(), "coulomb", "x"),
+        W,
+        "DriveParameters.coulomb: 'x' (str) cannot be used; a number",
+    ),
+    "DockConfig.crane": (lambda: setattr(plant.default_dock(), "crane", 3), W, "DockConfig.crane: 3 (int)"),
 }
 
 
@@ -214,7 +336,7 @@ def test_a_wrong_argument_is_refused_in_our_words(name: str) -> None:
         call()
     message = str(found.value)
     assert message.startswith(start), message
-    assert message.endswith((" is expected", " are", " is expected (s)")) or "; the " in message, message
+    assert message.rstrip('"').endswith((" is expected", " are", " is expected (s)")) or "; the " in message, message
     assert len(message) < LONGEST
     for word in ("cmrc._core", "incompatible", "C++", "typing."):
         assert word not in message
@@ -233,7 +355,6 @@ def test_a_run_that_is_not_over_says_so() -> None:
 
 
 def test_numbers_of_numpy_are_numbers() -> None:
-    numpy = pytest.importorskip("numpy")
     made = processor()
     made.memory[numpy.int64(0x300010)] = numpy.uint32(7)
     assert made.memory[numpy.uint32(0x300010)] == 7 and made.run(numpy.int32(4)).reason == "limit"

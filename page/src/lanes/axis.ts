@@ -1,4 +1,4 @@
-// The time axis: round steps, as fine as what is shown needs.
+// The time axis: round steps, as fine as the shown stretch of time needs.
 
 const STEPS = [1, 2, 5];
 
@@ -16,7 +16,7 @@ export function marks(from: number, to: number, step: number): number[] {
   return all;
 }
 
-/** A mark, less what all marks share where it is long: +12.5 µs after the whole of a view. */
+/** The text of a mark. With fine steps it is the distance from a round instant (`baseOf`): +12.5 µs. */
 export function label(mark: number, step: number, base: number): string {
   if (step >= 1e-3 || base === 0) return `${mark.toFixed(Math.max(0, -Math.floor(Math.log10(step) + 1e-9)))} s`;
   const [unit, scale] = step >= 1e-6 ? (["µs", 1e6] as const) : (["ns", 1e9] as const);

@@ -1,4 +1,4 @@
-// How sharp the picture may be: software WebGL keeps its frames by drawing fewer dots.
+// The resolution of the picture: slow WebGL (in software) draws fewer pixels, and keeps its frame rate.
 
 const SLOW = 40, FAST = 22; // ms per frame
 const LEAST = 0.35;

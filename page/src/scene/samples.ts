@@ -1,4 +1,4 @@
-// The signals at any instant: between two rows on the straight line, angles the shorter way.
+// The signals at any instant: linear between two rows; an angle turns the shorter way.
 import { before, type Recording } from "../data/recording";
 
 export class Samples {

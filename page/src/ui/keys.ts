@@ -1,4 +1,4 @@
-// What keys do, where no field takes them itself.
+// Commands of the keyboard, unless an input field uses the key.
 import { SPEEDS, type State } from "./state";
 
 export interface Actions {

@@ -14,7 +14,7 @@ interface Plot {
 
 const HEIGHT = 74;
 
-/** A scale that shows noise as what it is: never finer than a tenth. */
+/** The range of an axis: it has 0 in it and is at least 0.1 high, so that noise stays small. */
 function roomFor(low: number | null, high: number | null): [number, number] {
   const a = Math.min(0, low ?? 0), b = Math.max(0, high ?? 0), room = Math.max(0.1, b - a) * 0.08;
   return [a < 0 ? a - room : 0, Math.max(b + room, a + 0.1)];

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping
 from typing import Any
 
@@ -38,11 +39,8 @@ def address(program: Program, where: int | str | None) -> int | None:
 
 def instant(name: str, microseconds: float) -> int:
     """An instant in ps, within 64 bits."""
-    found = (
-        round(arguments.number(name, microseconds, "an instant in us, 0 to 9e12,", 0.0) * 1e6)
-        if microseconds != math.inf
-        else 2**63
-    )
+    given = arguments.number(name, microseconds, "an instant in us, 0 to 9e12,", 0.0)
+    found = round(given * 1e6) if given != math.inf else 2**63
     if found > 9 * 10**18:
         raise ValueError(f"{name}: {microseconds} us is out of range; an instant in us, 0 to 9e12, is expected")
     return found
@@ -67,12 +65,13 @@ def shared_memory(name: str, memory: object) -> dict[str, Any]:
     m = arguments.instance(name, memory, SharedMemory, "a cmrc.network.SharedMemory")
     if not isinstance(m.places, Mapping):
         arguments.refuse(f"{name}.places", m.places, "a dictionary of chips and addresses")
+    pins = arguments.chips(f"{name}.pins", m.pins, "a dictionary of chips and pins")
     return {
         "name": arguments.text(f"{name}.name", m.name),
         "words": arguments.whole(f"{name}.words", m.words, "a number of words"),
         "waits": arguments.whole(f"{name}.waits", m.waits, "a number of cycles", 0, 2**31 - 1),
         "dual_port": arguments.flag(f"{name}.dual_port", m.dual_port),
-        "pins": [_pin(f"{name}.pins", (m.pins or {}).get(chip)) for chip in m.places],
+        "pins": [_pin(f"{name}.pins", pins.get(chip)) for chip in m.places],
         "places": [
             (
                 arguments.whole(f"{name}.places", chip, "the number of a chip"),
@@ -115,7 +114,8 @@ def chips_of(topology: str) -> int:
 
 def each_chip(given: Any, count: int, what: str) -> list[Any]:
     """One value for each chip, from one for all or from a list."""
-    values = [given] * count if given is None or isinstance(given, (str, int, float)) else list(given)
+    one = given is None or isinstance(given, (str, int, float, os.PathLike))
+    values = [given] * count if one else arguments.items(what, given, "one value for all chips, or a list,")
     if len(values) != count:
         raise NetworkError(f"{what}: one for all chips or {count} are expected, not {len(values)}")
     return values

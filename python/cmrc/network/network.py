@@ -93,9 +93,12 @@ class Network(OneRun):
             else arguments.items("programs", programs, "a program or a list of programs")
         )
         images = [description.program(program) for program in given]
+        if not images:
+            raise NetworkError("programs: there is none; a program, or one for each chip, is expected")
         count = len(images)
-        if topology is not None and count == 1:
-            count = description.chips_of(arguments.text("topology", topology, 'a topology ("ring:4")'))
+        if topology is not None:
+            chips_of_it = description.chips_of(arguments.text("topology", topology, 'a topology ("ring:4")'))
+            count = chips_of_it if count == 1 else count
         images = images * count if len(images) == 1 else images
         if len(images) != count:
             raise NetworkError(f"{len(images)} programs for {count} chips")
@@ -111,6 +114,10 @@ class Network(OneRun):
             arguments.text("names", each, "the name of a chip")
             for each in arguments.items("names", names, "a list of names")
         ] or [""] * count
+        booted = [
+            arguments.whole(f"boots[{n}]", chip, "the number of a chip")
+            for n, chip in enumerate(arguments.items("boots", boots, "a list of the numbers of chips"))
+        ]
         if len(name) != count:
             raise NetworkError(f"{len(name)} names for {count} chips")
         chips: list[dict[str, Any]] = [
@@ -120,7 +127,7 @@ class Network(OneRun):
                 "clock_mhz": clock[n],
                 "name": name[n],
                 "until": description.address(image, until),
-                "boot": n in boots,
+                "boot": n in booted,
             }
             for n, image in enumerate(images)
         ]

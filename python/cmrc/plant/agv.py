@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cmrc import _core
+from cmrc.arguments import instance, mapping, number
 from cmrc.plant.arguments import assign, numbers
 from cmrc.plant.parts import AgvDrive, AgvParameters, AgvSnapshot, Pose
 
@@ -40,13 +41,13 @@ class Agv:
     """
 
     def __init__(self, config: Mapping[str, object] | None = None, **keywords: object) -> None:
-        given: dict[str, Any] = {**(config or {}), **keywords}
+        given: dict[str, Any] = {**mapping("config", config, "a dictionary of parameters"), **keywords}
         start = Pose(*numbers("start (x, y, heading)", given.pop("start", (0.0, 0.0, 0.0)), 3))
         loads = [given.pop("load_mass", 0.0), given.pop("load_inertia", 0.0), given.pop("tolerance", 1e-8)]
         load_mass, load_inertia, tolerance = numbers("load_mass, load_inertia and tolerance", loads, 3)
         parameters = AgvParameters()
         drive = given.pop("drive", "steered")
-        if drive not in ("steered", "differential"):
+        if not isinstance(drive, str) or drive not in ("steered", "differential"):
             raise ValueError(f'drive must be "steered" or "differential", not {drive!r}')
         parameters.drive = getattr(AgvDrive, drive)
         assign(parameters, "an AGV", given, "start", "load_mass", "load_inertia", "tolerance")
@@ -78,7 +79,7 @@ class Agv:
 
         Raises ValueError below zero.
         """
-        self._core.set_load(mass, inertia)
+        self._core.set_load(number("mass", mass, "a mass in kg"), number("inertia", inertia, "an inertia in kg m2"))
 
     def reset(self, x: float, y: float, heading: float) -> None:
         """At rest at this pose, at time zero; the load stays."""
@@ -90,7 +91,7 @@ class Agv:
 
     def restore(self, snapshot: AgvSnapshot) -> None:
         """Goes back to a snapshot of an AGV with the same config."""
-        self._core.restore(snapshot)
+        self._core.restore(instance("snapshot", snapshot, AgvSnapshot, "what Agv.snapshot() gives"))
 
     def energy(self) -> float:
         """Kinetic energy, J."""

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from cmrc.arguments import number
+
 
 def assign(target: object, what: str, values: object, *others: str) -> None:
     """Sets attributes by name; ``others`` are names that the caller handles."""
@@ -33,6 +35,6 @@ def numbers(what: str, values: object, count: int) -> list[float]:
 
 def device_code(what: str, value: float, scale: float, least: int, most: int) -> int:
     """A value in SI units as a device's integer."""
-    if not least <= value * scale <= most:
+    if not least <= number(what, value) * scale <= most:
         raise ValueError(f"{what} must be {least / scale:g} to {most / scale:g} (got {value})")
     return round(value * scale)

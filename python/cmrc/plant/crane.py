@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cmrc import _core
+from cmrc.arguments import instance, mapping, number
 from cmrc.plant.arguments import assign, numbers
 from cmrc.plant.parts import CraneSnapshot
 
@@ -123,10 +124,10 @@ class Crane:
     """
 
     def __init__(self, config: Mapping[str, object] | None = None, **keywords: object) -> None:
-        given: dict[str, Any] = {**(config or {}), **keywords}
+        given: dict[str, Any] = {**mapping("config", config, "a dictionary of parameters"), **keywords}
         options = {name: given.pop(name, default) for name, default in _OPTIONS.items()}
         machine = given.pop("machine", "slewing")
-        if machine not in ("slewing", "gantry"):
+        if not isinstance(machine, str) or machine not in ("slewing", "gantry"):
             raise ValueError(f'machine must be "slewing" or "gantry", not {machine!r}')
         parameters = _core.plant.gantry_crane() if machine == "gantry" else _core.plant.CraneParameters()
         assign(parameters, "a crane", given, *_OPTIONS)
@@ -140,7 +141,7 @@ class Crane:
         parameters.drives = drives
         if options["model"] not in ("sway", "rigid"):
             raise ValueError(f'model must be "sway" (L1) or "rigid" (L0), not {options["model"]!r}')
-        if options["integrator"] not in INTEGRATORS:
+        if not isinstance(options["integrator"], str) or options["integrator"] not in INTEGRATORS:
             raise ValueError(f"integrator must be one of {', '.join(INTEGRATORS)}, not {options['integrator']!r}")
         sensors = _core.plant.SensorParameters()
         assign(sensors, "the sensors", {"seed": options["seed"]})
@@ -192,7 +193,7 @@ class Crane:
 
     def set_load(self, mass: float, inertia: float = 0.0) -> None:
         """Hangs another load below the spreader (kg, kg m2). Raises ValueError above ``rated_load``."""
-        self._core.set_load(mass, inertia)
+        self._core.set_load(number("mass", mass, "a mass in kg"), number("inertia", inertia, "an inertia in kg m2"))
 
     def snapshot(self) -> CraneSnapshot:
         """The whole state; after ``restore`` the crane continues bit for bit."""
@@ -200,7 +201,7 @@ class Crane:
 
     def restore(self, snapshot: CraneSnapshot) -> None:
         """Goes back to a snapshot of a crane with the same config."""
-        self._core.restore(snapshot)
+        self._core.restore(instance("snapshot", snapshot, CraneSnapshot, "what Crane.snapshot() gives"))
 
     def mass_matrix(self) -> Array:
         """M(q), rotors included: kg, kg m or kg m2."""
@@ -235,7 +236,8 @@ class Crane:
     def sensitivity(self, torques: Sequence[float], seconds: float) -> Sensitivity:
         """How the state after ``seconds`` with these torques depends on the payload's mass and the rope's length
         (CVODES, Adams). The crane's state does not change."""
-        return Sensitivity(*(np.array(part) for part in self._core.sensitivity(torques, seconds)))
+        time = number("seconds", seconds, "a time in s")
+        return Sensitivity(*(np.array(part) for part in self._core.sensitivity(torques, time)))
 
     def linearize(self, state: CraneSnapshot | None = None) -> Linearization:
         """The crane linearised around a snapshot (by default the present state), which need not be at rest: the
@@ -244,7 +246,9 @@ class Crane:
         Dry friction is smoothed; coordinates that brakes or friction hold have rows and columns of zeros. Differences
         of fourth order: 1e-6 or better of A's entries.
         """
-        snapshot = self.snapshot() if state is None else state
+        snapshot = (
+            self.snapshot() if state is None else instance("state", state, CraneSnapshot, "a snapshot of a crane")
+        )
         lags = np.array([drive.torque_lag for drive in self.parameters.drives])
         a = np.zeros((19, 19))
         a[:14] = self._core.linearize(snapshot)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike
 
+from cmrc.arguments import mapping, number
 from cmrc.plant.arguments import numbers
 from cmrc.plant.crane import ACTUATED, Array, Crane
 
@@ -60,9 +61,9 @@ class CraneEnv(_Environment):  # type: ignore[misc]
     render_mode: str | None = None
 
     def __init__(self, target: Sequence[float], dt: float = 0.01, duration: float = 60.0, **config: object) -> None:
-        if not 0.0 < dt <= 60.0:
+        if not 0.0 < number("dt", dt, "a step in s") <= 60.0:
             raise ValueError(f"dt must be above 0, at most 60 s (got {dt})")
-        if not duration > 0.0:
+        if not number("duration", duration, "a duration in s") > 0.0:
             raise ValueError(f"duration must be positive (got {duration})")
         self.crane = Crane(config)
         self.target: Array = np.array(numbers("target (x, y, z)", target, 3))
@@ -84,14 +85,15 @@ class CraneEnv(_Environment):  # type: ignore[misc]
     ) -> tuple[Array, dict[str, float]]:
         """Goes back to the start, with sway angles within ``options["sway"]`` rad, drawn from ``seed``; without a seed
         the sequence of draws continues, beginning with seed 0."""
-        if unknown := sorted(set(options or {}) - {"sway"}):
+        chosen = mapping("options", options, 'a dictionary, {"sway": 0.1},')
+        if unknown := sorted(set(chosen) - {"sway"}):
             raise ValueError(f'reset has the option "sway", not {unknown}')
         if seed is not None or getattr(self, "_random", None) is None:
             self._random = np.random.default_rng(seed or 0)
         if gymnasium is not None:
             super().reset(seed=seed)
         self.crane.restore(self._start)
-        most = float((options or {}).get("sway", 0.0))
+        most = number("sway", chosen.get("sway", 0.0), "an angle in rad")
         if not 0.0 <= most < np.radians(40.0):
             raise ValueError(f"the sway at the start must be 0 to 40 degrees (got {most} rad)")
         if most > 0.0:

@@ -7,25 +7,26 @@ import copyreg
 from typing import Any
 
 from cmrc import _core
+from cmrc.core_errors import class_in_our_words, in_our_words
 
-default_dock = _core.plant.default_dock
+default_dock = in_our_words("default_dock", _core.plant.default_dock)
 """``default_dock(agv_count)``: the configuration of docs/plant.md; every value may be changed."""
-gantry_dock = _core.plant.gantry_dock
+gantry_dock = in_our_words("gantry_dock", _core.plant.gantry_dock)
 """``gantry_dock(agv_count)``: the same dock with a ship-to-shore gantry as its crane."""
-gantry_crane = _core.plant.gantry_crane
+gantry_crane = in_our_words("gantry_crane", _core.plant.gantry_crane)
 """Parameters of a ship-to-shore gantry (plant-and-bus.md 1.4)."""
-apply_layout = _core.plant.apply_layout
+apply_layout = in_our_words("apply_layout", _core.plant.apply_layout)
 """``apply_layout(config, text, name)``: a layout in TOML into a DockConfig. Raises LayoutError with line and column."""
-load_layout = _core.plant.load_layout
+load_layout = in_our_words("load_layout", _core.plant.load_layout)
 """``load_layout(config, path)``: the same from a file. Raises LayoutError, OSError."""
 LayoutError = _core.plant.LayoutError
 LayoutError.__doc__ = """A layout file that is wrong: where, and what would be right. A ValueError."""
-inverse_kinematics = _core.plant.inverse_kinematics
+inverse_kinematics = in_our_words("inverse_kinematics", _core.plant.inverse_kinematics)
 """``inverse_kinematics(crane_parameters, crane_pose)``: the coordinates (7) at which the load hangs vertically there.
 Raises ValueError out of reach."""
-mover_place = _core.plant.mover_place
+mover_place = in_our_words("mover_place", _core.plant.mover_place)
 """``mover_place(mover, seconds)``: x, y in m and their rates in m/s."""
-wind_speed = _core.plant.wind_speed
+wind_speed = in_our_words("wind_speed", _core.plant.wind_speed)
 """``wind_speed(wind_parameters, seconds)``: m/s, the mean and the seeded gusts, at an instant or an array of them."""
 Dock = _core.plant.Dock
 """The dock with the devices that a controller sees: integer codes, times in picoseconds. ``Scene`` is the same in SI
@@ -109,6 +110,13 @@ _MADE_EMPTY: tuple[type, ...] = (
     CraneParameters, DriveParameters, Portal, LandingParameters, AgvParameters, SensorParameters, WindParameters, ShipMotion, Layout, DockConfig,
     LinkageParameters,
 )  # fmt: skip
+for _name, _class in list(vars().items()):
+    if isinstance(_class, type) and _class.__module__ == _core.plant.__name__:
+        if issubclass(_class, Exception) or "__members__" in vars(_class):
+            continue
+        class_in_our_words(_class, _name)
+class_in_our_words(_core.plant.CraneAlone, "Crane")
+class_in_our_words(_core.plant.AgvAlone, "Agv")
 for _class in _MADE_EMPTY:
     copyreg.pickle(_class, _reduce)
 for _class in _MADE_OF:

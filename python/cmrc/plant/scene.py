@@ -7,9 +7,20 @@ from collections.abc import Sequence
 import numpy as np
 
 from cmrc import _core
+from cmrc.arguments import flag, instance, number, whole
 from cmrc.plant.arguments import device_code, numbers
 from cmrc.plant.crane import JOINTS, Array
-from cmrc.plant.parts import AgvSignal, ContainerStatus, DockConfig, DockEvent, DockState, Handover, Signal, Switch
+from cmrc.plant.parts import (
+    AgvSignal,
+    ContainerStatus,
+    DockConfig,
+    DockEvent,
+    DockState,
+    Handover,
+    Signal,
+    Switch,
+    default_dock,
+)
 
 
 class Scene:
@@ -21,7 +32,11 @@ class Scene:
     """
 
     def __init__(self, config: DockConfig | None = None, agvs: int = 1) -> None:
-        self._dock = _core.plant.Dock(_core.plant.default_dock(agvs) if config is None else config)
+        if config is None:
+            config = default_dock(whole("agvs", agvs, "a number of AGVs, 0 to 16,", 0, 16))
+        self._dock = _core.plant.Dock(
+            instance("config", config, DockConfig, "a DockConfig, as default_dock() gives it,")
+        )
         self._time = 0
 
     @property
@@ -35,7 +50,7 @@ class Scene:
 
         A torque that is not finite faults its drive: the brake holds from then on.
         """
-        if not 0.0 <= dt <= 60.0:
+        if not 0.0 <= number("dt", dt, "a step of 0 to 60 s") <= 60.0:
             raise ValueError(f"a step must be 0 to 60 s (got {dt})")
         if torques is not None:
             torques = numbers(f"torques ({', '.join(JOINTS)})", torques, 5)
@@ -58,25 +73,29 @@ class Scene:
         """Writes a set-point into that AGV's FIFO: m/s, steering angles in rad. ``hold`` sets how long each is held."""
         most = 2**31 - 1
         angles = [
-            device_code(f"{name}, rad,", angle, 1e6, -most, most) for name, angle in (("front", front), ("rear", rear))
+            device_code(f"{name} (rad)", angle, 1e6, -most, most) for name, angle in (("front", front), ("rear", rear))
         ]
-        self._dock.agv_push(agv, device_code("speed, m/s,", speed, 1e3, -most, most), angles[0], angles[1], self._time)
+        self._dock.agv_push(agv, device_code("speed (m/s)", speed, 1e3, -most, most), angles[0], angles[1], self._time)
 
     def hold(self, agv: int, seconds: float) -> None:
         """Sets how long each set-point of that AGV is held, at least 1 ms."""
-        self._dock.agv_period(agv, device_code("a set-point's time, s,", seconds, 1e6, 0, 2**32 - 1), self._time)
+        self._dock.agv_period(agv, device_code("seconds", seconds, 1e6, 0, 2**32 - 1), self._time)
 
     def lock(self, closed: bool) -> None:
         """Commands the twist locks; they turn while all four corners are seated."""
-        self._dock.spreader_command(int(closed), self._time)
+        self._dock.spreader_command(int(flag("closed", closed)), self._time)
 
     def agv(self, index: int) -> AgvSignal:
         """True pose, speed and steering of an AGV at the last latch."""
-        return self._dock.agv(index)
+        return self._dock.agv(self._agv(index))
 
     def ranges(self, index: int) -> Array:
         """The range sensor's 180 rays in m, from right to left."""
-        return np.array(self._dock.agv_scan(index, self._time)) * 1e-3
+        return np.array(self._dock.agv_scan(self._agv(index), self._time)) * 1e-3
+
+    def _agv(self, index: object) -> int:
+        count = self._dock.config.agv_count
+        return whole("index", index, f"the number of an AGV, 0 to {count - 1},", 0, count - 1)
 
     @property
     def signal(self) -> Signal:
@@ -114,5 +133,5 @@ class Scene:
     def restore(self, snapshot: DockState) -> None:
         """Goes back to a snapshot of a scene with the same config. A snapshot between two points of the 125-us grid
         goes back to the latch before it."""
-        self._dock.restore(snapshot)
+        self._dock.restore(instance("snapshot", snapshot, DockState, "what Scene.snapshot() gives"))
         self._time = int(self._dock.time)

@@ -14,7 +14,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
-from cmrc import _core, files
+from cmrc import _core, arguments, files
 from cmrc.errors import Error
 from cmrc.extras import needed
 from cmrc.sweeps.identity import build
@@ -53,7 +53,7 @@ class Folder:
     """One user at a time may write (``with Folder(path) as folder``); any number may read."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = Path(path)
+        self.path = Path(arguments.path("folder", path, "the folder of a sweep"))
         self._lock: IO[str] | None = None
 
     def __enter__(self) -> Self:

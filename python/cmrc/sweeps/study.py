@@ -121,7 +121,7 @@ class Sweep:
     def rerun(self, run: Mapping[str, Any], **more: Any) -> Result:
         """Runs one of ``runs`` again, for its signals: the same bit for bit, with the same ``hash``. ``more`` is passed
         on to ``cmrc.run``: ``keep_events=True``, ``profile=True``, ``on_progress=...``."""
-        settings = dict(run["settings"])
+        settings = dict(arguments.mapping("run", run, "one of Sweep.runs")["settings"])
         apart = {name: settings.pop(name) for name in ("preset", "config", "events") if name in settings}
         return simulation.run(settings=settings, **apart, **more)
 
