@@ -110,6 +110,14 @@ def test_sources_have_fewer_than_500_lines() -> None:
     assert not {str(path.relative_to(ROOT)): n for path, n in lengths.items() if n >= 500 and path != STUB}
 
 
+@pytest.mark.skipif(not (ROOT / ".git").exists(), reason="not a clone: git lists the files")
+def test_no_merge_has_left_its_marks() -> None:
+    found = subprocess.run(
+        ["git", "grep", "-nE", "^(<{7}|>{7}) "], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert (found.returncode, found.stdout) == (1, "")  # 1: no line
+
+
 def python_files() -> list[Path]:
     """The package, tests, examples, and scripts, which have no suffix."""
     named = [path for folder in ("python", "tests", "examples") for path in (ROOT / folder).rglob("*.py*")]

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <span>
 
 #include "io/stop.hpp"
@@ -58,24 +57,6 @@ void Network::take_part() {
   scheduler_.add(*(action_turn_ = std::make_unique<ActionTurn>(*this)));
   for (auto& turn : device_turns_) scheduler_.add(*turn);
   for (auto& node : nodes_) scheduler_.add(*node);
-}
-
-void check(const std::vector<NetworkLink>& links, std::size_t chips) {
-  std::map<PortName, std::string> taken;
-  for (const NetworkLink& link : links) {
-    const std::string name = to_text(link);
-    for (const PortName& end : {link.a, link.b}) {
-      if (end.chip >= chips)
-        throw NetworkError(fmt::format("link {}: there is no chip {}; the network has {}", name, end.chip, chips));
-      if (end.port < 0 || end.port >= c40::port_count)
-        throw NetworkError(fmt::format("link {}: chip {} has no port {}; 0 to {} are possible", name, end.chip,
-                                       end.port, c40::port_count - 1));
-      if (const auto other = taken.find(end); other != taken.end() && link.a != link.b)
-        throw NetworkError(fmt::format("link {}: port {} of chip {} already has link {}; a port has one link", name,
-                                       end.port, end.chip, other->second));
-    }
-    taken.emplace(link.a, name), taken.emplace(link.b, name);
-  }
 }
 
 void Network::join_links() {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <charconv>
+#include <map>
 
 #include "machine/networks/network.hpp"
 
@@ -76,6 +77,24 @@ NetworkLink parse_link(std::string_view text, const std::vector<std::string>& ch
 
 std::string to_text(const PortName& port) { return fmt::format("{}.{}", port.chip, port.port); }
 std::string to_text(const NetworkLink& link) { return to_text(link.a) + ":" + to_text(link.b); }
+
+void check(const std::vector<NetworkLink>& links, std::size_t chips) {
+  std::map<PortName, std::string> taken;
+  for (const NetworkLink& link : links) {
+    const std::string name = to_text(link);
+    for (const PortName& end : {link.a, link.b}) {
+      if (end.chip >= chips)
+        throw NetworkError(fmt::format("link {}: there is no chip {}; the network has {}", name, end.chip, chips));
+      if (end.port < 0 || end.port >= c40::port_count)
+        throw NetworkError(fmt::format("link {}: chip {} has no port {}; 0 to {} are possible", name, end.chip,
+                                       end.port, c40::port_count - 1));
+      if (const auto other = taken.find(end); other != taken.end() && link.a != link.b)
+        throw NetworkError(fmt::format("link {}: port {} of chip {} already has link {}; a port has one link", name,
+                                       end.port, end.chip, other->second));
+    }
+    taken.emplace(link.a, name), taken.emplace(link.b, name);
+  }
+}
 
 std::vector<NetworkLink> grid_links(const std::vector<std::size_t>& size, bool closed) {
   std::size_t chips = 1;
