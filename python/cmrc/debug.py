@@ -337,8 +337,11 @@ class Debugger:
         return self._number(chip)
 
     def _number(self, chip: object) -> int:
+        found = arguments.whole("chip", chip, "the number of a chip", 0, 2**63 - 1)
         last = len(self._d.chip_names()) - 1
-        return arguments.whole("chip", chip, f"the number of a chip, 0 to {last},", 0, last)
+        if found > last:
+            raise DebugError(f"there is no chip {found}; 0 to {last} is expected")
+        return found
 
     # ---- views ----
 

@@ -54,6 +54,7 @@ def drive(
 ) -> Drive:
     set_leg(dsp, 1, segments)
     forget_avoidance(dsp)
+    dsp.put("AG_PERIOD_US", 20_000)  # other tests of the same DSP change it
     vehicle = Vehicle(segments[0].x, segments[0].y, segments[0].heading, load)
     out, k, done = Drive(), 0, False
     while vehicle.time < limit and not (done and not vehicle.queue and vehicle.standing):
