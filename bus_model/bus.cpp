@@ -32,8 +32,8 @@ void Bus::submit(unsigned master, Command command, Address address, unsigned wor
   submit(ports_.at(master), master, command, address, words, request, agent, false);
 }
 
-inline void Bus::submit(Port& port, unsigned master, Command command, Address address, unsigned words, Clocks request,
-                        unsigned agent, bool speculative) {
+[[gnu::always_inline]] inline void Bus::submit(Port& port, unsigned master, Command command, Address address,
+                                               unsigned words, Clocks request, unsigned agent, bool speculative) {
   if (port.active)
     throw std::logic_error{"pci::Bus::submit: master " + port.config.name + " already has a transaction"};
   if (words == 0 || words > most_words)
@@ -58,7 +58,7 @@ inline void Bus::submit(Port& port, unsigned master, Command command, Address ad
   if (running_)
     cut_by_timer();
   else
-    plan_idle();
+    plan_idle(earliest_request(nobody));
   if (next_ != before) tell_plan();
 }
 
@@ -91,14 +91,14 @@ inline unsigned Bus::winner(Clocks latest) const {
   return asking != 0 ? static_cast<unsigned>(std::countr_zero(asking)) : nobody;
 }
 
-// An idle bus goes to the first master that requests it. If several request it in the same clock, the master that
-// already has the grant comes first, then the arbiter's choice.
-void Bus::plan_idle() {
+// An idle bus goes to the first master that requests it, at clock `requested`. If several request it in the same clock,
+// the master that already has the grant comes first, then the arbiter's choice.
+void Bus::plan_idle(Clocks requested) {
   chosen_ = nobody;
   next_ = never;
-  if (asking_ == 0) return;
+  if (requested == never) return;
   // Masters that wait through a stall are arbitrated at the end of the stall.
-  const Clocks first = std::max(earliest_request(nobody), stalled_ - config_.grant_clocks);
+  const Clocks first = std::max(requested, stalled_ - config_.grant_clocks);
   const unsigned held = arbiter_.parked();
   chosen_at_ = first;
   if (held != nobody && requests_[held] == first && first >= stalled_) {
@@ -155,9 +155,9 @@ void Bus::start(unsigned master, Clocks granted, Clocks frame) {
     port.statistics.acquisition += frame - port.transaction.granted;
     port.statistics.wait.add(frame - port.transaction.requested);
   }
-  const unsigned words = port.initiator->framed(attempt_, first, now_, port.data);
+  const unsigned wanted = port.initiator->framed(attempt_, first, now_, port.data);
   if (first && port.transaction.write) {
-    port.wanted = attempt_.wanted = std::min(words, most_words);
+    port.wanted = attempt_.wanted = std::min(wanted, most_words);
     port.transaction.words = port.wanted;
   }
   arbiter_.granted(master, frame);
@@ -191,10 +191,9 @@ void Bus::start(unsigned master, Clocks granted, Clocks frame) {
   cut_by_timer();
   if (attempt_.write || natural_words_ == 1) return;
   ahead_ = true;
-  Access access = access_at(attempt_.first);
-  for (unsigned i = 0; i < natural_words_; ++i, access.clock += attempt_.step)
-    port.data[port.done + i] = window.target->read(attempt_.address - window.base + i, access);
-  port.initiator->arriving(attempt_, std::span<const Word>{port.data}.subspan(port.done, attempt_.words));
+  const std::span<Word> words = std::span{port.data}.subspan(port.done, natural_words_);
+  window.target->read_burst(attempt_.address - window.base, words, access_at(attempt_.first), attempt_.step);
+  port.initiator->arriving(attempt_, words.first(attempt_.words));
 }
 
 // How many words the target fetches for the attempt's delayed read.
@@ -206,7 +205,7 @@ unsigned Bus::fetched_ahead(const TargetConfig& config) const {
 }
 
 // Whether the target takes the attempt, and how many words of it.
-void Bus::choose_answer(Window& window, const Port& port) {
+[[gnu::always_inline]] inline void Bus::choose_answer(Window& window, const Port& port) {
   const TargetConfig& config = window.config;
   const Address offset = attempt_.address - window.base;
   attempt_.words = static_cast<unsigned>(std::min<std::uint64_t>(attempt_.wanted, window.words - offset));
@@ -273,7 +272,7 @@ void Bus::cut_by_timer() {
   next_ = attempt_.last + 1;
 }
 
-inline void Bus::move_words(Port& port, unsigned words) {
+[[gnu::always_inline]] inline void Bus::move_words(Port& port, unsigned words) {
   if (words == 0) return;
   Window& window = windows_[static_cast<unsigned>(attempt_.target)];
   const Address offset = attempt_.address - window.base;
@@ -348,18 +347,18 @@ void Bus::finish() {
 
 // Hidden arbitration: a master that requested the bus by the last data phase starts right after the turnaround.
 void Bus::arbitrate(Clocks last) {
-  const unsigned next = winner(last);
-  if (next != nobody && free_ >= stalled_)
-    start(next, last, free_);
+  const Clocks requested = earliest_request(nobody);
+  if (requested <= last && free_ >= stalled_)
+    start(winner(last), last, free_);
   else
-    plan_idle();
+    plan_idle(requested);
 }
 
 void Bus::stall(Clocks now, Clocks until) {
   now_ = std::max(now_, now);
   stalled_ = std::max(stalled_, until);
   was_stalled_ = true;
-  if (!running_) plan_idle();
+  if (!running_) plan_idle(earliest_request(nobody));
   tell_plan();
 }
 
@@ -409,7 +408,7 @@ unsigned Bus::withdraw(unsigned master, Clocks now) {
     if (running_)
       cut_by_timer();
     else
-      plan_idle();
+      plan_idle(earliest_request(nobody));
   }
   tell_plan();
   return transaction.words;

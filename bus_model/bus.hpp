@@ -93,6 +93,13 @@ class Target {
   /// For an access that the target accepts: after how many words the target disconnects.
   virtual unsigned most(Address /*offset*/, unsigned words, bool /*write*/, const Access&) { return words; }
   virtual Word read(Address offset, const Access& access) = 0;
+  /// A burst read: words[i] at clock access.clock + i * step.
+  virtual void read_burst(Address offset, std::span<Word> words, Access access, Clocks step) {
+    for (Word& word : words) {
+      word = read(offset++, access);
+      access.clock += step;
+    }
+  }
   virtual void write(Address offset, Word value, const Access& access) = 0;
 };
 
@@ -199,7 +206,7 @@ class Bus {
   void finish();
   void move_words(Port& port, unsigned words);
   void arbitrate(Clocks last);
-  void plan_idle();
+  void plan_idle(Clocks requested);
   unsigned fetched_ahead(const TargetConfig& config) const;
   Access access_at(Clocks clock) const;
   void ask(unsigned master, Clocks request);

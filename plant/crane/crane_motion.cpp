@@ -42,6 +42,7 @@ CraneVector CraneMotion::applied_force(const CraneVector& q, const CraneVector& 
   const auto& p = crane_.parameters();
   CraneVector force = in.external;
   const Joints drives = crane_.drive_forces(torque, qd, in.sliding, dynamics);
+#pragma GCC unroll 5
   for (std::size_t j = 0; j < joint_count; ++j) {
     const auto k = coordinate_of(j);
     if ((in.locked >> k & 1U) != 0) continue;
@@ -67,6 +68,7 @@ void CraneMotion::begin(const CraneState& state, const CraneInputs& inputs) {
 Joints CraneMotion::torque_at(double t) const {
   Joints torque;
   double lag = 0.0, left = 1.0;
+#pragma GCC unroll 5
   for (std::size_t j = 0; j < joint_count; ++j) {
     const double goal = inputs_->command[j];
     torque[j] = goal;

@@ -39,26 +39,26 @@ inline double exp(double x) { return Sleef_cinz_expd1_u10purec(x); }
 // 0 if less than exp(-700).
 inline double small_exp(double x) { return x < -700.0 ? 0.0 : exp(x); }
 
-// tanh of each element, with the bits of the scalar function; two at a time cost little more than one.
-inline void tanh_each(std::span<double> x) {
-  const auto within = [](double at, double value) { return at > 20.0 ? 1.0 : at < -20.0 ? -1.0 : value; };
+// Replaces each element by within(element, its result of f), two elements at a time; an odd last one goes twice.
+template <class F, class Within>
+void in_pairs(std::span<double> x, const F& f, const Within& within) {
   std::size_t i = 0;
   for (; i + 1 < x.size(); i += 2) {
-    const __m128d two = Sleef_cinz_tanhd2_u10sse2(_mm_loadu_pd(&x[i]));
+    const __m128d two = f(_mm_loadu_pd(&x[i]));
     x[i] = within(x[i], _mm_cvtsd_f64(two));
     x[i + 1] = within(x[i + 1], _mm_cvtsd_f64(_mm_unpackhi_pd(two, two)));
   }
-  if (i < x.size()) x[i] = tanh(x[i]);
+  if (i < x.size()) x[i] = within(x[i], _mm_cvtsd_f64(f(_mm_set1_pd(x[i]))));
+}
+
+// tanh of each element, with the bits of the scalar function. Two at a time cost less than one.
+inline void tanh_each(std::span<double> x) {
+  const auto within = [](double at, double value) { return at > 20.0 ? 1.0 : at < -20.0 ? -1.0 : value; };
+  in_pairs(x, [&](__m128d at) { return Sleef_cinz_tanhd2_u10sse2(at); }, within);
 }
 inline void small_exp_each(std::span<double> x) {
   const auto within = [](double at, double value) { return at < -700.0 ? 0.0 : value; };
-  std::size_t i = 0;
-  for (; i + 1 < x.size(); i += 2) {
-    const __m128d two = Sleef_cinz_expd2_u10sse2(_mm_loadu_pd(&x[i]));
-    x[i] = within(x[i], _mm_cvtsd_f64(two));
-    x[i + 1] = within(x[i + 1], _mm_cvtsd_f64(_mm_unpackhi_pd(two, two)));
-  }
-  if (i < x.size()) x[i] = small_exp(x[i]);
+  in_pairs(x, [&](__m128d at) { return Sleef_cinz_expd2_u10sse2(at); }, within);
 }
 inline double log(double x) { return Sleef_cinz_logd1_u10purec(x); }
 inline double hypot(double x, double y) { return Sleef_cinz_hypotd1_u05purec(x, y); }

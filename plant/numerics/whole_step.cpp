@@ -52,13 +52,31 @@ bool WholeStep::take(RightHandSide f, void* model, std::span<double> y, double i
 }
 
 // ERKStep also adds terms with coefficient 0: they decide the sign of a zero.
+template <std::size_t terms>
+void WholeStep::sum_of(Vector& to, const Coefficients& by, bool with_start) const {
+  // Not read again for each pair: `to` might be one of them, for all that the compiler knows.
+  std::array<const double*, terms> rates;
+  std::array<__m128d, terms> factors;
+  for (std::size_t j = 0; j < terms; ++j) rates[j] = rates_[j].data(), factors[j] = _mm_set1_pd(by[j]);
+  const double* const start = with_start ? start_.data() : nullptr;
+  double* const sums = to.data();
+  for (std::size_t i = 0, places = to.size(); i < places; i += 2) {
+    __m128d two = _mm_mul_pd(factors[0], _mm_loadu_pd(rates[0] + i));
+#pragma GCC unroll 5
+    for (std::size_t j = 1; j < terms; ++j) two = _mm_add_pd(two, _mm_mul_pd(factors[j], _mm_loadu_pd(rates[j] + i)));
+    if (start != nullptr) two = _mm_add_pd(two, _mm_loadu_pd(start + i));
+    _mm_storeu_pd(sums + i, two);
+  }
+}
+
 void WholeStep::sum(Vector& to, const Coefficients& by, std::size_t terms, bool with_start) const {
-  for (std::size_t i = 0; i < to.size(); i += 2) {
-    __m128d two = _mm_mul_pd(_mm_set1_pd(by[0]), _mm_loadu_pd(&rates_[0][i]));
-    for (std::size_t j = 1; j < terms; ++j)
-      two = _mm_add_pd(two, _mm_mul_pd(_mm_set1_pd(by[j]), _mm_loadu_pd(&rates_[j][i])));
-    if (with_start) two = _mm_add_pd(two, _mm_loadu_pd(&start_[i]));
-    _mm_storeu_pd(&to[i], two);
+  static_assert(most_stages == 5);
+  switch (terms) {
+    case 1: return sum_of<1>(to, by, with_start);
+    case 2: return sum_of<2>(to, by, with_start);
+    case 3: return sum_of<3>(to, by, with_start);
+    case 4: return sum_of<4>(to, by, with_start);
+    default: return sum_of<5>(to, by, with_start);
   }
 }
 

@@ -10,7 +10,7 @@ namespace plant {
 
 Solid make_solid(Solid::Kind kind, int index, double x, double y, double yaw, double half_x, double half_y,
                  double bottom, double top) {
-  const auto [s, c] = sin_cos(yaw);
+  const auto [s, c] = yaw == 0.0 ? SinCos{yaw, 1.0} : sin_cos(yaw);  // most solids stand along the axes
   return {.x = x,
           .y = y,
           .yaw = yaw,

@@ -23,11 +23,10 @@ Word pending_of_ports(const State& state, Word enabled) {
 
 }  // namespace
 
-Word pending(const State& state) {
+Word pending_if_enabled(const State& state) {
   const Core& core = state.core;
   const Word iif = core.r[reg::IIF], iie = core.r[reg::IIE];
   if ((iif & nmi_flag) != 0) return vector_nmi;
-  if ((core.modes & st::GIE) == 0) return 0;
   if ((iif & timer0_flag) != 0 && (iie & 1u) != 0) return vector_timer0;
   for (unsigned pin = 0; pin < iiof_pins; ++pin) {
     const Word nibble = iiof_nibble(core, pin);

@@ -17,8 +17,13 @@ inline constexpr Word port_sources = 0x01FFFFFEu;
 /// The bits of port `n`, in the order ICFULL, ICRDY, OCRDY, OCEMPTY.
 constexpr Word port_enables(Word enabled, unsigned n) { return enabled >> (1 + 4 * n) & 0xFu; }
 
+/// The same as pending() while GIE or NMI is set.
+Word pending_if_enabled(const State& state);
 /// The offset in the vector table of the interrupt to take; 0: none.
-Word pending(const State& state);
+inline Word pending(const State& state) {
+  const bool any = (state.core.modes & st::GIE) != 0 || (state.core.r[reg::IIF] & nmi_flag) != 0;
+  return any ? pending_if_enabled(state) : 0u;
+}
 /// Clears the request, and does the entry's changes of ST.
 void enter(Core& core, Word vector);
 

@@ -81,6 +81,7 @@ struct CodeBlock {
   bool in_one_go =
       false;  ///< runs from its first instruction to an exit in one go: it does not repeat and has no window access
   bool uses_cache = false;      ///< fetched while the cache was on
+  bool changes_cache = false;   ///< fetched while the cache was on and not frozen
   bool all_hits = false;        ///< `words` are all in the cache already
   std::uint32_t own_words = 0;  ///< the bits of key.hits that are its own words; 0 without the cache
   std::uint64_t checked = 0;    ///< the version of the cache at which its hits were last compared with its key

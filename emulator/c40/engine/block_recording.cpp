@@ -122,11 +122,12 @@ std::unique_ptr<CodeBlock> BlockRecording::finish(const BoundInstruction& last) 
     exit.charged = charged(exit.causes);
   }
   block.uses_cache = cached();
+  block.changes_cache = cached() && (key.mode & CodeBlockKey::frozen) == 0;
   if (!block.repeats && !block.uses_cache) block.plain_start = block.last_start;
   block.in_one_go = !block.repeats || (!block.windows.empty());
   if (cached()) block.own_words = block.size < longest_cached_block ? (1u << block.size) - 1 : ~0u;
   block.all_hits = (~key.hits & block.own_words) == 0;
-  const bool same_fetches = !block.uses_cache || block.all_hits || (key.mode & CodeBlockKey::frozen) != 0;
+  const bool same_fetches = !block.changes_cache || block.all_hits;
   const bool first_of_single = (key.mode >> CodeBlockKey::repeat_single & 3) == 1;
   block.self_loop =
       block.repeats && !reads_repeat_ && same_fetches && block.exits[1].pipeline == key.pipeline && !first_of_single;

@@ -162,20 +162,17 @@ class Engine {
   Stepped access_port(const Step& step, std::size_t k, Word& cell);
   Cycles access_start(const Step& step, std::size_t access, PipelineId before);
   Cycles access_cycle(const Step& step, std::size_t access);
-  /// The answer without a stop of the chip (opened_), if there is one.
+  /// Whether there is an answer (opened_.answer) without a stop of the chip.
   bool answers_at_once(const ExternalAccess& access) {
     if (window_listener == nullptr || peripherals_.dma_active() || state_.dma.answered_until > access.cycle)
       return false;
-    WindowAnswer answer;
-    if (!window_listener->answer_at_once(access, answer)) return false;
-    opened_.answer = {true, access.write, access.address, answer.value, answer.arbitration, answer.transfer, 0};
-    return true;
+    opened_.answer = {};
+    return window_listener->answer_at_once(access, opened_.answer);
   }
-  void settle_answer(const Answer& answer) {
+  void settle_answer(const WindowAnswer& answer) {
     add(state_.causes, Cause::bus_arbitration, answer.arbitration);
     add(state_.causes, Cause::bus_transfer, answer.transfer);
-    add(state_.causes, Cause::comm_port, answer.comm_port);
-    state_.cycle += answer.waited();
+    state_.cycle += answer.arbitration + answer.transfer;
   }
   void settle_answers();
   Stepped fail(Fault::Kind kind, std::string message, Address address = 0);
@@ -205,11 +202,12 @@ class Engine {
   const WindowAccess* open_window(const CodeBlock& block, std::size_t at) const;
   bool opens_answer(const CodeBlock& block, std::size_t at);
   bool reach_window(CodeBlock& block, InBlock& in, const Outcome& outcome);
-  Outcome pass_window(CodeBlock& block, const InBlock& in, Cycles limit);
+  Outcome pass_window(CodeBlock& block, std::size_t at, Cycles limit);
   void leave(CodeBlock& block, InBlock in, std::size_t at);
   void left_block(CodeBlock& block, InBlock in, const Outcome& outcome);
   void rejoin(CodeBlock& block);
   Outcome run_ops(CodeBlock& block, std::size_t from, Cycles budget);
+  Outcome run_some_ops(CodeBlock& block, std::size_t from, Cycles budget);
   CodeBlock::Exit* run_special(CodeBlock& block, InBlock in, Cycles limit, Outcome& outcome);
   CodeBlock::Exit* run_repeated(CodeBlock& block, Cycles limit, Outcome& outcome);
   CodeBlock::Exit& end_part(CodeBlock& block, InBlock in, const Outcome& outcome);
@@ -232,10 +230,13 @@ class Engine {
   struct Scratch {
     std::array<Word, 2> cell{};
   };
-  /// The window of the present instruction in a block, and the value there.
+  /// The present instruction's access through a window that is answered.
   struct Opened {
-    const WindowAccess* window = nullptr;
-    Answer answer;
+    const WindowAccess* window = nullptr;  ///< in a block
+    Address address = 0;                   ///< in a block
+    bool write = false;                    ///< in a block
+    WindowAnswer answer;
+    Answer pending() const { return {true, write, address, answer.value, answer.arbitration, answer.transfer, 0}; }
   } opened_;
   std::array<Scratch, 2> scratch_{};  ///< used instead of a register or a window during one instruction
   Memory::OpenPages pages_;           ///< of the present step

@@ -118,7 +118,8 @@ Engine::Stepped Engine::resolve(Step& step) {
         return Stepped::external;
       }
       access_.forget();
-      state_.answers[k] = opened_.answer;
+      state_.answers[k] = {
+          true, write, address, opened_.answer.value, opened_.answer.arbitration, opened_.answer.transfer, 0};
     }
     cell[0] = state_.answers[k].value;
     step.windows |= static_cast<std::uint8_t>(1u << k);
@@ -166,8 +167,13 @@ void Engine::complete_port(Cycles at) {
 }
 
 void Engine::settle_answers() {
-  for (Answer& answer : state_.answers)
-    if (answer.given) settle_answer(std::exchange(answer, {}));
+  for (Answer& answer : state_.answers) {
+    if (!answer.given) continue;
+    settle_answer({answer.value, answer.arbitration, answer.transfer});
+    add(state_.causes, Cause::comm_port, answer.comm_port);
+    state_.cycle += answer.comm_port;
+    answer = {};
+  }
 }
 
 }  // namespace c40

@@ -1,4 +1,5 @@
-// Running blocks.
+// Running blocks. The functions of an access through a window are always inline: a frame for each would cost more than
+// what some of them do.
 #include <algorithm>
 #include <utility>
 
@@ -20,7 +21,7 @@ void Engine::leave(CodeBlock& block, InBlock in, std::size_t at) {
 }
 
 // `passes` passes of a repeated block are done: updates the state of the loop hardware.
-CodeBlock::Exit& Engine::end_repeat(CodeBlock& block, std::uint32_t passes) {
+[[gnu::always_inline]] inline CodeBlock::Exit& Engine::end_repeat(CodeBlock& block, std::uint32_t passes) {
   Core& core = state_.core;
   core.r[reg::RC] -= passes;
   CodeBlock::Exit& again = block.exits[1];
@@ -57,13 +58,13 @@ CodeBlock::Exit* Engine::run_repeated(CodeBlock& block, Cycles limit, Outcome& o
     if (outcome.exit > Exit::taken) [[unlikely]] {
       const std::uint32_t done = passes - 1 - core.loop_left;  // whole passes before the last one, which was left early
       core.r[reg::RC] -= done;
-      if (done != 0) cache_.fetch(block, 0, block.size);
+      if (done != 0) cache_.fetch(block);
       blocks_.count(block.exits[1], done);
       state_.cycle += done * block.exits[1].cycles;
       return nullptr;
     }
     if (core.loop_left == 0) {
-      cache_.fetch(block, 0, block.size);
+      cache_.fetch(block);
       return &end_repeat(block, passes);
     }
     --core.loop_left;
@@ -71,22 +72,28 @@ CodeBlock::Exit* Engine::run_repeated(CodeBlock& block, Cycles limit, Outcome& o
 }
 
 // Runs from an instruction on, as far as `budget` covers: cycles since the block's beginning.
-Outcome Engine::run_ops(CodeBlock& block, std::size_t from, Cycles budget) {
+[[gnu::always_inline]] inline Outcome Engine::run_ops(CodeBlock& block, std::size_t from, Cycles budget) {
   Core& core = state_.core;
   core.loop_left = 0;
-  if (block.last_start < budget) return block.ops[from].handler(core, &block.ops[from]);
+  if (block.last_start < budget) [[likely]]
+    return block.ops[from].handler(core, &block.ops[from]);
+  return run_some_ops(block, from, budget);
+}
+
+// The same for a budget that does not cover the whole block.
+Outcome Engine::run_some_ops(CodeBlock& block, std::size_t from, Cycles budget) {
   const auto begin = block.start.begin();
   const auto first = std::lower_bound(begin + static_cast<std::ptrdiff_t>(from),
                                       begin + static_cast<std::ptrdiff_t>(block.size), budget);
   const auto at = static_cast<std::size_t>(first - begin);
   const Handler handler = std::exchange(block.ops[at].handler, &execute::budget_end);
-  const Outcome outcome = block.ops[from].handler(core, &block.ops[from]);
+  const Outcome outcome = block.ops[from].handler(state_.core, &block.ops[from]);
   block.ops[at].handler = handler;
   return outcome;
 }
 
 // The rest of a block was run to its end. The count that run_blocks will add is for the whole block.
-inline CodeBlock::Exit& Engine::end_part(CodeBlock& block, InBlock in, const Outcome& outcome) {
+[[gnu::always_inline]] inline CodeBlock::Exit& Engine::end_part(CodeBlock& block, InBlock in, const Outcome& outcome) {
   cache_.fetch(block, in.seen, block.size);
   CodeBlock::Exit& exit = block.repeats ? end_repeat(block, 1) : block.exits[outcome.exit == Exit::taken];
   state_.cycle -= block.start[in.from];
@@ -106,15 +113,16 @@ inline const WindowAccess* Engine::open_window(const CodeBlock& block, std::size
 inline bool Engine::opens_answer(const CodeBlock& block, std::size_t at) {
   const WindowAccess* const window = open_window(block, at);
   if (window == nullptr) return false;
-  const Answer& answer = state_.answers[window->access];
-  if (!answer.given || !window->area->contains(answer.address)) return false;
-  opened_ = {window, access_.take_answer(window->access)};
+  const Answer& given = state_.answers[window->access];
+  if (!given.given || !window->area->contains(given.address)) return false;
+  const Answer answer = access_.take_answer(window->access);
+  opened_ = {window, answer.address, answer.write, {answer.value, answer.arbitration, answer.transfer}};
   return true;
 }
 
 // An access that an instruction could not do goes through a window, as during the recording. Either the access is
 // answered (opened_), or the chip stops before it (access_). False: neither.
-inline bool Engine::reach_window(CodeBlock& block, InBlock& in, const Outcome& outcome) {
+[[gnu::always_inline]] inline bool Engine::reach_window(CodeBlock& block, InBlock& in, const Outcome& outcome) {
   const Core& core = state_.core;
   const auto at = static_cast<std::size_t>(outcome.at - block.ops.data());
   const WindowAccess* const window = open_window(block, at);
@@ -123,6 +131,8 @@ inline bool Engine::reach_window(CodeBlock& block, InBlock& in, const Outcome& o
     return false;
   const bool write = core.miss_write;
   opened_.window = window;
+  opened_.address = core.miss_address;
+  opened_.write = write;
   ExternalAccess access{core.miss_address,
                         write,
                         window->interlocked,
@@ -146,37 +156,37 @@ inline bool Engine::reach_window(CodeBlock& block, InBlock& in, const Outcome& o
   return true;
 }
 
-// Executes the instruction whose access is answered, whatever the budget, and those after it.
-inline Outcome Engine::pass_window(CodeBlock& block, const InBlock& in, Cycles limit) {
+// Executes instruction `at`, whose access is answered, whatever the budget, and those after it.
+[[gnu::always_inline]] inline Outcome Engine::pass_window(CodeBlock& block, std::size_t at, Cycles limit) {
   const WindowAccess* const window = opened_.window;
-  const Answer& answer = opened_.answer;
   const std::size_t k = window->access;
-  Op& op = block.ops[in.from];
+  Op& op = block.ops[at];
   auto& cell = scratch_[k].cell;
-  cell = {answer.value};
-  op.access[k] = {cell.data(), answer.address, 1};
-  const Cycles waited = answer.waited(), here = block.start[in.from];
-  const Outcome outcome = run_ops(block, in.from, std::max(limit - state_.cycle - waited, Cycles{1}) + here);
+  cell = {opened_.answer.value};
+  op.access[k] = {cell.data(), opened_.address, 1};
+  const Cycles waited = opened_.answer.arbitration + opened_.answer.transfer, here = block.start[at];
+  const Outcome outcome = run_ops(block, at, std::max(limit - state_.cycle - waited, Cycles{1}) + here);
   op.access[k] = {};
   if (outcome.at == &op && outcome.exit > Exit::taken && outcome.exit != Exit::left_after) {
-    state_.answers[k] = answer;  // another access of the instruction failed its guard
+    state_.answers[k] = opened_.pending();  // another access of the instruction failed its guard
   } else {
     if (window->lock) state_.locked[window->area->resource == Resource::global] = *window->lock;
-    settle_answer(answer);
+    settle_answer(opened_.answer);
   }
   return outcome;
 }
 
 // The rest of a block from an instruction on that could not do an access. Null: the block was left, or the chip stops
 // before an access (access_).
-CodeBlock::Exit* Engine::pass_windows(CodeBlock& block, InBlock in, Outcome outcome, Cycles limit) {
+[[gnu::always_inline]] inline CodeBlock::Exit* Engine::pass_windows(CodeBlock& block, InBlock in, Outcome outcome,
+                                                                    Cycles limit) {
   while (outcome.exit > Exit::taken) {
     if (outcome.exit != Exit::miss || !reach_window(block, in, outcome)) {
       left_block(block, in, outcome);
       return nullptr;
     }
     if (access_.any()) return nullptr;
-    outcome = pass_window(block, in, limit);
+    outcome = pass_window(block, in.from, limit);
   }
   return &end_part(block, in, outcome);
 }
@@ -196,7 +206,7 @@ Engine::Stepped Engine::run_blocks(CodeBlock* block, std::size_t at, Cycles limi
   };
   bool on = true;
   if (access_.is_answered() && opens_answer(*block, at)) {
-    const Outcome ended = pass_window(*block, in, limit);
+    const Outcome ended = pass_window(*block, at, limit);
     exit = ended.exit <= Exit::taken ? &end_part(*block, in, ended) : pass_windows(*block, in, ended, limit);
     if (exit == nullptr) return access_.any() ? Stepped::external : Stepped::done;
     cycle = state_.cycle;
@@ -217,10 +227,10 @@ Engine::Stepped Engine::run_blocks(CodeBlock* block, std::size_t at, Cycles limi
       exit = nullptr;
       state_.cycle = cycle;
     } else if (in.from == 0 && block->last_start < limit - cycle && block->in_one_go && cache_.fits(*block)) {
-      if (block->repeats) core.loop_left = 0;
+      core.loop_left = 0;
       outcome = block->ops[0].handler(core, block->ops.data());
       if (outcome.exit <= Exit::taken) {
-        cache_.fetch(*block, 0, block->size);
+        cache_.fetch(*block);
         exit = block->repeats ? &end_repeat(*block, 1) : &block->exits[outcome.exit == Exit::taken];
       } else {
         exit = nullptr;

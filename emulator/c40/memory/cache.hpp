@@ -4,6 +4,8 @@
 /// runs until CC clears the cache.
 ///
 /// Inaccuracies: the fetches of the wrong path behind a branch are not modelled, so they load nothing.
+#include <emmintrin.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -59,8 +61,8 @@ class Cache {
     }
     const std::size_t first = address % segment_words;
     present_[s] |= (~0u >> (segment_words - words.size())) << first;
-    std::copy(words.begin(), words.end(), words_[s].begin() + first);
     if (order_[0] != s) move_to_front(s);
+    std::copy(words.begin(), words.end(), words_[s].begin() + first);
   }
 
   /// CC: clears all P flags; segment addresses and their order stay.
@@ -80,11 +82,13 @@ class Cache {
  private:
   static constexpr Address nowhere = ~Address{0};  // no segment begins here: a start address has 27 bits
 
-  // Written out, for it is asked about each block.
+  // The four segments are compared at once, for this is asked about each block.
   unsigned segment_of(Address address) const {
     static_assert(segment_count == 4);
-    const Address start = address >> 5;
-    return start_[0] == start ? 0 : start_[1] == start ? 1 : start_[2] == start ? 2 : start_[3] == start ? 3 : 4;
+    const __m128i starts = _mm_loadu_si128(reinterpret_cast<const __m128i*>(start_.data()));
+    const __m128i equal = _mm_cmpeq_epi32(starts, _mm_set1_epi32(static_cast<int>(address >> 5)));
+    const auto bits = static_cast<unsigned>(_mm_movemask_ps(_mm_castsi128_ps(equal)));
+    return static_cast<unsigned>(std::countr_zero(bits | 1u << segment_count));
   }
   void move_to_front(unsigned segment) {
     const auto newest = static_cast<std::uint8_t>(segment);

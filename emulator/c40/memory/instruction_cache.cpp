@@ -53,15 +53,16 @@ void InstructionCache::fetch_words(const CodeBlock& block, std::size_t from, std
     return;
   }
   ++version_;
-  const Word* const words = block.words.data() + from;
-  const std::size_t count = to - from, in_segment = Cache::segment_words - begin % Cache::segment_words;
-  state_.cache.load(begin, {words, std::min(count, in_segment)});
-  if (count > in_segment) load_rest(end, {words + in_segment, count - in_segment});
+  const std::span words{block.words.data() + from, to - from};
+  if (begin % Cache::segment_words + words.size() > Cache::segment_words) return load_two_segments(begin, words);
+  state_.cache.load(begin, words);
 }
 
-// The words before `end`; a block has at most as many as a segment, so they are in one.
-void InstructionCache::load_rest(Address end, std::span<const Word> words) {
-  state_.cache.load(end - static_cast<Address>(words.size()), words);
+// A block has at most as many words as a segment.
+void InstructionCache::load_two_segments(Address begin, std::span<const Word> words) {
+  const std::size_t in_first = Cache::segment_words - begin % Cache::segment_words;
+  state_.cache.load(begin, words.first(in_first));
+  state_.cache.load(begin + static_cast<Address>(in_first), words.subspan(in_first));
 }
 
 void InstructionCache::mark_code(Memory& memory) const {

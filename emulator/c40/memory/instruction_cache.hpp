@@ -41,10 +41,11 @@ class InstructionCache {
   void load(Address pc, Word word, const Memory::Area& area);
   /// The effect on the cache of fetching instructions [from, to) of a block.
   void fetch(const CodeBlock& block, std::size_t from, std::size_t to) {
-    if (!block.uses_cache || from == to || (block.key.mode & CodeBlockKey::frozen) != 0) return;
-    const Address begin = block.key.pc + static_cast<Address>(from), end = block.key.pc + static_cast<Address>(to);
-    if (!block.all_hits || !state_.cache.is_latest(begin) || !state_.cache.is_latest(end - 1))
-      fetch_words(block, from, to);
+    if (block.changes_cache && from != to) fetch_some(block, from, to);
+  }
+  /// The effect of fetching all of them.
+  void fetch(const CodeBlock& block) {
+    if (block.changes_cache) fetch_some(block, 0, block.size);
   }
   /// The cache holds the same of the block's words as when the block was recorded.
   bool fits(CodeBlock& block) const { return is_unchanged_for(block) || has_words_of(block); }
@@ -74,8 +75,13 @@ class InstructionCache {
   }
   void add_change(Cycles executed, Word control);
   bool has_words_of(CodeBlock& block) const;
+  void fetch_some(const CodeBlock& block, std::size_t from, std::size_t to) {
+    const Address begin = block.key.pc + static_cast<Address>(from), end = block.key.pc + static_cast<Address>(to);
+    if (!block.all_hits || !state_.cache.is_latest(begin) || !state_.cache.is_latest(end - 1))
+      fetch_words(block, from, to);
+  }
   void fetch_words(const CodeBlock& block, std::size_t from, std::size_t to);
-  [[gnu::noinline]] void load_rest(Address end, std::span<const Word> words);
+  [[gnu::noinline]] void load_two_segments(Address begin, std::span<const Word> words);
 
   State& state_;
   std::uint64_t version_ = 1;  ///< rises when a word is loaded or removed

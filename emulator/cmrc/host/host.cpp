@@ -170,7 +170,8 @@ void Host::begin_refresh() {
   grown_ = config_.scheduling.time_after_delay == TimeAfterDelay::one ? 1 : elapsed_;
   done_.clear();
   hung_.clear();
-  fields_ = processes_.sensors_to_read(tick_);
+  const std::vector<unsigned> agvs = processes_.sensors_to_read(tick_);
+  fields_.assign(agvs.begin(), agvs.end());
   step_ = Step::pointer;
   port_->read(words_.list_work_pointer, 1, 0);
 }

@@ -57,6 +57,7 @@ __extension__ using Wide = __int128;
 std::vector<std::int64_t> in_picoseconds(const CauseTimes& cycles, std::int64_t whole) {
   const std::int64_t total = std::accumulate(cycles.begin(), cycles.end(), std::int64_t{0});
   std::vector<std::int64_t> parts;
+  parts.reserve(cycles.size() + 2);  // with_clock adds two
   std::int64_t sum = 0, before = 0;
   for (const std::int64_t count : cycles) {
     sum += count;

@@ -345,8 +345,8 @@ void Processes::release(Robot robot, HostServices& services) {
   }
 }
 
-std::deque<unsigned> Processes::sensors_to_read(std::int64_t tick) {
-  std::deque<unsigned> agvs;
+std::vector<unsigned> Processes::sensors_to_read(std::int64_t tick) {
+  std::vector<unsigned> agvs;
   const std::int64_t before = std::exchange(read_until_, tick);
   for (unsigned agv = 0; agv < fleet_.size(); ++agv) {
     const bool watched = std::ranges::any_of(releases_, [&](const Release& release) {

@@ -6,7 +6,6 @@
 // the one with the lowest number does, unless another one replaces it. A crane's process to which an AGV's process
 // consents gets the AGV in the loading spot.
 #include <cstdint>
-#include <deque>
 #include <optional>
 #include <span>
 #include <string>
@@ -52,7 +51,7 @@ class Processes {
   /// The work of the crane and of every AGV is finished (processes 7 and 8 have ended).
   bool job_done() const;
   /// AGVs whose range sensors the host reads at this refresh.
-  std::deque<unsigned> sensors_to_read(std::int64_t tick);
+  std::vector<unsigned> sensors_to_read(std::int64_t tick);
   /// A reading: mm to the nearest echo in the vehicle's way.
   void seen(unsigned agv, Word millimetres);
   /// \param staggered the AGVs' releases by interval come at different refreshes, else at the same one

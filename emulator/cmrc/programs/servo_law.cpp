@@ -227,12 +227,15 @@ void ControlBlock::initial(const std::function<void(Word offset, Word value)>& p
   put(words_.cr_control, generation_);
 }
 
-void ControlBlock::change(const Config& config) { wanted_ = control_law(config.control, crane_); }
+void ControlBlock::change(const Config& config) {
+  wanted_ = control_law(config.control, crane_);
+  compare();
+}
 
-bool ControlBlock::pending() const { return now_.rows != wanted_.rows || now_.sway != wanted_.sway; }
+void ControlBlock::compare() { pending_ = now_.rows != wanted_.rows || now_.sway != wanted_.sway; }
 
 void ControlBlock::refresh(HostServices& services) {
-  if (!pending() || !seen_ || !services.servo_resting()) return;
+  if (!pending_ || !seen_ || !services.servo_resting()) return;
   std::vector<Word> block;
   Word changed = 0;
   for (std::size_t channel = 0; channel < control_channels; ++channel) {
@@ -246,6 +249,7 @@ void ControlBlock::refresh(HostServices& services) {
   // The joints that the sway terms move: slew and luff, or travel and trolley.
   if ((rests_ & 6U) == 6U && now_.sway != wanted_.sway) now_.sway = wanted_.sway, changed |= 0x20;
   if (changed == 0) return;
+  compare();
   for (const double value : now_.sway) block.push_back(ti_float(value));
   services.write(words_.cr_base + words_.cr_control_block, block);
   services.write(words_.cr_base + words_.cr_control, ++generation_);

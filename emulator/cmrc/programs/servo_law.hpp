@@ -74,18 +74,20 @@ class ControlBlock {
   void pid_ended(Word rests) { rests_ = rests, seen_ = true; }
   /// Writes what may be written now.
   void refresh(HostServices& services);
-  bool pending() const;
+  bool pending() const { return pending_; }
   void list_state(state::Visitor& list);
 
  private:
   std::vector<Word> row_words(std::size_t channel, double share_before) const;
+  void compare();
 
   const Words& words_;
   plant::CraneParameters crane_;
   ControlLaw now_, wanted_;
   Word generation_ = 1;
   Word rests_ = 0;
-  bool seen_ = false;  // PID has run since the last change
+  bool seen_ = false;     // PID has run since the last change
+  bool pending_ = false;  // now_ and wanted_ differ
 };
 
 }  // namespace cmrc

@@ -35,7 +35,9 @@ std::vector<std::string> job_causes() {
 
 CauseTimes job_causes(const machine::Machine& machine, unsigned slot) {
   const machine::Spent spent = machine.spent(slot);
-  CauseTimes all(spent.causes.begin(), spent.causes.end());
+  CauseTimes all;
+  all.reserve(spent.causes.size() + 2);
+  all.assign(spent.causes.begin(), spent.causes.end());
   all[arbitration] -= spent.window_b_arbitration;
   all[transfer] -= spent.window_b_transfer;
   all.insert(all.end(), {spent.window_b_arbitration, spent.window_b_transfer});

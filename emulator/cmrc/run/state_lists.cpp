@@ -181,6 +181,7 @@ void ControlBlock::list_state(state::Visitor& list) {
   list("generation", generation_);
   list("rests", rests_);
   list("seen", seen_);
+  if (list.loads()) compare();
 }
 
 void Liveness::list_state(state::Visitor& list) { list("slots", slots_); }

@@ -63,7 +63,7 @@ bool Guard::admits(unsigned slot, Offset offset, Word value, bool holds_list) {
   return in_area(shared_[*bound + tb_area_], offset) || refuse(slot, offset, value);
 }
 
-std::optional<Word> Guard::take_refusal(unsigned slot, Offset offset, Word value) {
+std::optional<Word> Guard::find_refusal(unsigned slot, Offset offset, Word value) {
   const auto found = std::find_if(refusals_.begin(), refusals_.end(), [&](const Refusal& refusal) {
     return refusal.slot == slot && refusal.offset == offset && refusal.value == value;
   });

@@ -28,7 +28,10 @@ class Guard {
   /// Whether a DSP may do this write to shared memory. \param holds_list it owns the list's semaphore
   bool admits(unsigned slot, Offset offset, Word value, bool holds_list);
   /// If the write that has just been reported was refused: the kind of the task, or `no_task`.
-  std::optional<Word> take_refusal(unsigned slot, Offset offset, Word value);
+  std::optional<Word> take_refusal(unsigned slot, Offset offset, Word value) {
+    if (refusals_.empty()) return std::nullopt;
+    return find_refusal(slot, offset, value);
+  }
   /// The DSP was reset or pulled out.
   void forget(unsigned slot) { bound_.at(slot).reset(); }
   void list_state(state::Visitor& list) {
@@ -50,6 +53,7 @@ class Guard {
     Word value, kind;
   };
   bool refuse(unsigned slot, Offset offset, Word value);
+  std::optional<Word> find_refusal(unsigned slot, Offset offset, Word value);
   Word kind(unsigned slot) const { return bound_.at(slot) ? shared_[*bound_[slot] + tb_kind_] : no_task; }
   bool in_area(Offset area, Offset offset) const;
 

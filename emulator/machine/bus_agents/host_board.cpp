@@ -8,12 +8,11 @@
 namespace machine {
 
 HostBoard::HostBoard(HostProgram& program, const Config& config, std::deque<pci::Bus>& buses,
-                     std::vector<BusRoute> routes, std::vector<Clock> bus_clocks, const SharedRegisters& registers,
-                     const LinkAdapter& adapter)
+                     const std::vector<BusRoute>& routes, std::vector<Clock> bus_clocks,
+                     const SharedRegisters& registers, const LinkAdapter& adapter)
     : program_{program},
       config_{config},
       buses_{buses},
-      routes_{std::move(routes)},
       clocks_{std::move(bus_clocks)},
       clock_{clocks_[config.topology.host.front()]},
       registers_{registers},
@@ -24,6 +23,8 @@ HostBoard::HostBoard(HostProgram& program, const Config& config, std::deque<pci:
   pci::MasterConfig master = config.host_master;
   master.first_level = true;
   for (const unsigned bus : config.topology.host) bridges_.emplace_back(buses[bus], master, config.host_bridge, *this);
+  for (const BusRoute& route : routes)
+    paths_.push_back({route, bridges_[route.port], clocks_[config.topology.host[route.port]]});
   waiting_.reserve(1024);
   words_read_.reserve(1024);
   set_next(Time{0});
@@ -92,12 +93,6 @@ Time HostBoard::next_bus_event() const {
   return next;
 }
 
-const BusRoute* HostBoard::route_of(Offset offset) const {
-  for (const BusRoute& route : routes_)
-    if (route.holds(offset)) return &route;
-  return nullptr;
-}
-
 bool HostBoard::blocked() const {
   return std::ranges::any_of(bridges_, [](const pci::Bridge& bridge) { return bridge.blocked(); });
 }
@@ -106,7 +101,7 @@ void HostBoard::require_answer(Offset offset, std::size_t words, bool write) con
   for (std::size_t i = 0; i < words; ++i) {
     const auto one = static_cast<Offset>(offset + i);
     const bool shared = one < SharedSram::size || registers_.answers(one, write, true) || adapter_.answers(one, write);
-    if (route_of(one) == nullptr || !(shared || one >= host_devices))
+    if (path_of(one) == nullptr || !(shared || one >= host_devices))
       throw std::out_of_range{
           fmt::format("the host {} offset {:X}h, where no device answers", write ? "writes to" : "reads from", one)};
   }
@@ -135,43 +130,45 @@ void HostBoard::write(Offset offset, std::span<const Word> words) {
   feed();
 }
 
-// Passes to the bridge what it accepts: writes in order, then the read.
+// Passes to the bridges what they accept: writes in order, then the read. A write that finds no room blocks the board.
 void HostBoard::feed() {
-  while (first_waiting_ < waiting_.size() && !blocked()) {
+  bool free = !blocked();
+  while (free && first_waiting_ < waiting_.size()) {
     pci::Posted posted = waiting_[first_waiting_++];
     cpu_ += config_.host_write_clocks;
-    const BusRoute& route = *route_of(posted.address);
-    posted.clock = clock_of(route).tick_at_or_after(clock_.at(cpu_));
-    written_ = static_cast<unsigned>(&route - routes_.data());
-    posted.address += route.shift;
-    bridges_[route.port].write(posted);
+    const Path& path = *path_of(posted.address);
+    posted.clock = path.clock.tick_at_or_after(clock_.at(cpu_));
+    written_ = static_cast<unsigned>(&path - paths_.data());
+    posted.address += path.route.shift;
+    path.bridge.write(posted);
+    free = !path.bridge.blocked();
   }
   if (first_waiting_ == waiting_.size()) {
     waiting_.clear();
     first_waiting_ = 0;
-    if (words_wanted_ != 0 && !blocked()) ask();
+    if (words_wanted_ != 0 && free) ask();
   }
 }
 
 void HostBoard::taken(pci::Clocks ready, pci::Clocks) {
-  cpu_ = std::max(cpu_, own_clock(routes_[written_], ready));
+  cpu_ = std::max(cpu_, own_clock(paths_[written_], ready));
   feed();
 }
 
 void HostBoard::ask() {
-  const BusRoute& route = *route_of(read_offset_);
-  bridges_[route.port].read(read_offset_ + route.shift, clock_of(route).tick_at_or_after(clock_.at(cpu_)));
+  const Path& path = *path_of(read_offset_);
+  path.bridge.read(read_offset_ + path.route.shift, path.clock.tick_at_or_after(clock_.at(cpu_)));
 }
 
 void HostBoard::answered(Word value, pci::Clocks ready, pci::Clocks, pci::Result) {
-  const BusRoute& route = *route_of(read_offset_);
-  cpu_ = std::max(cpu_, own_clock(route, ready));
+  const Path& path = *path_of(read_offset_);
+  cpu_ = std::max(cpu_, own_clock(path, ready));
   words_read_.push_back(value);
   read_offset_ += 1;
   if (words_read_.size() < words_wanted_) {
     ask();
   } else {
-    read_done_ = clock_of(route).at(ready);
+    read_done_ = path.clock.at(ready);
     next_ = std::max(paused_until_, std::min(next_, read_done_));
     changed();
   }

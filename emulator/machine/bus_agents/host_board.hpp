@@ -16,8 +16,9 @@ namespace machine {
 class HostBoard final : public Scheduler::Actor, public HostPort, public pci::Bridge::Client {
  public:
   /// Becomes the first master of its buses. `ways`: routes of offsets in HostPort's numbering.
-  HostBoard(HostProgram& program, const Config& config, std::deque<pci::Bus>& buses, std::vector<BusRoute> routes,
-            std::vector<Clock> bus_clocks, const SharedRegisters& registers, const LinkAdapter& adapter);
+  HostBoard(HostProgram& program, const Config& config, std::deque<pci::Bus>& buses,
+            const std::vector<BusRoute>& routes, std::vector<Clock> bus_clocks, const SharedRegisters& registers,
+            const LinkAdapter& adapter);
 
   Time next() const override { return next_; }
   void boot_requested(Time now) {
@@ -50,12 +51,21 @@ class HostBoard final : public Scheduler::Actor, public HostPort, public pci::Br
   void taken(pci::Clocks ready, pci::Clocks arbitration) override;
   void landed(const pci::Posted&, pci::Clocks, pci::Result) override {}
   void require_answer(Offset offset, std::size_t words, bool write) const;
-  const BusRoute* route_of(Offset offset) const;
+  /// A route, the bridge that leads there, and the clock of the bridge's bus.
+  struct Path {
+    BusRoute route;
+    pci::Bridge& bridge;
+    const Clock& clock;
+  };
+  const Path* path_of(Offset offset) const {
+    for (const Path& path : paths_)
+      if (path.route.holds(offset)) return &path;
+    return nullptr;
+  }
   bool blocked() const;
   Time next_bus_event() const;
-  const Clock& clock_of(const BusRoute& route) const { return clocks_[config_.topology.host[route.port]]; }
-  pci::Clocks own_clock(const BusRoute& route, pci::Clocks clock) const {
-    return clock_.tick_at_or_after(clock_of(route).at(clock));
+  pci::Clocks own_clock(const Path& path, pci::Clocks clock) const {
+    return clock_.tick_at_or_after(path.clock.at(clock));
   }
   void ask();
   void feed();
@@ -64,16 +74,16 @@ class HostBoard final : public Scheduler::Actor, public HostPort, public pci::Br
   HostProgram& program_;
   const Config& config_;
   std::deque<pci::Bus>& buses_;
-  std::vector<BusRoute> routes_;
   std::vector<Clock> clocks_;  // by bus
   Clock clock_;                // of the host's first bus: the host counts in this clock
   const SharedRegisters& registers_;
   const LinkAdapter& adapter_;
   std::deque<pci::Bridge> bridges_;  // by the host's buses
+  std::vector<Path> paths_;
   Time next_ = never;
   Time read_done_ = never;
   Time paused_until_{0};
-  unsigned written_ = 0;              // the number of the last write's route
+  unsigned written_ = 0;              // the number of the last write's path
   pci::Clocks cpu_ = 0;               // the processor issues its next access at this clock or later
   std::vector<pci::Posted> waiting_;  // writes that found the FIFO full
   std::size_t first_waiting_ = 0;

@@ -1,9 +1,12 @@
 #pragma once
 // The shared-memory board on bus A: 64 K words of SRAM, semaphores, the doorbell unit, fence and reset registers
 // (c40_programs/include/task_block.inc).
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -43,6 +46,11 @@ class SharedSram final : public pci::Target {
     if (watch_) [[unlikely]]
       watch_(offset, words_[offset], words_[offset], false, access);
     return words_[offset];
+  }
+  void read_burst(pci::Address offset, std::span<Word> words, pci::Access access, pci::Clocks step) override {
+    if (watch_) [[unlikely]]
+      return pci::Target::read_burst(offset, words, access, step);
+    std::copy_n(words_.begin() + static_cast<std::ptrdiff_t>(offset), words.size(), words.begin());
   }
   void write(pci::Address offset, Word value, const pci::Access& access) override;
   void set_guard(Guard& guard, const SharedRegisters& registers) { guard_ = &guard, registers_ = &registers; }

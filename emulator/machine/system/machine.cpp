@@ -168,7 +168,7 @@ Machine::Parts::Parts(Config given, const toolchain::Image& image, plant::Dock* 
   if (the_program != nullptr) {
     std::vector<BusRoute> host_ways = routes(config.topology.host, Window::a, 0);
     for (const BusRoute& route : routes(config.topology.host, Window::b, host_devices)) host_ways.push_back(route);
-    host.emplace(*the_program, config, buses, std::move(host_ways), bus_clocks, registers, adapter);
+    host.emplace(*the_program, config, buses, host_ways, bus_clocks, registers, adapter);
   } else {
     for (const unsigned bus : config.topology.host) buses[bus].add_master(config.host_master, nobody);
   }
