@@ -24,8 +24,8 @@ cmrc::Value to_value(const py::handle& value, const std::string& key) {
   if (py::isinstance<py::bool_>(value)) return value.cast<bool>();
   if (py::isinstance<py::str>(value)) return value.cast<std::string>();
   if (py::isinstance<py::float_>(value)) return value.cast<double>();
-  if (PyIndex_Check(value.ptr()) != 0) {  // int and NumPy's integers
-    const py::object index = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
+  // int and NumPy's integers; of an array Python finds out only now that it is none
+  if (const auto index = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()))) {
     try {
       return index.cast<std::int64_t>();
     } catch (const py::cast_error&) {
@@ -33,7 +33,10 @@ cmrc::Value to_value(const py::handle& value, const std::string& key) {
                               " does not fit 64 bits; a smaller integer is expected");
     }
   }
-  if (py::hasattr(value, "__float__")) return py::float_(py::reinterpret_borrow<py::object>(value)).cast<double>();
+  PyErr_Clear();
+  const double number = PyFloat_AsDouble(value.ptr());
+  if (PyErr_Occurred() == nullptr) return number;
+  PyErr_Clear();
   throw cmrc::ConfigError(key + ": " + std::string(py::str(py::type::of(value))) +
                           " cannot be used; a bool, int, float or str is expected");
 }
