@@ -31,13 +31,18 @@ def in_our_words(name: str, function: Function) -> Function:
         try:
             return function(*given, **keywords)
         except TypeError as error:
-            message = str(error)
-            if not _REFUSED.match(message) and "No constructor defined" not in message:
-                raise
-        raise TypeError(_message(name, message, given, keywords)) from None
+            raise reworded(name, error, given, keywords) from None
 
     del checked.__dict__["__wrapped__"]  # inspect cannot read the signature there
     return checked  # type: ignore[return-value]
+
+
+def reworded(name: str, error: TypeError, given: tuple[Any, ...], keywords: dict[str, Any]) -> TypeError:
+    """The error in our words, if the extension module has refused arguments; else the same error."""
+    message = str(error)
+    if not _REFUSED.match(message) and "No constructor defined" not in message:
+        return error
+    return TypeError(_message(name, message, given, keywords))
 
 
 def _message(name: str, message: str, given: tuple[Any, ...], keywords: dict[str, Any]) -> str:

@@ -300,6 +300,11 @@ CALLS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     "CraneEnv duration": (lambda: plant.CraneEnv([12.0, 16.0, 14.0], duration=None), W, "duration: None"),
     "CraneEnv.reset": (lambda: plant.CraneEnv([12.0, 16.0, 14.0]).reset(options=3), W, "options: 3 (int)"),
     "Crane.sensitivity": (lambda: plant.Crane().sensitivity([0.0] * 5, "x"), W, "seconds: 'x' (str)"),
+    "Crane.step": (
+        lambda: plant.Crane().step(numpy.zeros(5), "x"),
+        W,
+        "Crane.step: array([0., 0., 0., 0., 0.]) (ndarray), 'x' (str)",
+    ),
     "Agv.step": (lambda: plant.Agv().step("x", 0.0, 0.0, 0.01), W, "Agv.step: 'x' (str)"),
     "Recording.read": (lambda: page.Recording.read(3), W, "path: 3 (int)"),
     "Crane config": (lambda: plant.Crane(numpy.zeros(3)), W, "config: array([0., 0., 0.]) (ndarray)"),

@@ -7,7 +7,7 @@ import copyreg
 from typing import Any
 
 from cmrc import _core
-from cmrc.core_errors import class_in_our_words, in_our_words
+from cmrc.core_errors import class_in_our_words, in_our_words, reworded
 
 default_dock = in_our_words("default_dock", _core.plant.default_dock)
 """``default_dock(agv_count)``: the configuration of docs/plant.md; every value may be changed."""
@@ -115,7 +115,20 @@ for _name, _class in list(vars().items()):
         if issubclass(_class, Exception) or "__members__" in vars(_class):
             continue
         class_in_our_words(_class, _name)
+_step_crane = _core.plant.CraneAlone.step
+
+
+# A million steps are a usual number: a wrapper for any arguments would take an eighth of their time.
+def _step(self: Any, torques: Any, dt: Any) -> None:
+    try:
+        _step_crane(self, torques, dt)
+    except TypeError as error:
+        raise reworded("Crane.step", error, (self, torques, dt), {}) from None
+
+
 class_in_our_words(_core.plant.CraneAlone, "Crane")
+_step.__doc__ = _step_crane.__doc__
+_core.plant.CraneAlone.step = _step  # type: ignore[method-assign]
 class_in_our_words(_core.plant.AgvAlone, "Agv")
 for _class in _MADE_EMPTY:
     copyreg.pickle(_class, _reduce)
