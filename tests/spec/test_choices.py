@@ -10,7 +10,7 @@ from cmrc._core import c40, toolchain
 from locations import ROOT
 
 FIDELITY = (ROOT / "docs" / "fidelity.md").read_text()
-CHOICES = (ROOT / "emulator" / "c40" / "choices.hpp").read_text()
+CHOICES = (ROOT / "emulator" / "c40" / "instructions" / "choices.hpp").read_text()
 SOURCES = "\n".join(
     path.read_text()
     for room in ("c40", "isa")
