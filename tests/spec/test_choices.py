@@ -14,7 +14,7 @@ CHOICES = (ROOT / "emulator" / "c40" / "instructions" / "choices.hpp").read_text
 SOURCES = "\n".join(
     path.read_text()
     for room in ("c40", "isa")
-    for path in (ROOT / "emulator" / room).iterdir()
+    for path in (ROOT / "emulator" / room).rglob("*")
     if path.suffix in (".cpp", ".hpp")
 )
 
