@@ -118,7 +118,9 @@ def test_cuts_turn_orders_and_snapshots_change_nothing(programs: Path, tmp_path:
         return made
 
     whole = check_cuts_orders_and_snapshots(scene, rng, seed, 0.06, at, cuts=8)
-    assert whole["nets"][0]["edges"] > 3000
+    # DSP 0 gives an edge every 4 us from its first job on, which comes before 26 ms; not after a reset of its own.
+    until = at if seed % 2 == 0 else 0.06
+    assert whole["nets"][0]["edges"] >= (until - 0.026) / (PERIOD * CYCLE * 1e-12)
 
 
 def test_a_pin_resets_another_dsp(programs: Path, tmp_path: Path) -> None:
