@@ -113,7 +113,9 @@ def test_a_board_is_pulled_out_in_mid_transaction(tmp_path: Path) -> None:
 
 @pytest.mark.campaign
 def test_a_board_is_pulled_out_at_every_tenth_of_a_microsecond(tmp_path: Path) -> None:
-    check_all(((slot, at) for slot in (0, 1) for at in range(TICK, TICK + WORK, 101_111)), activities(tmp_path))
+    known = activities(tmp_path)
+    last = max(end for _, end, _, what in known if what == "B writes")  # the torques end a servo sample
+    check_all(((slot, at) for slot in (0, 1) for at in range(TICK, last, 101_111)), known)
 
 
 @pytest.mark.parametrize("policy", ["spin", "pause"])
