@@ -236,7 +236,9 @@ class Engine {
     Address address = 0;                   ///< in a block
     bool write = false;                    ///< in a block
     WindowAnswer answer;
-    Answer pending() const { return {true, write, address, answer.value, answer.arbitration, answer.transfer, 0}; }
+    Answer given(bool writes, Address at) const {
+      return {true, writes, at, answer.value, answer.arbitration, answer.transfer, 0};
+    }
   } opened_;
   std::array<Scratch, 2> scratch_{};  ///< used instead of a register or a window during one instruction
   Memory::OpenPages pages_;           ///< of the present step

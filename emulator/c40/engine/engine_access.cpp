@@ -118,8 +118,7 @@ Engine::Stepped Engine::resolve(Step& step) {
         return Stepped::external;
       }
       access_.forget();
-      state_.answers[k] = {
-          true, write, address, opened_.answer.value, opened_.answer.arbitration, opened_.answer.transfer, 0};
+      state_.answers[k] = opened_.given(write, address);
     }
     cell[0] = state_.answers[k].value;
     step.windows |= static_cast<std::uint8_t>(1u << k);

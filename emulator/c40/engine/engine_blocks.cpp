@@ -168,7 +168,8 @@ inline bool Engine::opens_answer(const CodeBlock& block, std::size_t at) {
   const Outcome outcome = run_ops(block, at, std::max(limit - state_.cycle - waited, Cycles{1}) + here);
   op.access[k] = {};
   if (outcome.at == &op && outcome.exit > Exit::taken && outcome.exit != Exit::left_after) {
-    state_.answers[k] = opened_.pending();  // another access of the instruction failed its guard
+    state_.answers[k] =
+        opened_.given(opened_.write, opened_.address);  // another access of the instruction failed its guard
   } else {
     if (window->lock) state_.locked[window->area->resource == Resource::global] = *window->lock;
     settle_answer(opened_.answer);
