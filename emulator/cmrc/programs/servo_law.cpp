@@ -11,10 +11,8 @@
 namespace cmrc {
 namespace {
 
-using Joint = Config::Control::Joint;
-
-double derivative_time(const Joint& joint) { return 2 * joint.damping / joint.bandwidth_rad_s; }
-double integral_time(const Joint& joint) {
+double derivative_time(const Config::Control::Joint& joint) { return 2 * joint.damping / joint.bandwidth_rad_s; }
+double integral_time(const Config::Control::Joint& joint) {
   return joint.integral_time_s > 0 ? joint.integral_time_s : 6 / joint.bandwidth_rad_s;
 }
 
@@ -44,7 +42,7 @@ std::array<double, 5> inertia(std::size_t channel, const plant::CraneParameters&
   }
 }
 
-const Joint& joint_of(const Config::Control& control, plant::CraneKind machine, std::size_t channel) {
+const Config::Control::Joint& joint_of(const Config::Control& control, plant::CraneKind machine, std::size_t channel) {
   const bool gantry = machine == plant::CraneKind::gantry;
   switch (channel) {
     case 0: return control.travel;
@@ -76,7 +74,7 @@ plant::CraneParameters crane_parameters(const Config& config) {
 
 std::vector<ControlJoint> control_joints(const Config::Control& control, const plant::CraneParameters& crane) {
   const bool gantry = crane.machine == plant::CraneKind::gantry;
-  const auto of = [&](const char* name, const char* unit, const Joint& joint, int drive) {
+  const auto of = [&](const char* name, const char* unit, const Config::Control::Joint& joint, int drive) {
     return ControlJoint{name, unit, &joint, &crane.drives.at(static_cast<std::size_t>(drive))};
   };
   std::vector<ControlJoint> all = {of("travel", "m_s", control.travel, 0)};
@@ -94,7 +92,7 @@ std::vector<ControlJoint> control_joints(const Config::Control& control, const p
 ControlLaw control_law(const Config::Control& control, const plant::CraneParameters& crane) {
   ControlLaw law;
   for (std::size_t channel = 0; channel < control_channels; ++channel) {
-    const Joint& joint = joint_of(control, crane.machine, channel);
+    const Config::Control::Joint& joint = joint_of(control, crane.machine, channel);
     const plant::DriveParameters& drive =
         crane.drives.at(static_cast<std::size_t>(plant::drive_channels(crane.machine).at(channel)));
     ControlLaw::Row& row = law.rows.at(channel);
@@ -130,7 +128,7 @@ std::array<Word, 7> speed_words(const Config::Control& c, plant::CraneKind machi
 }
 
 // State: place, speed and acceleration of the joint, then what PID keeps: P, D, the last error. Inertia 1, set-point 0.
-double loop_radius(const Joint& settings, double h, double lag) {
+double loop_radius(const Config::Control::Joint& settings, double h, double lag) {
   const double k = settings.bandwidth_rad_s * settings.bandwidth_rad_s, t_d = derivative_time(settings),
                t_i = integral_time(settings);
   const double n = settings.derivative_filter, filter = t_d / (t_d + n * h), decay = lag > 0 ? plant::exp(-h / lag) : 0;
@@ -164,12 +162,12 @@ double loop_radius(const Joint& settings, double h, double lag) {
 std::optional<ControlFault> control_fault(const Config& config, double period_s) {
   const plant::CraneParameters crane = crane_parameters(config);
   for (const ControlJoint& joint : control_joints(config.control, crane)) {
-    const Joint& s = *joint.settings;
+    const Config::Control::Joint& s = *joint.settings;
     const std::string table = "control." + joint.name + "_";
     if (const double radius = loop_radius(s, period_s, joint.drive->torque_lag); !(radius < 1)) {
       double low = 0, high = s.bandwidth_rad_s;
       for (int i = 0; i < 40; ++i) {
-        Joint tried = s;
+        Config::Control::Joint tried = s;
         tried.bandwidth_rad_s = (low + high) / 2;
         (loop_radius(tried, period_s, joint.drive->torque_lag) < 1 ? low : high) = tried.bandwidth_rad_s;
       }
