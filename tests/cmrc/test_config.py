@@ -92,6 +92,52 @@ def test_bad_input_is_named_with_its_place_and_remedy(toml: str, place: str, say
     assert says in message
 
 
+def test_all_errors_of_a_file_are_reported_in_the_order_of_their_lines() -> None:
+    """Keys of known and unknown tables, events, tasks, rows of processes: each part has its own error."""
+    message = error(
+        """preset = "bass"
+[run]
+seed = "one"
+[rate]
+servo_frequency_hz = 1e3
+[machine]
+dsps = 0
+slot = 4
+[[events]]
+time_s = 1
+[[events]]
+time_s = [1]
+[[tasks]]
+nam = "t"
+[[processes]]
+number = 0
+[[processes]]
+number = 1
+nmae = "x"
+[wnd]
+"""
+    )
+    assert [line.split(": ")[:2] for line in message.split("\n")] == [
+        ["dock.toml:1:10", "preset"],
+        ["dock.toml:3:8", "run.seed"],
+        ["dock.toml:5:1", "rate.servo_frequency_hz"],
+        ["dock.toml:7:8", "machine.dsps"],
+        ["dock.toml:8:1", "machine.slot"],
+        ["dock.toml:10:10", "events.time_s"],
+        ["dock.toml:12:10", "events.time_s"],
+        ["dock.toml:14:7", "tasks.nam"],
+        ["dock.toml:16:10", "processes.number"],
+        ["dock.toml:19:8", "processes.nmae"],
+        ["dock.toml:20:2", "wnd"],
+    ]
+
+
+def test_a_file_with_very_many_errors_is_not_read_to_its_end() -> None:
+    lines = error("[machine]\n" + "".join(f"wrong_{n} = 1\n" for n in range(1000))).split("\n")
+    assert len(lines) == 21
+    assert lines[-1] == "there may be more errors; the file was not read further"
+
+
 @pytest.mark.parametrize(
     ("toml", "key"),
     [

@@ -166,30 +166,39 @@ Value value_of(const toml::node& node, std::string_view key, const Origin& origi
   refuse(origin, key, "arrays, tables and dates are not used here", "a boolean, a number or a string is expected");
 }
 
-/// The tables of [[events]] or [[tasks]], as fields with their places.
-std::vector<std::pair<std::map<std::string, Field>, Origin>> tables_of(const toml::node& node, const std::string& kind,
-                                                                       const std::string& name) {
+/// Reads the tables of [[events]] or [[tasks]]: `read` gets the fields of each with their places.
+template <class Read>
+void each_table(const toml::node& node, const std::string& kind, const std::string& name, ConfigErrors& errors,
+                Read read) {
   const toml::array* list = node.as_array();
   if (list == nullptr || !list->is_homogeneous<toml::table>()) {
     refuse(origin_of(node.source(), name), kind, "is not a list of tables",
            fmt::format("[[{}]] begins each of them", kind));
   }
-  std::vector<std::pair<std::map<std::string, Field>, Origin>> all;
   for (const toml::node& element : *list) {
-    std::map<std::string, Field> fields;
-    for (const auto& [key, field] : *element.as_table()) {
-      const Origin origin = origin_of(field.source(), name);
-      fields[std::string(key.str())] = {value_of(field, kind + "." + std::string(key.str()), origin), origin};
-    }
-    all.emplace_back(std::move(fields), origin_of(element.source(), name));
+    const Origin place = origin_of(element.source(), name);
+    errors.attempt(place, [&] {
+      std::map<std::string, Field> fields;
+      for (const auto& [key, field] : *element.as_table()) {
+        const Origin origin = origin_of(field.source(), name);
+        fields[std::string(key.str())] = {value_of(field, kind + "." + std::string(key.str()), origin), origin};
+      }
+      read(fields, place);
+    });
   }
-  return all;
 }
 
 bool is_table(std::string_view key) {
   return std::any_of(keys().begin(), keys().end(), [&](const Key& known) {
     return known.name.size() > key.size() && known.name.starts_with(key) && known.name[key.size()] == '.';
   });
+}
+
+/// Whether it is a table with a key that is known in one other table.
+bool has_known_leaf(const toml::node& node) {
+  const toml::table* table = node.as_table();
+  return table != nullptr &&
+         std::any_of(table->begin(), table->end(), [](const auto& inner) { return find_leaf(inner.first.str()); });
 }
 
 void check_preset(std::string_view name, const Origin& origin) {
@@ -248,49 +257,45 @@ ConfigBuilder& ConfigBuilder::set(std::string_view key, const Value& value, cons
 }
 
 void ConfigBuilder::parse(std::string_view toml, const std::string& name, std::vector<Setting>& into) {
+  ConfigErrors errors;
   const auto walk = [&](const auto& self, const toml::table& table, const std::string& prefix) -> void {
-    for (const auto& [key, node] : table) {
-      const std::string full = prefix + std::string(key.str());
-      const Origin key_origin = origin_of(key.source(), name);
+    const auto read = [&](const std::string& full, const Origin& key_origin, const toml::node& node) {
+      const auto index = find(full);
+      const Origin origin = origin_of(node.source(), name);
       if (full == "preset" && node.is_string()) {
         file_preset_ = node.as_string()->get();
-        check_preset(*file_preset_, origin_of(node.source(), name));
-        continue;
-      }
-      if (node.is_table() && is_table(full)) {
+        check_preset(*file_preset_, origin);
+      } else if (node.is_table() && is_table(full)) {
         self(self, *node.as_table(), full + ".");
-        continue;
-      }
-      if (full == "events") {
-        for (const auto& [fields, where] : tables_of(node, full, name)) event(timed_event(fields, where));
-        continue;
-      }
-      if (full == "tasks") {
-        for (const auto& [fields, where] : tables_of(node, full, name)) tasks_.push_back(user_task(fields, where));
-        continue;
-      }
-      if (full == "processes" || full == "subprocesses") {
-        full == "processes" ? read_processes(node, name, processes_) : read_subprocesses(node, name, processes_);
-        continue;
-      }
-      const auto index = find(full);
-      if (!index) {
-        const toml::array* const list = node.as_array();
-        if (node.is_table() || (list != nullptr && list->is_homogeneous<toml::table>())) {
-          // A key of another table gives a better message than an unknown key.
-          if (node.is_table())
-            for (const auto& [inner, value] : *node.as_table())
-              if (find_leaf(inner.str())) self(self, *node.as_table(), full + ".");
-          refuse_table(key_origin, full);
-        }
+      } else if (full == "events") {
+        each_table(node, full, name, errors,
+                   [&](const auto& fields, const Origin& place) { event(timed_event(fields, place)); });
+      } else if (full == "tasks") {
+        each_table(node, full, name, errors,
+                   [&](const auto& fields, const Origin& place) { tasks_.push_back(user_task(fields, place)); });
+      } else if (full == "processes") {
+        read_processes(node, name, processes_, errors);
+      } else if (full == "subprocesses") {
+        read_subprocesses(node, name, processes_, errors);
+      } else if (index) {
+        into.push_back({*index, checked(keys()[*index], value_of(node, full, origin), origin), key_origin});
+      } else if (has_known_leaf(node)) {  // the errors of its keys say more than the error of the table
+        self(self, *node.as_table(), full + ".");
+      } else if (const toml::array* list = node.as_array();
+                 node.is_table() || (list != nullptr && list->is_homogeneous<toml::table>())) {
+        refuse_table(key_origin, full);
+      } else {
         refuse(key_origin, full, "no such key", right_key(full));
       }
-      const Origin origin = origin_of(node.source(), name);
-      into.push_back({*index, checked(keys()[*index], value_of(node, full, origin), origin), key_origin});
+    };
+    for (const auto& [key, node] : table) {
+      const Origin place = origin_of(key.source(), name);
+      errors.attempt(place, [&] { read(prefix + std::string(key.str()), place, node); });
     }
   };
   try {
     walk(walk, io::parse_toml(toml, name), "");
+    errors.finish();
   } catch (const toml::parse_error& error) {
     const Origin origin = origin_of(error.source(), name);
     throw ConfigError(fmt::format("{}: {}; valid TOML 1.0 is expected", origin.text(), error.description()));

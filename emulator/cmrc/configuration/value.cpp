@@ -1,6 +1,7 @@
 #include "cmrc/configuration/value.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "io/nearest.hpp"
 
@@ -33,6 +34,14 @@ void refuse(const Origin& origin, std::string_view key, std::string_view what, s
   const std::string at = origin.text();
   throw ConfigError(
       fmt::format("{}{}{}{}{}; {}", at, at.empty() ? "" : ": ", key, key.empty() ? "" : ": ", what, right));
+}
+
+void ConfigErrors::finish() const {
+  if (found_.empty()) return;
+  std::vector<std::string_view> lines;
+  for (const auto& [place, what] : found_) lines.push_back(what);
+  if (found_.size() == most) lines.push_back("there may be more errors; the file was not read further");
+  throw ConfigError(fmt::format("{}", fmt::join(lines, "\n")));
 }
 
 std::string show(const Value& value) {

@@ -1,9 +1,12 @@
 #pragma once
 // Values from the user, the places where they were given, and the error for a wrong value.
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -27,6 +30,27 @@ class ConfigError : public std::runtime_error {
 
 /// \throws ConfigError in this form
 [[noreturn]] void refuse(const Origin& origin, std::string_view key, std::string_view what, std::string_view right);
+
+/// The errors of one file. Its parts are read one after another, so that the user gets the errors of all of them.
+class ConfigErrors {
+ public:
+  /// Reads a part of the file, and keeps its ConfigError. After the first `most` errors nothing more is read.
+  template <class Read>
+  void attempt(const Origin& place, Read&& read) {
+    if (found_.size() == most) return;
+    try {
+      read();
+    } catch (const ConfigError& error) {
+      found_.emplace(std::pair(place.line, place.column), error.what());
+    }
+  }
+  /// \throws ConfigError with the kept errors in the order of their places, one in a line
+  void finish() const;
+
+ private:
+  static constexpr std::size_t most = 20;
+  std::multimap<std::pair<std::int64_t, std::int64_t>, std::string> found_;
+};
 
 /// The value as TOML.
 std::string show(const Value& value);

@@ -180,7 +180,8 @@ class Row {
 };
 
 template <typename Use>
-void for_each_row(const toml::node& node, const std::string& kind, const std::string& file, Use use) {
+void for_each_row(const toml::node& node, const std::string& kind, const std::string& file, ConfigErrors& errors,
+                  Use use) {
   const toml::array* rows = node.as_array();
   if (rows == nullptr || (!rows->empty() && !rows->is_homogeneous<toml::table>())) {
     const auto& begin = node.source().begin;
@@ -190,11 +191,13 @@ void for_each_row(const toml::node& node, const std::string& kind, const std::st
   std::vector<unsigned> seen;
   for (const toml::node& row : *rows) {
     Row fields(*row.as_table(), kind, file);
-    const auto read = use(fields);
-    if (std::find(seen.begin(), seen.end(), read) != seen.end()) {
-      refuse(fields.where(), kind + ".number", fmt::format("{} is given twice", read), "each row needs its own number");
-    }
-    seen.push_back(read);
+    errors.attempt(fields.where(), [&] {
+      const auto read = use(fields);
+      if (std::find(seen.begin(), seen.end(), read) != seen.end())
+        refuse(fields.where(), kind + ".number", fmt::format("{} is given twice", read),
+               "each row needs its own number");
+      seen.push_back(read);
+    });
   }
 }
 
@@ -214,8 +217,8 @@ std::string numbers_text(std::string_view field, const std::vector<unsigned>& nu
 
 }  // namespace
 
-void read_processes(const toml::node& rows, const std::string& name, ProcessTable& table) {
-  for_each_row(rows, "processes", name, [&](auto& fields) {
+void read_processes(const toml::node& rows, const std::string& name, ProcessTable& table, ConfigErrors& errors) {
+  for_each_row(rows, "processes", name, errors, [&](auto& fields) {
     static constexpr std::array<std::string_view, 2> notifiers = {"host", "task"};
     static constexpr std::string_view known[] = {"number", "name",     "robot",  "account", "subprocesses",
                                                  "steps",  "notify",   "must",   "may",     "initial",
@@ -243,8 +246,8 @@ void read_processes(const toml::node& rows, const std::string& name, ProcessTabl
   });
 }
 
-void read_subprocesses(const toml::node& rows, const std::string& name, ProcessTable& table) {
-  for_each_row(rows, "subprocesses", name, [&](auto& fields) {
+void read_subprocesses(const toml::node& rows, const std::string& name, ProcessTable& table, ConfigErrors& errors) {
+  for_each_row(rows, "subprocesses", name, errors, [&](auto& fields) {
     static constexpr std::string_view known[] = {
         "number", "name", "crane", "agv", "release", "must", "between_processes", "on_legs"};
     fields.all_known(known);

@@ -8,8 +8,9 @@
 
 namespace cmrc {
 
-/// Replaces the rows of the same numbers in `table`. \param name of the file \throws ConfigError
-void read_processes(const toml::node& rows, const std::string& name, ProcessTable& table);
-void read_subprocesses(const toml::node& rows, const std::string& name, ProcessTable& table);
+/// Replaces the rows of the same numbers in `table`. \param name of the file \param errors of the rows are added to it
+/// \throws ConfigError if there are no rows
+void read_processes(const toml::node& rows, const std::string& name, ProcessTable& table, ConfigErrors& errors);
+void read_subprocesses(const toml::node& rows, const std::string& name, ProcessTable& table, ConfigErrors& errors);
 
 }  // namespace cmrc

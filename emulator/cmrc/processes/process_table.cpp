@@ -299,8 +299,10 @@ const ProcessTable& built_in_processes() {
   static const ProcessTable table = [] {
     const toml::table rows = toml::parse(built_in_processes_text(), std::string_view("processes.toml"));
     ProcessTable read;
-    read_subprocesses(*rows.get("subprocesses"), "processes.toml", read);
-    read_processes(*rows.get("processes"), "processes.toml", read);
+    ConfigErrors errors;
+    read_subprocesses(*rows.get("subprocesses"), "processes.toml", read, errors);
+    read_processes(*rows.get("processes"), "processes.toml", read, errors);
+    errors.finish();
     return read;
   }();
   return table;
