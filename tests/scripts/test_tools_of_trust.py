@@ -1,11 +1,13 @@
-"""The tools behind docs/trust.md: what counts as a mutant, and what a line's coverage is made of."""
+"""The tools behind docs/trust.md: what counts as a mutant, what a line's coverage is made of, what clang-tidy reads."""
 
 from __future__ import annotations
 
 import importlib.machinery
 import importlib.util
 import itertools
+import json
 import sys
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -23,7 +25,7 @@ def script(name: str) -> ModuleType:
     return module
 
 
-mutants, coverage = script("mutants"), script("coverage")
+mutants, coverage, tidy = script("mutants"), script("coverage"), script("tidy")
 
 
 @pytest.mark.parametrize(("line", "expected"), [
@@ -78,3 +80,18 @@ def test_a_line_of_a_template_counts_when_any_instance_is_reached() -> None:
     assert record == {"lines": {"3": 4, "5": 0, "6": 2}, "branches": {"3": [1, 2]}}
     table = coverage.table({"emulator/isa/decode.cpp": record})
     assert "| `emulator/isa/` | 1 | 3 | 66.7 % | 2 | 100.0 % |" in table
+
+
+def test_clang_tidy_reads_groups_of_sources_and_no_source_that_the_build_generates(tmp_path: Path) -> None:
+    generated = ROOT / "build" / "c40_programs"
+    files = [ROOT / "plant" / "crane.cpp", generated / "image.cpp", generated / "Unity" / "unity_0_cxx.cxx"]
+    (tmp_path / "compile_commands.json").write_text(json.dumps([{"file": str(file)} for file in [*files, *files]]))
+    assert tidy.compiled(tmp_path) == ["build/c40_programs/Unity/unity_0_cxx.cxx", "plant/crane.cpp"]
+
+
+def test_a_path_without_a_source_is_an_error(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["tidy", "no/such/room"])
+    assert tidy.main() == 1
+    assert capsys.readouterr().err == "tidy: no source that build/ compiles has no/such/room in its path\n"
