@@ -9,6 +9,7 @@ from itertools import zip_longest
 from pathlib import Path
 
 import pytest
+from dealt import dealt
 from locations import BUILD, ROOT
 from spent import Spent
 
@@ -89,11 +90,18 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
             markers[place] = pytest.mark.parametrize(names, kept or cases, **mark.kwargs).mark
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def is_slow(item: pytest.Item) -> bool:
+    return item.nodeid.split("[")[0] in SLOW
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Marks as fast what is neither in tests/slow_tests.txt nor a campaign: `pytest -m fast`."""
     for item in items:
-        if item.nodeid.split("[")[0] not in SLOW and item.get_closest_marker("campaign") is None:
+        if not is_slow(item) and item.get_closest_marker("campaign") is None:
             item.add_marker(pytest.mark.fast)
+    workers = getattr(config, "workerinput", {"workercount": 1})["workercount"]
+    if workers > 1:
+        items[:] = dealt(items, workers, file_of=lambda item: item.path, is_slow=is_slow)
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:

@@ -66,6 +66,7 @@ def test_a_number_of_an_option_is_checked_as_its_key_is(run) -> None:
 USAGE = [
     (["exce", "p.out"], 'there is no command "exce"; config, limits, '),
     (["exce", "p.out"], 'are known, and without a command the dock runs; did you mean "exec"? (emulator --help lists commands and options)'),
+    (["sweep"], 'are known, and without a command the dock runs; python -m cmrc --help lists those of the Python package (emulator --help'),
     (["p.asm"], 'trace-diff, vectors are known, and without a command the dock runs; emulator exec runs a program (emulator --help'),
     (["--durations", "1"], '--durations: there is no such option; did you mean "--duration"? (emulator --help'),
     (["exec", "p.out", "--max-cycle=5"], '--max-cycle: there is no such option of emulator exec; did you mean "--max-cycles"? (emulator exec --help lists options)'),

@@ -67,10 +67,13 @@ std::string unexpected(const CLI::App& app, const CLI::App* command) {
   }
   if (command != nullptr) return fmt::format("\"{}\" was not expected", given);
   const std::vector<std::string> known = commands_of(app);
-  const bool is_file = given.find('.') != std::string::npos;
+  std::string meant = io::did_you_mean(given, known);
+  if (given.find('.') != std::string::npos)
+    meant = "; emulator exec runs a program";
+  else if (meant.empty())
+    meant = "; python -m cmrc --help lists those of the Python package";
   return fmt::format("there is no command \"{}\"; {} are known, and without a command the dock runs{}", given,
-                     fmt::join(known, ", "),
-                     is_file ? "; emulator exec runs a program" : io::did_you_mean(given, known));
+                     fmt::join(known, ", "), meant);
 }
 
 }  // namespace
