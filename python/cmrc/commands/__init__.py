@@ -3,20 +3,18 @@ functions of the package."""
 
 from __future__ import annotations
 
-import argparse
 import sys
 
 import cmrc
 from cmrc.commands import pages, signals, studies, sweeps
+from cmrc.commands.common import Parser
 
 
 def main(arguments: list[str] | None = None) -> int:
     """The command line. Returns 0; 1 as each command says; 2 for bad input; 130, 143 or 129 after a signal."""
     try:
         with signals.raised():
-            parser = argparse.ArgumentParser(
-                prog="cmrc", description="Shows runs of the emulator, and makes studies of many runs."
-            )
+            parser = Parser(prog="cmrc", description="Shows runs of the emulator, and makes studies of many runs.")
             parser.add_argument("--version", action="version", version=f"cmrc {cmrc.__version__}")
             commands = parser.add_subparsers(dest="command", required=True)
             for part in (pages, sweeps, studies):

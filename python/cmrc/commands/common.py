@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import difflib
 import math
+import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from cmrc import files
 from cmrc.commands import signals
@@ -16,6 +18,23 @@ from cmrc.simulation import ConfigError, Setting
 
 Commands = Any  # argparse gives it no public name
 MOST_POINTS = 1000
+
+
+class Parser(argparse.ArgumentParser):
+    """Wrong arguments become one line with the command's name, what would be right, and status 2."""
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
+        found, left = super().parse_known_args(args, namespace)
+        if left:
+            option = left[0].partition("=")[0]
+            known = [name for action in self._actions for name in action.option_strings]
+            near = difflib.get_close_matches(option, known, 1) if option.startswith("-") else []
+            self.error(f"{left[0]} was not expected{f'; did you mean {near[0]}?' if near else ''}")
+        return found, left
+
+    def error(self, message: str) -> NoReturn:
+        print(f"{self.prog}: {files.printable(message)} ({self.prog} --help lists options)", file=sys.stderr)
+        raise SystemExit(2)
 
 
 def command(
@@ -35,8 +54,7 @@ def status_of(name: str, do: Callable[[argparse.Namespace], int], given: argpars
     try:
         return do(given)
     except (OSError, ImportError, ConfigError, GridError, SweepError, ValueError, TypeError, KeyError) as error:
-        said = error.args[0] if isinstance(error, KeyError) and error.args else error
-        print(f"cmrc {name}: {files.printable(str(said))}", file=sys.stderr)
+        print(f"cmrc {name}: {files.printable(_words(error))}", file=sys.stderr)
         return 2
     except RuntimeError as error:
         print(f"cmrc {name}: {files.printable(str(error))}", file=sys.stderr)
@@ -44,6 +62,14 @@ def status_of(name: str, do: Callable[[argparse.Namespace], int], given: argpars
     except KeyboardInterrupt as stop:
         print(f"cmrc {name}: interrupted", file=sys.stderr)
         return signals.status(stop)
+
+
+def _words(error: Exception) -> str:
+    if isinstance(error, KeyError) and error.args:
+        return str(error.args[0])
+    if isinstance(error, OSError) and error.filename is not None and error.strerror:
+        return f"{os.fspath(error.filename)}: {error.strerror}"
+    return str(error)
 
 
 def setting(text: str) -> tuple[str, Setting]:
@@ -93,6 +119,12 @@ def output(option: str, path: str | Path | None) -> None:
         raise ValueError(f"{option}: {path}: there is no folder {folder}")
     if Path(path).is_dir():
         raise ValueError(f"{option}: {path}: is a folder; the name of a file is expected")
+
+
+def folder(option: str, path: str | Path) -> None:
+    """The same for a folder of outputs. Raises ValueError for a path that cannot become a folder."""
+    if Path(path).exists() and not Path(path).is_dir():
+        raise ValueError(f"{option}: {path}: is a file; the name of a folder is expected")
 
 
 def picture(option: str, path: str | Path | None) -> None:

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from cmrc import demo, events, files, page
-from cmrc.commands.common import Commands, command, output, picture, settings
+from cmrc.commands.common import Commands, command, folder, output, picture, settings
 from cmrc.progress import ProgressLine
 from cmrc.simulation import Setting, Simulation
 
@@ -44,6 +44,7 @@ def _settings(parser: argparse.ArgumentParser) -> None:
 
 
 def _demo(given: argparse.Namespace) -> int:
+    folder("--out", given.out)
     with ProgressLine("cmrc demo") as line, line.beating():
 
         def tell(text: str) -> None:

@@ -1,0 +1,39 @@
+"""``python -m cmrc``: wrong command lines are one line with the command's name, what would be right, and status 2."""
+
+from pathlib import Path
+
+import pytest
+from cmrc.__main__ import main
+
+
+@pytest.mark.parametrize(("given", "says"), [
+    (["sweep", "g.toml", "out"], "cmrc sweep: out was not expected (cmrc sweep --help lists options)"),
+    (["sweep", "g.toml", "--workrs=2"], "cmrc sweep: --workrs=2 was not expected; did you mean --workers? (cmrc sweep --help"),
+    (["sweep"], "cmrc sweep: the following arguments are required: FILE.toml (cmrc sweep --help lists options)"),
+    (["sweep", "g.toml", "--workers", "x"], "cmrc sweep: argument --workers: invalid int value: 'x' (cmrc sweep --help"),
+    (["swep"], "cmrc: argument command: invalid choice: 'swep' (choose from "),
+    ([], "cmrc: the following arguments are required: command (cmrc --help lists options)"),
+])  # fmt: skip
+def test_a_wrong_argument(given: list[str], says: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(given)
+    assert ended.value.code == 2
+    said = capsys.readouterr()
+    assert said.out == "" and said.err.startswith(says) and said.err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        (["diff", "a.json", "b.json"], "cmrc diff: a.json: No such file or directory\n"),
+        (["demo", "--out", "file"], "cmrc demo: --out: file: is a file; the name of a folder is expected\n"),
+    ],
+)
+def test_a_file_that_is_not_there_or_no_folder(
+    given: list[str], says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("file").write_text("kept")
+    assert main(given) == 2
+    assert capsys.readouterr() == ("", says)
+    assert [path.name for path in tmp_path.iterdir()] == ["file"] and Path("file").read_text() == "kept"
