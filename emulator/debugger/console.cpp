@@ -58,10 +58,13 @@ const std::vector<Console::Row>& Console::rows() {
        "",
        "the stop conditions, and how often each was met",
        [](Console& c, Words& w) { c.show_stops(w); }},
-      {{"delete"}, "NUMBER", "remove a stop condition", [](Console& c, Words& w) { c.forget(w); }},
+      {{"delete", "d"}, "NUMBER", "remove a stop condition", [](Console& c, Words& w) { c.forget(w); }},
       {{"enable"}, "NUMBER", "use a stop condition again", [](Console& c, Words& w) { c.enable(w); }},
       {{"disable"}, "NUMBER", "do not use a stop condition", [](Console& c, Words& w) { c.disable(w); }},
-      {{"continue", "c"}, "[TIME]", "run to the next stop, or to an instant", [](Console& c, Words& w) { c.go(w); }},
+      {{"continue", "c", "run"},
+       "[TIME]",
+       "run to the next stop, or to an instant",
+       [](Console& c, Words& w) { c.go(w); }},
       {{"back", "rc"}, "", "back to the last stop condition that was met", [](Console& c, Words& w) { c.back(w); }},
       {{"goto"},
        "TIME",
@@ -93,7 +96,7 @@ const std::vector<Console::Row>& Console::rows() {
        "EXPRESSION",
        "a value: r0, f(r1), [label + 2], chip1.pc, TIMER0.counter, plant.payload_z_m",
        [](Console& c, Words& w) { c.print_value(w); }},
-      {{"registers", "r"},
+      {{"registers", "r", "regs"},
        "",
        "all registers; * marks those changed by the last step",
        [](Console& c, Words& w) { c.show_registers(w); }},
@@ -106,7 +109,10 @@ const std::vector<Console::Row>& Console::rows() {
        "[PLACE]",
        "source or instructions, with the cycles by cause of their last run",
        [](Console& c, Words& w) { c.show_code(w); }},
-      {{"stack", "bt"}, "", "the calls of the present routine", [](Console& c, Words& w) { c.show_stack(w); }},
+      {{"stack", "bt", "backtrace"},
+       "",
+       "the calls of the present routine",
+       [](Console& c, Words& w) { c.show_stack(w); }},
       {{"page"},
        "NAME",
        "for the dock list, dsps, plant; for a network chips, events",
@@ -440,7 +446,7 @@ void Console::help(Words& words) {
   for (const Row& row : rows()) {
     std::string names(row.names.front());
     for (std::size_t i = 1; i < row.names.size(); ++i) names += fmt::format(", {}", row.names[i]);
-    print_(fmt::format("{:<14} {}\n{:<14} {}", names, row.arguments, "", row.purpose));
+    print_(fmt::format("{:<20} {}\n{:<20} {}", names, row.arguments, "", row.purpose));
   }
   print_("An empty line repeats the last step. Ctrl-C ends a running command. docs/debugger.md says more.");
 }

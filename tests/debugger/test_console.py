@@ -100,6 +100,14 @@ def test_commands_that_make_no_sense_say_what_would_be_right(
     assert done.returncode == 2 and "42 " not in done.stdout
 
 
+def test_words_that_other_debuggers_have(program: Path) -> None:
+    """`run`, `regs` and the like are the same commands."""
+    ours = debug(program, stdin="break add\ncontinue\nregisters\nstack\ndelete 1\nstops\n")
+    theirs = debug(program, stdin="b add\nrun\nregs\nbacktrace\nd 1\ninfo\n")
+    assert ours.returncode == 0 and "before add" in ours.stdout and "is not a command" not in ours.stdout
+    assert (theirs.returncode, theirs.stdout) == (0, ours.stdout)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
