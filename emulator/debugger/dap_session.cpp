@@ -221,8 +221,8 @@ void Session::tell_stop(const std::string& why) {
   const Stop& stop = core().stop();
   if (const std::string sent = shown_output_.news(core().debuggee().output()); !sent.empty()) output(sent, "stdout");
   if (stop.reason == Stop::Reason::over && why.empty()) {
-    if (!told_end_) output(stop.text + "\n", "stdout");
-    if (!std::exchange(told_end_, true) && stop_at_end_)
+    if (!reported_end_) output(stop.text + "\n", "stdout");
+    if (!std::exchange(reported_end_, true) && stop_at_end_)
       return event("stopped", {{"reason", "pause"},
                                {"description", "the run is over"},
                                {"text", stop.text},
@@ -231,7 +231,7 @@ void Session::tell_stop(const std::string& why) {
     event("exited", {{"exitCode", 0}});
     return event("terminated");
   }
-  told_end_ = false;
+  reported_end_ = false;
   std::string reason = why;
   if (reason.empty()) switch (stop.reason) {
       case Stop::Reason::breakpoint: reason = "breakpoint"; break;

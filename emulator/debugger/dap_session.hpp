@@ -107,7 +107,7 @@ class Session {
   std::unique_ptr<machine::debug::Debugger> own_;
   machine::debug::Debugger* debugger_ = nullptr;
   bool attached_ = false, configured_ = false, runs_ = false, over_ = false, terminates_ = false,
-       stop_on_entry_ = false, stop_at_end_ = false, told_end_ = false;
+       stop_on_entry_ = false, stop_at_end_ = false, reported_end_ = false;
   std::function<void()> after_;  ///< the answer has been sent
   std::int64_t sequence_ = 0;
   machine::debug::ShownOutput shown_output_;

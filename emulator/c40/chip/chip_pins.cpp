@@ -66,7 +66,7 @@ std::optional<Pin> Pins::contended() const {
 }
 
 void Pins::tell(Cycles at) {
-  state_.drives_told = at;
+  state_.drives_reported = at;
   for (std::size_t n = 0; n < pin_count; ++n) {
     if ((watched_ >> n & 1u) == 0) continue;
     const Drive drive = drive_of(static_cast<Pin>(n), at);
@@ -78,7 +78,7 @@ Cycles Pins::next_change() const {
   Cycles next = std::numeric_limits<Cycles>::max();
   for (const Pin pin : {Pin::tclk0, Pin::tclk1})
     if ((watched_ & bit(pin)) != 0)
-      next = std::min(next, state_.timers[number_of(pin)].next_change_of_pin(state_.drives_told));
+      next = std::min(next, state_.timers[number_of(pin)].next_change_of_pin(state_.drives_reported));
   return next;
 }
 

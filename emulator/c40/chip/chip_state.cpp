@@ -107,7 +107,7 @@ void State::list_state(state::Visitor& list) {
   list("iiof_driven", iiof_driven);
   list("nmi_low", nmi_low);
   list("drives", drives);
-  list("drives_told", drives_told);
+  list("drives_reported", drives_reported);
   list("held", held);
   list("faulted", faulted);
 }

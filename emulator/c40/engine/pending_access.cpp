@@ -44,7 +44,7 @@ void PendingAccess::list_state(state::Visitor& list) {
   list("port_access", port);
   list("held", held);
   bool reported = is_reported();
-  list("told", reported);
+  list("reported", reported);
   if (!list.loads()) return;
   kind_ = window_slot < no_slot ? Kind::window : port_slot < no_slot ? Kind::port : Kind::none;
   slot_ = at_window() ? window_slot : at_port() ? port_slot : no_slot;

@@ -53,7 +53,7 @@ struct State {
       0;  ///< Bit n: the outside has driven IIOFn; the board's tied level does not count any more.
   bool nmi_low = false;
   std::array<Drive, pin_count> drives{};  ///< of watched outputs, as last reported
-  Cycles drives_told = 0;                 ///< up to this cycle
+  Cycles drives_reported = 0;             ///< up to this cycle
   bool held = false;                      ///< In reset.
   bool faulted = false;
 

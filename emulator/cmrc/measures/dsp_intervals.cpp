@@ -9,7 +9,7 @@ namespace {
 
 // A change of a DSP's state is reported within a millisecond of its time; a delay that is older belongs to the known
 // state.
-constexpr Time told_within = std::chrono::milliseconds{1};
+constexpr Time reported_within = std::chrono::milliseconds{1};
 
 }  // namespace
 
@@ -85,7 +85,7 @@ void DspIntervals::lose_block(Lane& of, report::Run::End end, Time at) {
 void DspIntervals::wait(Lane& of, const Wait& wait) {
   if (wait.from >= wait.to || !of.begun) return;
   // Limits memory: a long block may wait a million times.
-  if (of.waits.size() > 4096) book_waits(of, wait.from - told_within);
+  if (of.waits.size() > 4096) book_waits(of, wait.from - reported_within);
   of.waits.push_back(wait);
 }
 

@@ -125,7 +125,7 @@ bool CraneSteps::ramp(double delta, HostServices& services) {
   ramp_offset_ += delta;
   ramp_end_ = begin + duration;
   // For comparisons of runs a ramp in two parts is one ramp.
-  ramp_told_ = hovering_;
+  ramp_reported_ = hovering_;
   if (!low_) services.milestone(0, Milestone::Kind::ramp_begun, 0, services.tick() + 2 * job_.servo_interval);
   return true;
 }
@@ -307,8 +307,8 @@ void CraneSteps::pid_finished(const Task& done, Word result, HostServices& servi
   pid_.ramp_done = (result & words_.pid_ramp_done) != 0;
   pid_.windy = (result & words_.pid_windy) != 0;
   pid_.steady = (result & words_.pid_steady) != 0;
-  if (!ramp_told_ && ramp_done(services)) {
-    ramp_told_ = true;
+  if (!ramp_reported_ && ramp_done(services)) {
+    ramp_reported_ = true;
     services.milestone(0, Milestone::Kind::ramp_ended, 0, pid_.tick);
   }
   // The count is 16 bits wide; the host has the upper bits.

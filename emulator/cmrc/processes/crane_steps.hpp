@@ -122,7 +122,7 @@ class CraneSteps {
   bool freed_ = false;          // since lifting, the corner switches have closed, or the rope has carried the load
   bool too_windy_ = false;
   bool ramp_pending_ = false;
-  bool ramp_told_ = true;
+  bool ramp_reported_ = true;
   bool retrying_ = false;
   Phase phase_ = Phase::down;
   std::int64_t missed_ = 0;    // missed landings in a row

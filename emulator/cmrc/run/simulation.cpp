@@ -198,7 +198,7 @@ report::RunReport Simulation::report() const {
 }
 
 report::RunReport Simulation::report_so_far() {
-  parts_->told_all = !ended();
+  parts_->reported_all = !ended();
   parts_->log.flush();
   try {
     return report();

@@ -80,7 +80,7 @@ void Simulation::Parts::list_state(state::Visitor& list) {
 }
 
 void Simulation::Parts::measure_anew() {
-  told_all = false;
+  reported_all = false;
   ideal.measure_anew();
 }
 
@@ -118,7 +118,7 @@ void Simulation::Parts::connect_traces() {
 }
 
 void Simulation::Parts::require_more_to_come(const char* call) const {
-  if (told_all)
+  if (reported_all)
     throw std::logic_error(
         fmt::format("Simulation::{}: report_so_far has ended the run; Simulation::report leaves it as it is", call));
 }

@@ -76,7 +76,7 @@ class Simulation::Parts {
   std::map<unsigned, c40::TraceSink*> traces;
   std::optional<RunProfile> profile;
   RunWatchers watchers;
-  bool told_all = false;  // the order of events is settled further than is certain
+  bool reported_all = false;  // the order of events is settled further than is certain
 };
 
 }  // namespace cmrc

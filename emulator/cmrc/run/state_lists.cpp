@@ -34,9 +34,9 @@ void PointChain::list_state(state::Visitor& list) {
   list("ended", ended_);
   list("active", active_);
   list("begun_at", begun_at_);
-  list("told", reported_);
-  list("begin_told", begin_reported_);
-  list("end_told", end_reported_);
+  list("reported", reported_);
+  list("begin_reported", begin_reported_);
+  list("end_reported", end_reported_);
   list("abandoned", abandoned_);
 }
 
@@ -62,7 +62,7 @@ void CraneSteps::list_state(state::Visitor& list) {
   list("freed", freed_);
   list("too_windy", too_windy_);
   list("ramp_pending", ramp_pending_);
-  list("ramp_told", ramp_told_);
+  list("ramp_reported", ramp_reported_);
   list("retrying", retrying_);
   list("phase", phase_);
   list("missed", missed_);

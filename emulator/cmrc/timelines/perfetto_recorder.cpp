@@ -203,9 +203,9 @@ void PerfettoRecorder::refreshed(const RefreshTimes& times, Time end, std::size_
   if (!within(times.began, end)) return;
   trace_.begin(refreshes_, times.began, "refresh");
   trace_.end(refreshes_, end);
-  if (length_told_ == blocks) return;
+  if (length_reported_ == blocks) return;
   trace_.count(list_length_, end, static_cast<std::int64_t>(blocks));
-  length_told_ = blocks;
+  length_reported_ = blocks;
 }
 
 // ---- processes and events ----

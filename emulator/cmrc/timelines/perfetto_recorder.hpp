@@ -43,7 +43,7 @@ class PerfettoRecorder final : public report::EventSink, private RunWatcher, pri
     Trace::Track track;
     std::optional<Trace::Track> waits{};
     std::array<std::int64_t, held_up_count> held_up{};  // of its executive, since it woke up
-    Time waits_told{};
+    Time waits_reported{};
   };
 
   // RunWatcher
@@ -88,7 +88,7 @@ class PerfettoRecorder final : public report::EventSink, private RunWatcher, pri
   Trace::Track refreshes_ = 0, list_length_ = 0;
   std::optional<Trace::Track> list_owner_;
   std::optional<std::pair<unsigned, Time>> owns_list_;
-  std::optional<std::size_t> length_told_;
+  std::optional<std::size_t> length_reported_;
   PerfettoBuses buses_;
   Trace::Track processes_group_;
   std::map<std::uint32_t, PerfettoLanes> processes_;  // by robot
