@@ -76,7 +76,7 @@ FIXED = (
     "memory.flat_pages",
 )
 # Of accesses that are not waited for, nothing is kept.
-LEFT_OVER = ("access.", "port_access.", "held", "told")
+LEFT_OVER = ("access.", "port_access.", "held", "reported")
 
 
 def test_every_value_that_is_saved_is_loaded(tmp_path):

@@ -115,7 +115,7 @@ NO_NUMBERS = (
     ".access.",
     ".port_access.",
     "chip.held",
-    "chip.told",
+    "chip.reported",
 )
 
 

@@ -16,10 +16,12 @@ def main(arguments: list[str] | None = None) -> int:
         with signals.raised():
             parser = Parser(prog="cmrc", description="Shows runs of the emulator, and makes studies of many runs.")
             parser.add_argument("--version", action="version", version=f"cmrc {cmrc.__version__}")
-            commands = parser.add_subparsers(dest="command", required=True)
+            commands = parser.add_subparsers(dest="command")
             for part in (pages, sweeps, studies):
                 part.add(commands)
             given = parser.parse_args(arguments)
+            if given.command is None:
+                parser.error(f"a command is expected: {', '.join(commands.choices)}")
             return int(given.do(given))
     except KeyboardInterrupt as stop:
         print("cmrc: interrupted", file=sys.stderr)
