@@ -95,8 +95,12 @@ def is_slow(item: pytest.Item) -> bool:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Marks as fast what is neither in tests/slow_tests.txt nor a campaign: `pytest -m fast`."""
+    """Marks as fast what is neither in tests/slow_tests.txt nor a campaign: `pytest -m fast`. Skips what the sanitizers
+    cannot run."""
+    sanitized = "libasan" in os.environ.get("LD_PRELOAD", "")
     for item in items:
+        if sanitized and item.get_closest_marker("unsanitized") is not None:
+            item.add_marker(pytest.mark.skip(reason="says nothing under the sanitizers (scripts/trust)"))
         if not is_slow(item) and item.get_closest_marker("campaign") is None:
             item.add_marker(pytest.mark.fast)
     workers = getattr(config, "workerinput", {"workercount": 1})["workercount"]

@@ -32,6 +32,7 @@ def bounded() -> None:
     ["vectors", "/dev/zero"],
     ["trace-diff", "/dev/zero", "/dev/zero"],
 ], ids=lambda command: " ".join(command))  # fmt: skip
+@pytest.mark.unsanitized
 def test_a_file_without_an_end_is_refused(command: list[str], emulator: Path, tmp_path: Path) -> None:
     for name in ("endless.toml", "endless.asm", "endless.hex"):
         (tmp_path / name).symlink_to("/dev/zero")

@@ -336,6 +336,7 @@ def without_nameless_files(tmp_path_factory: pytest.TempPathFactory) -> dict[str
 
 
 @pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
+@pytest.mark.unsanitized
 def test_a_second_signal_ends_at_once_and_leaves_no_file(
     folder: Path, without_nameless_files: dict[str, str], number: signal.Signals
 ) -> None:
@@ -362,6 +363,7 @@ def test_a_second_signal_ends_at_once_and_leaves_no_file(
         assert running.new_files() == set()
 
 
+@pytest.mark.unsanitized
 def test_a_first_signal_outside_the_work_leaves_no_file(folder: Path, without_nameless_files: dict[str, str]) -> None:
     """One output is open. The other is a pipe: the program waits until a reader opens it."""
     os.mkfifo(folder / "t")

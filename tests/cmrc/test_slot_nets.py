@@ -64,6 +64,38 @@ resets_end:
         ldi     r2, r0
         ldi     0, r1
         rets
+kernel_pulls:
+        ldi     *ar6, r2
+        addi    1, r2
+        sti     r2, *ar6
+        mpyi    37, r2                  ; the pin goes low at another instant of each job
+        and     1ffh, r2
+        or      20h, iif
+        or      40h, iif
+pulls_high:
+        subi    1, r2
+        bnn     pulls_high
+        andn    40h, iif
+        ldi     32, r2
+pulls_low:
+        subi    1, r2
+        bnn     pulls_low
+        or      40h, iif
+        ldi     0, r0
+        ldi     0, r1
+        rets
+kernel_writes:
+        ldi     300, r2
+writes_on:
+        ldi     *ar6, r3
+        addi    1, r3
+        sti     r3, *ar6
+        sti     r3, *+ar6(1)
+        subi    1, r2
+        bnn     writes_on
+        ldi     0, r0
+        ldi     0, r1
+        rets
 """
 PERIOD, CYCLE = 100, 40_000  # ticks of two cycles; ps at 25 MHz
 NETS = "pulses: 0.TCLK0>1.TCLK1, flag: 0.IIOF1>1.IIOF2"
@@ -77,16 +109,22 @@ def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return directory
 
 
-def rows(*names: str) -> list[dict[str, Any]]:
-    common = {"importance": 0x7000, "period_ms": 5, "deadline_ms": 4, "argument": PERIOD}
+def rows(*names: str, period_ms: int = 5) -> list[dict[str, Any]]:
+    common = {"importance": 0x7000, "period_ms": period_ms, "deadline_ms": min(4, period_ms), "argument": PERIOD}
     return [common | {"name": name, "program": f"kernel_{name}", "dsp": dsp} for dsp, name in enumerate(names)]
 
 
 def simulation(
-    programs: Path, tmp_path: Path, *names: str, nets: str = NETS, duration_s: float = 0.1, **settings: Any
+    programs: Path,
+    tmp_path: Path,
+    *names: str,
+    nets: str = NETS,
+    duration_s: float = 0.1,
+    period_ms: int = 5,
+    **settings: Any,
 ) -> cmrc.Simulation:
     config = tmp_path / "nets.toml"
-    config.write_text(toml_of(rows(*(names or ("gives", "takes")))))
+    config.write_text(toml_of(rows(*(names or ("gives", "takes")), period_ms=period_ms)))
     given = {"machine.programs": str(programs), "machine.nets": nets, "report.reference": "none", **settings}
     return cmrc.Simulation(config=config, dsps=2, duration_s=duration_s, settings=given)
 
@@ -131,6 +169,23 @@ def test_a_pin_resets_another_dsp(programs: Path, tmp_path: Path) -> None:
     # continue.
     _first, by_pin, last = report["dsps"][1]["boots"]
     assert len(report["dsps"][0]["boots"]) == 1 and by_pin["reset_at_s"] > 0.02 and last["boot_s"] is not None
+
+
+def test_a_pin_resets_another_dsp_at_many_instants_of_its_accesses(programs: Path, tmp_path: Path) -> None:
+    def scene(order: int) -> cmrc.Simulation:
+        return simulation(
+            programs,
+            tmp_path,
+            "pulls",
+            "writes",
+            nets="reset: 0.IIOF1>1.RESET",
+            duration_s=0.04,
+            period_ms=1,
+            **{"run.turn_order": order},
+        )
+
+    whole = check_cuts_orders_and_snapshots(scene, random.Random(7), 7, 0.04, 0.03, cuts=20)
+    assert whole["nets"][0]["edges"] > 24 and len(whole["dsps"][1]["boots"]) > 12
 
 
 def test_nets_that_are_not_used_change_nothing(tmp_path: Path) -> None:

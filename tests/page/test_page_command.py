@@ -97,6 +97,7 @@ def test_bad_input_is_reported_and_nothing_is_written(
     assert sorted(path.name for path in folder.iterdir()) == before
 
 
+@pytest.mark.unsanitized
 def test_it_runs_as_a_module() -> None:
     helped = subprocess.run(
         [sys.executable, "-m", "cmrc"],

@@ -10,7 +10,7 @@ from browser import Tab, opened
 from cmrc.page import Recording
 from page_runs import recorded
 
-pytestmark = pytest.mark.xdist_group("browser")
+pytestmark = [pytest.mark.xdist_group("browser"), pytest.mark.unsanitized]
 
 SHOOT = """name => {
   const picture = page.dock.picture(), copy = document.createElement("canvas");

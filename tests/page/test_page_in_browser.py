@@ -13,7 +13,7 @@ from cmrc.page import Recording
 from locations import ROOT
 from page_runs import HOSTILE, KILLED_AT_S
 
-pytestmark = pytest.mark.xdist_group("browser")
+pytestmark = [pytest.mark.xdist_group("browser"), pytest.mark.unsanitized]
 
 
 def misses(recording: Recording) -> list[tuple[float, str]]:

@@ -19,6 +19,7 @@ HEAVY = (
 """Packages that a single run must not load."""
 
 
+@pytest.mark.unsanitized
 def test_the_import_brings_no_heavy_package() -> None:
     code = f"import sys, cmrc; print([name for name in {HEAVY!r} if name in sys.modules])"
     env = {"PYTHONPATH": str(Path(cmrc.__file__).parent.parent)}
@@ -47,6 +48,7 @@ def test_a_package_without_its_extension_says_so(tmp_path: Path) -> None:
     assert "has no extension module _core for this Python (cpython-" in done.stderr
 
 
+@pytest.mark.unsanitized
 def test_an_installed_tree_runs(tmp_path: Path) -> None:
     cmake = shutil.which("cmake")
     if cmake is None:

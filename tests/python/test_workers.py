@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import cmrc
+import pytest
 
 POOL = """
 import multiprocessing, time
@@ -17,6 +18,7 @@ print("left")
 """
 
 
+@pytest.mark.unsanitized
 def test_a_pool_that_is_left_ends_its_workers_without_a_traceback() -> None:
     env = {"PYTHONPATH": str(Path(cmrc.__file__).parent.parent)}
     done = subprocess.run(

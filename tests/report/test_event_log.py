@@ -117,6 +117,7 @@ def test_text_of_events() -> None:
     )
 
 
+@pytest.mark.unsanitized
 def test_hashing_keeps_up_with_a_run() -> None:
     """300 000 events per simulated second cost less than 1.5 s of the 30 s that 60 simulated seconds may take."""
     events = 1_800_000

@@ -14,6 +14,7 @@ needs_valgrind = pytest.mark.skipif(
 
 
 @needs_valgrind
+@pytest.mark.unsanitized
 def test_the_kernels_cost_no_more_than_before() -> None:
     done = subprocess.run([*COSTS, "--quick", "--check"], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr

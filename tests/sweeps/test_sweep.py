@@ -161,6 +161,7 @@ def test_the_key_is_over_the_files_and_not_their_names(tmp_path: Path) -> None:
     assert key(one) == key(same) != key(other)
 
 
+@pytest.mark.unsanitized
 def test_a_run_that_ends_its_process_three_times_is_a_failure_and_no_other_run_suffers(tmp_path: Path) -> None:
     marks = tmp_path / "marks"
     marks.mkdir()

@@ -100,8 +100,7 @@ void Dsp::run_ahead(Time until) {
 // A chip whose ports can interrupt it, or move its DMA, follows its link step by step; so does a chip with a net at its
 // pins.
 c40::Cycles Dsp::limit_by_links(c40::Cycles far) const {
-  Time reach = never;
-  for (const Net* net : nets_in_) reach = std::min(reach, net->reaches(slot_));
+  Time reach = nets_reach();
   if (!chip_.watches_ports()) return std::min(far, reach == never ? far : clock_.tick_at_or_after(reach));
   const Time own = clock_.at(chip_.settled());  // effects of its own DMA come back over the link, too
   for (const Wire& wire : wires_) {
@@ -117,7 +116,7 @@ c40::Cycles Dsp::limit_by_links(c40::Cycles far) const {
 void Dsp::run(Time until) {
   state_ = State::running;
   dma_waits_ = false;
-  run_end_ = std::min({until, edge_, reset_});
+  run_end_ = std::min({until, edge_, reset_, nets_reach()});
   run_chip(chip_);
 }
 

@@ -35,6 +35,12 @@ Time Dsp::next_pin_event() const {
   return event == std::numeric_limits<c40::Cycles>::max() ? never : clock_.at(event);
 }
 
+Time Dsp::earliest_of_nets() const {
+  Time reach = never;
+  for (const Net* net : nets_in_) reach = std::min(reach, net->reaches(slot_));
+  return reach;
+}
+
 Time Dsp::drives_from() const {
   if (state_ == State::running) return clock_.at(chip_.settled());
   return std::min(next_pin_event(), context_.scheduler.earliest());
