@@ -116,7 +116,9 @@ c40::Cycles Dsp::limit_by_links(c40::Cycles far) const {
 void Dsp::run(Time until) {
   state_ = State::running;
   dma_waits_ = false;
-  run_end_ = std::min({until, edge_, reset_, nets_reach()});
+  run_end_ = std::min({until, edge_, reset_});
+  if (!nets_in_.empty()) [[unlikely]]
+    run_end_ = std::min(run_end_, nets_reach());
   run_chip(chip_);
 }
 

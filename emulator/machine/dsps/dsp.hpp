@@ -191,8 +191,7 @@ class Dsp final : public Scheduler::Processor,
   void driven(c40::Pin pin, c40::Drive drive, c40::Cycles at) override;
   Time next_pin_event() const;
   /// The first instant at which a net may change a pin of the board.
-  Time nets_reach() const { return nets_in_.empty() ? never : earliest_of_nets(); }
-  Time earliest_of_nets() const;
+  Time nets_reach() const;
   Time next_of_links_and_pins() const;
   bool in_access() const {
     return state_ == State::access || state_ == State::port || state_ == State::blocked || state_ == State::resuming;

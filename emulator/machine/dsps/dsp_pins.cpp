@@ -35,7 +35,7 @@ Time Dsp::next_pin_event() const {
   return event == std::numeric_limits<c40::Cycles>::max() ? never : clock_.at(event);
 }
 
-Time Dsp::earliest_of_nets() const {
+Time Dsp::nets_reach() const {
   Time reach = never;
   for (const Net* net : nets_in_) reach = std::min(reach, net->reaches(slot_));
   return reach;
