@@ -94,7 +94,7 @@ check:
 	@scripts/setup dev
 	@scripts/check
 
-# clang-tidy over what build/ compiles, eight minutes of one core; `scripts/tidy PATH ...` for a part (.clang-tidy).
+# clang-tidy over what build/ compiles; `scripts/tidy PATH ...` for a part (.clang-tidy).
 tidy: build
 	@scripts/setup dev
 	scripts/tidy

@@ -58,7 +58,7 @@ print(of_cranes(10), of_cranes(1000), of_dock(1), of_dock(3), of_linkage(100))
 """
 
 
-@pytest.mark.skipif("libasan" in os.environ.get("LD_PRELOAD", ""), reason="the sanitizer has a malloc of its own")
+@pytest.mark.unsanitized  # the sanitizer has a malloc of its own
 def test_stepping_does_not_allocate(tmp_path):
     compiler = shutil.which("cc")
     if compiler is None:
