@@ -19,8 +19,11 @@ class Error(Exception):
         first = str(self).split("\n", 1)[0]
         found = _WHERE.match(first)
         where, rest = (found["where"].removesuffix(": "), first[found.end() :]) if found else ("", first)
-        problem, separated, right = rest.rpartition("; ")
-        return (where, problem, right) if separated else (where, rest, "")
+        said, suggests, suggestion = rest.partition("; did you mean ")
+        problem, separated, right = said.rpartition("; ")
+        if not separated:
+            problem, right, suggests = said, "", suggests.removeprefix("; ")
+        return where, problem, right + suggests + suggestion
 
     @property
     def where(self) -> str:

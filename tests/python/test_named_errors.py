@@ -94,6 +94,11 @@ def test_where_what_and_what_would_be_right(
         ("a folder/b.asm:2: no such label", ("a folder/b.asm:2", "no such label", "")),
         ("nothing to say", ("", "nothing to say", "")),
         ("a: one; two; three\nb: more", ("a", "one; two", "three")),
+        (
+            'a: "x" is not known; "y" is expected; did you mean "y"?',
+            ("a", '"x" is not known', '"y" is expected; did you mean "y"?'),
+        ),
+        ('a: no such key; did you mean "y"?', ("a", "no such key", 'did you mean "y"?')),
     ],
 )
 def test_parts_of_a_message(message: str, parts: tuple[str, str, str]) -> None:
