@@ -288,9 +288,9 @@ void ConfigBuilder::parse(std::string_view toml, const std::string& name, std::v
         refuse(key_origin, full, "no such key", right_key(full));
       }
     };
-    for (const auto& [key, node] : table) {
-      const Origin place = origin_of(key.source(), name);
-      errors.attempt(place, [&] { read(prefix + std::string(key.str()), place, node); });
+    for (const auto& entry : table) {
+      const Origin place = origin_of(entry.first.source(), name);
+      errors.attempt(place, [&] { read(prefix + std::string(entry.first.str()), place, entry.second); });
     }
   };
   try {

@@ -202,10 +202,10 @@ class NetworkReader {
       pin = interrupt_pin_named(toml_.text(node, "memory.place.pin"));
       if (!pin) toml_.fail(node, "memory.place.pin: IIOF0 to IIOF3 or NMI is expected");
     });
-    auto& [chip, base] = memory.places.emplace_back();
-    toml_.needed(table, "chip", "memory.place", [&](const toml::node& node) { chip = chip_at(node); });
+    auto& place = memory.places.emplace_back();
+    toml_.needed(table, "chip", "memory.place", [&](const toml::node& node) { place.first = chip_at(node); });
     toml_.needed(table, "base", "memory.place", [&](const toml::node& node) {
-      base = static_cast<c40::Address>(toml_.whole(node, "memory.place.base", 0, 0xFFFFFFFF));
+      place.second = static_cast<c40::Address>(toml_.whole(node, "memory.place.base", 0, 0xFFFFFFFF));
     });
   }
 
