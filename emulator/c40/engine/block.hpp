@@ -49,6 +49,17 @@ struct WindowAccess {
   std::optional<bool> lock{};  ///< the new state of LOCK, if the access changes it
 };
 
+/// What fetching a part of a block makes of the cache: numbers of its contents (InstructionCache).
+struct CacheStep {
+  static constexpr std::uint32_t none = ~0u;  ///< the number of no contents
+  std::uint32_t before = none;
+  std::uint16_t from = 0, to = 0;  ///< the part: instructions [from, to)
+  std::uint32_t after = none;
+  bool is(std::uint32_t contents, std::size_t first, std::size_t end) const {
+    return before == contents && from == first && to == end;
+  }
+};
+
 struct CodeBlock {
   /// Aligned, so that finding an exit takes a shift and no multiplication.
   struct alignas(64) Exit {
@@ -80,12 +91,13 @@ struct CodeBlock {
   bool only_nop = false;
   bool in_one_go =
       false;  ///< runs from its first instruction to an exit in one go: it does not repeat and has no window access
-  bool uses_cache = false;      ///< fetched while the cache was on
-  bool changes_cache = false;   ///< fetched while the cache was on and not frozen
-  bool all_hits = false;        ///< `words` are all in the cache already
-  std::uint32_t own_words = 0;  ///< the bits of key.hits that are its own words; 0 without the cache
-  std::uint64_t checked = 0;    ///< the version of the cache at which its hits were last compared with its key
-  std::vector<Word> words;      ///< if it uses the cache
+  bool uses_cache = false;                 ///< fetched while the cache was on
+  bool changes_cache = false;              ///< fetched while the cache was on and not frozen
+  bool all_hits = false;                   ///< `words` are all in the cache already
+  std::uint32_t own_words = 0;             ///< the bits of key.hits that are its own words; 0 without the cache
+  std::uint32_t fitted = CacheStep::none;  ///< the contents of the cache that last had the hits of its key
+  std::array<CacheStep, 8> cache_steps{};  ///< the last one used is the first
+  std::vector<Word> words;                 ///< if it uses the cache
 
   const WindowAccess* window(std::size_t instruction) const {
     const auto found = std::ranges::find(windows, instruction, &WindowAccess::at);

@@ -109,6 +109,7 @@ void Engine::forget_pipelines() {
 void Engine::settle_counts() {
   blocks_.settle(state_.causes, state_.instructions);
   pipeline_.settle();
+  cache_.settle();
 }
 
 Word Engine::peek(Address address) const {

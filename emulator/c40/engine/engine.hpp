@@ -58,7 +58,7 @@ class Engine {
   void settle_counts();
   /// After this call the state may be changed from outside.
   State& touch();
-  /// Always up to date, except causes, instructions and pipeline; for these call settle_counts() first.
+  /// Always up to date, except causes, instructions, pipeline and cache; for these call settle_counts() first.
   const State& state() const { return state_; }
   Memory& memory() { return memory_; }
   const Memory& memory() const { return memory_; }

@@ -57,6 +57,7 @@ class Cache {
     if (s == segment_count) {
       s = order_[segment_count - 1];
       present_[s] = 0;
+      words_[s] = {};
       start_[s] = address >> 5;
     }
     const std::size_t first = address % segment_words;
@@ -66,7 +67,7 @@ class Cache {
   }
 
   /// CC: clears all P flags; segment addresses and their order stay.
-  void clear() { present_ = {}; }
+  void clear() { present_ = {}, words_ = {}; }
 
   /// Calls visit(address) for each word in the cache.
   template <class Visit>
@@ -76,8 +77,22 @@ class Cache {
         visit(start_[s] << 5 | static_cast<Address>(std::countr_zero(rest)));
   }
 
+  /// Of what a program's path makes different; the words follow from the addresses unless memory has changed.
+  std::size_t hash() const {
+    std::uint64_t h = 0;
+    for (const unsigned s : order_)
+      h = (h ^ (std::uint64_t{start_[s]} << 32 | present_[s])) * 0x9E3779B97F4A7C15u, h ^= h >> 29;
+    return static_cast<std::size_t>(h);
+  }
+
   void list_state(state::Visitor& list);
-  friend bool operator==(const Cache&, const Cache&) = default;
+  friend bool operator==(const Cache& a, const Cache& b) {
+    for (unsigned i = 0; i < segment_count; ++i) {
+      const unsigned s = a.order_[i], t = b.order_[i];
+      if (a.start_[s] != b.start_[t] || a.present_[s] != b.present_[t] || a.words_[s] != b.words_[t]) return false;
+    }
+    return true;
+  }
 
  private:
   static constexpr Address nowhere = ~Address{0};  // no segment begins here: a start address has 27 bits

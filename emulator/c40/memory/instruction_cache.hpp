@@ -1,9 +1,15 @@
 #pragma once
 /// The instruction cache as the engine uses it: when CE, CF and CC act, how fetches change the cached words, and what
 /// is known about these words.
+///
+/// A program comes back to the same contents of the cache again and again. Contents get a number when they are met
+/// first, and a block keeps which contents its fetches make of which (CacheStep). So a block that runs again changes
+/// the number, and neither segments nor words.
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <unordered_map>
+#include <vector>
 
 #include "c40/engine/block.hpp"
 #include "c40/memory/memory.hpp"
@@ -18,7 +24,7 @@ class InstructionCache {
   // As the fetch stage sees CE now.
   bool on() const { return (state_.cache_control & st::CE) != 0; }
   bool frozen() const { return (state_.cache_control & st::CF) != 0; }
-  const Word* find(Address pc) const { return state_.cache.find(pc); }
+  const Word* find(Address pc) const { return contents().find(pc); }
 
   /// ST and the fetch stage differ.
   bool control_pending() const {
@@ -36,25 +42,36 @@ class InstructionCache {
   void settle_control(Cycles fetched);
 
   /// A fetched word was in the cache.
-  void hit(Address pc) { state_.cache.touch(pc); }
+  void hit(Address pc) {
+    if (!contents().is_latest(pc)) changed().touch(pc);
+  }
   /// A fetched word was not in the cache and is loaded.
   void load(Address pc, Word word, const Memory::Area& area);
   /// The effect on the cache of fetching instructions [from, to) of a block.
-  void fetch(const CodeBlock& block, std::size_t from, std::size_t to) {
-    if (block.changes_cache && from != to) fetch_some(block, from, to);
+  void fetch(CodeBlock& block, std::size_t from, std::size_t to) {
+    if (!block.changes_cache || from == to) return;
+    const CacheStep& step = block.cache_steps[0];
+    if (step.is(number_, from, to)) [[likely]]
+      number_ = step.after;
+    else
+      fetch_by_other_step(block, from, to);
   }
   /// The effect of fetching all of them.
-  void fetch(const CodeBlock& block) {
-    if (block.changes_cache) fetch_some(block, 0, block.size);
-  }
+  void fetch(CodeBlock& block) { fetch(block, 0, block.size); }
   /// The cache holds the same of the block's words as when the block was recorded.
-  bool fits(CodeBlock& block) const { return is_unchanged_for(block) || has_words_of(block); }
+  bool fits(CodeBlock& block) {
+    return block.cache_steps[0].is(number_, 0, block.size) || block.fitted == number_ || fits_now(block);
+  }
   /// The block was found by the cache's contents, so it fits.
-  void note_fit(CodeBlock& block) const { block.checked = version_; }
-  /// Nothing was loaded or removed since the block was last known to fit.
-  bool is_unchanged_for(const CodeBlock& block) const { return block.checked == version_; }
+  void note_fit(CodeBlock& block) {
+    if (block.uses_cache && number_contents()) block.fitted = number_;
+  }
   /// Which of 32 words from an address on the cache holds.
-  std::uint32_t hits_from(Address pc) const { return state_.cache.hits_from(pc); }
+  std::uint32_t hits_from(Address pc) const { return contents().hits_from(pc); }
+  /// Brings state_.cache up to date.
+  void settle() {
+    if (number_ != unnumbered) state_.cache = contents();
+  }
 
   /// A word of memory has changed.
   void memory_written(Address address) { stale_ |= find(address) != nullptr; }
@@ -69,22 +86,33 @@ class InstructionCache {
   void was_loaded(const Memory& memory);
 
  private:
+  static constexpr std::uint32_t unnumbered = 0;
+  static constexpr std::size_t most_numbered = 4096;
   static constexpr Word bits = st::CE | st::CF;
   Word last_control() const {
     return state_.cache_changes != 0 ? state_.cache_change[state_.cache_changes - 1].control : state_.cache_control;
   }
   void add_change(Cycles executed, Word control);
-  bool has_words_of(CodeBlock& block) const;
-  void fetch_some(const CodeBlock& block, std::size_t from, std::size_t to) {
-    const Address begin = block.key.pc + static_cast<Address>(from), end = block.key.pc + static_cast<Address>(to);
-    if (!block.all_hits || !state_.cache.is_latest(begin) || !state_.cache.is_latest(end - 1))
-      fetch_words(block, from, to);
+  const Cache& contents() const { return number_ != unnumbered ? numbered_[number_ - first_number_] : state_.cache; }
+  /// The contents, to be changed.
+  Cache& changed() {
+    settle();
+    number_ = unnumbered;
+    return state_.cache;
   }
+  bool number_contents();
+  void forget_numbers();
+  bool fits_now(CodeBlock& block);
+  void fetch_by_other_step(CodeBlock& block, std::size_t from, std::size_t to);
   void fetch_words(const CodeBlock& block, std::size_t from, std::size_t to);
-  [[gnu::noinline]] void load_two_segments(Address begin, std::span<const Word> words);
 
   State& state_;
-  std::uint64_t version_ = 1;  ///< rises when a word is loaded or removed
+  std::uint32_t number_ = unnumbered;  ///< of the present contents; unnumbered: they are in state_.cache
+  std::uint32_t first_number_ = 1;     ///< of numbered_[0]; no number is used again
+  std::vector<Cache> numbered_;
+  std::unordered_map<std::size_t, std::uint32_t> numbers_;  ///< by hash of the contents
+  Cycles numbers_since_ = 0;
+  Cycles no_numbers_until_ = 0;
   bool stale_ = false;
 };
 
