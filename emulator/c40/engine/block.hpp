@@ -49,14 +49,15 @@ struct WindowAccess {
   std::optional<bool> lock{};  ///< the new state of LOCK, if the access changes it
 };
 
-/// What fetching a part of a block makes of the cache: numbers of its contents (InstructionCache).
+/// What fetching words makes of the cache: numbers of its contents (InstructionCache).
 struct CacheStep {
   static constexpr std::uint32_t none = ~0u;  ///< the number of no contents
   std::uint32_t before = none;
-  std::uint16_t from = 0, to = 0;  ///< the part: instructions [from, to)
+  Address begin = 0;  ///< of the words
+  std::uint32_t words = 0;
   std::uint32_t after = none;
-  bool is(std::uint32_t contents, std::size_t first, std::size_t end) const {
-    return before == contents && from == first && to == end;
+  bool is(std::uint32_t contents, Address first, std::size_t count) const {
+    return before == contents && begin == first && words == count;
   }
 };
 
@@ -96,7 +97,7 @@ struct CodeBlock {
   bool all_hits = false;                   ///< `words` are all in the cache already
   std::uint32_t own_words = 0;             ///< the bits of key.hits that are its own words; 0 without the cache
   std::uint32_t fitted = CacheStep::none;  ///< the contents of the cache that last had the hits of its key
-  std::array<CacheStep, 8> cache_steps{};  ///< the last one used is the first
+  CacheStep cache_step;                    ///< its last one
   std::vector<Word> words;                 ///< if it uses the cache
 
   const WindowAccess* window(std::size_t instruction) const {

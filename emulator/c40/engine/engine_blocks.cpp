@@ -94,7 +94,7 @@ Outcome Engine::run_some_ops(CodeBlock& block, std::size_t from, Cycles budget) 
 
 // The rest of a block was run to its end. The count that run_blocks will add is for the whole block.
 [[gnu::always_inline]] inline CodeBlock::Exit& Engine::end_part(CodeBlock& block, InBlock in, const Outcome& outcome) {
-  cache_.fetch(block, in.seen, block.size);
+  in.seen == 0 ? cache_.fetch(block) : cache_.fetch(block, in.seen, block.size);
   CodeBlock::Exit& exit = block.repeats ? end_repeat(block, 1) : block.exits[outcome.exit == Exit::taken];
   state_.cycle -= block.start[in.from];
   if (in.seen == 0) return exit;

@@ -1,6 +1,7 @@
 #include "c40/memory/instruction_cache.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <span>
 #include <stdexcept>
@@ -23,17 +24,14 @@ void InstructionCache::settle_control(Cycles fetched) {
     const State::CacheChange& change = state_.cache_change[done];
     state_.cache_control = change.control;
     if (!change.clear) continue;
-    changed().clear();
+    settle();
+    number_ = unnumbered;
+    state_.cache.clear();
     stale_ = false;
   }
   for (std::size_t i = done; i < state_.cache_changes; ++i) state_.cache_change[i - done] = state_.cache_change[i];
   state_.cache_changes -= done;
   for (std::size_t i = state_.cache_changes; i < state_.cache_change.size(); ++i) state_.cache_change[i] = {};
-}
-
-void InstructionCache::load(Address pc, Word word, const Memory::Area& area) {
-  changed().load(pc, {&word, 1});
-  area.mark_code(pc);
 }
 
 // Gives the present contents a number. False: there are no numbers at present.
@@ -66,42 +64,38 @@ void InstructionCache::forget_numbers() {
 
 bool InstructionCache::fits_now(CodeBlock& block) {
   if (!block.uses_cache) return true;
-  const bool numbered = number_contents();
-  for (CacheStep& step : block.cache_steps)
-    if (step.is(number_, 0, block.size)) {
-      std::swap(step, block.cache_steps[0]);  // fetch() comes next
-      return true;
-    }
   const std::uint32_t hits = contents().hits_from(block.key.pc, static_cast<unsigned>(block.size));
   if (((hits ^ block.key.hits) & block.own_words) != 0) return false;
-  if (numbered) block.fitted = number_;
+  note_fit(block);
   return true;
 }
 
-void InstructionCache::fetch_by_other_step(CodeBlock& block, std::size_t from, std::size_t to) {
-  if (!number_contents()) return fetch_words(block, from, to);
-  auto& steps = block.cache_steps;
-  for (CacheStep& step : steps)
-    if (step.is(number_, from, to)) {
-      std::swap(step, steps[0]);
-      number_ = steps[0].after;
-      return;
-    }
-  const std::uint32_t before = number_;
-  fetch_words(block, from, to);
-  if (!number_contents()) return;
-  std::shift_right(steps.begin(), steps.end(), 1);
-  steps[0] = {before, static_cast<std::uint16_t>(from), static_cast<std::uint16_t>(to), number_};
+// Fetches words in order, not more than a segment has. Gives the step that this was.
+CacheStep InstructionCache::fetch_words(Address begin, std::span<const Word> words) {
+  if (!number_contents()) {
+    put_words(begin, words);
+    return {};
+  }
+  if (steps_.empty()) steps_.resize(most_steps);
+  const std::uint32_t hash =
+      (number_ * 0x9E3779B1u ^ begin ^ static_cast<std::uint32_t>(words.size()) << 7) * 0x85EBCA77u;
+  CacheStep& step = steps_[hash >> (32 - std::bit_width(most_steps - 1))];
+  if (!step.is(number_, begin, words.size())) {
+    const std::uint32_t before = number_;
+    put_words(begin, words);
+    if (!number_contents()) return {};
+    step = {before, begin, static_cast<std::uint32_t>(words.size()), number_};
+  }
+  number_ = step.after;
+  return step;
 }
 
-// A block has at most as many words as a segment, so its words are in two segments at most.
-void InstructionCache::fetch_words(const CodeBlock& block, std::size_t from, std::size_t to) {
-  const Address begin = block.key.pc + static_cast<Address>(from);
-  const std::span words{block.words.data() + from, to - from};
+void InstructionCache::put_words(Address begin, std::span<const Word> words) {
   const std::size_t in_first = std::min<std::size_t>(words.size(), Cache::segment_words - begin % Cache::segment_words);
-  Cache& cache = changed();
-  cache.load(begin, words.first(in_first));
-  if (in_first != words.size()) cache.load(begin + static_cast<Address>(in_first), words.subspan(in_first));
+  settle();
+  number_ = unnumbered;
+  state_.cache.load(begin, words.first(in_first));
+  if (in_first != words.size()) state_.cache.load(begin + static_cast<Address>(in_first), words.subspan(in_first));
 }
 
 void InstructionCache::mark_code(Memory& memory) const {

@@ -3,8 +3,8 @@
 /// is known about these words.
 ///
 /// A program comes back to the same contents of the cache again and again. Contents get a number when they are met
-/// first, and a block keeps which contents its fetches make of which (CacheStep). So a block that runs again changes
-/// the number, and neither segments nor words.
+/// first, and it is kept which contents a fetch makes of which (CacheStep). So code that runs again changes the number,
+/// and neither segments nor words.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -43,25 +43,28 @@ class InstructionCache {
 
   /// A fetched word was in the cache.
   void hit(Address pc) {
-    if (!contents().is_latest(pc)) changed().touch(pc);
+    if (const Cache& now = contents(); !now.is_latest(pc)) fetch_words(pc, {now.find(pc), 1});
   }
   /// A fetched word was not in the cache and is loaded.
-  void load(Address pc, Word word, const Memory::Area& area);
+  void load(Address pc, Word word, const Memory::Area& area) {
+    fetch_words(pc, {&word, 1});
+    area.mark_code(pc);
+  }
   /// The effect on the cache of fetching instructions [from, to) of a block.
-  void fetch(CodeBlock& block, std::size_t from, std::size_t to) {
-    if (!block.changes_cache || from == to) return;
-    const CacheStep& step = block.cache_steps[0];
-    if (step.is(number_, from, to)) [[likely]]
-      number_ = step.after;
-    else
-      fetch_by_other_step(block, from, to);
+  [[gnu::noinline]] void fetch(CodeBlock& block, std::size_t from, std::size_t to) {
+    if (block.changes_cache && from != to)
+      block.cache_step = fetch_words(block.key.pc + static_cast<Address>(from), {block.words.data() + from, to - from});
   }
   /// The effect of fetching all of them.
-  void fetch(CodeBlock& block) { fetch(block, 0, block.size); }
-  /// The cache holds the same of the block's words as when the block was recorded.
-  bool fits(CodeBlock& block) {
-    return block.cache_steps[0].is(number_, 0, block.size) || block.fitted == number_ || fits_now(block);
+  void fetch(CodeBlock& block) {
+    if (!block.changes_cache) return;
+    if (block.cache_step.before == number_ && block.cache_step.words == block.size) [[likely]]
+      number_ = block.cache_step.after;
+    else
+      fetch(block, 0, block.size);
   }
+  /// The cache holds the same of the block's words as when the block was recorded.
+  bool fits(CodeBlock& block) { return block.fitted == number_ || fits_now(block); }
   /// The block was found by the cache's contents, so it fits.
   void note_fit(CodeBlock& block) {
     if (block.uses_cache && number_contents()) block.fitted = number_;
@@ -74,7 +77,10 @@ class InstructionCache {
   }
 
   /// A word of memory has changed.
-  void memory_written(Address address) { stale_ |= find(address) != nullptr; }
+  void memory_written(Address address) {
+    stale_ |= find(address) != nullptr;
+    steps_.clear();
+  }
   /// The cache holds words that differ from memory.
   bool stale() const { return stale_; }
   /// Marks the cached words as code: a write to one of them makes the cache stale.
@@ -87,30 +93,25 @@ class InstructionCache {
 
  private:
   static constexpr std::uint32_t unnumbered = 0;
-  static constexpr std::size_t most_numbered = 4096;
+  static constexpr std::size_t most_numbered = 2048, most_steps = 4096;
   static constexpr Word bits = st::CE | st::CF;
   Word last_control() const {
     return state_.cache_changes != 0 ? state_.cache_change[state_.cache_changes - 1].control : state_.cache_control;
   }
   void add_change(Cycles executed, Word control);
   const Cache& contents() const { return number_ != unnumbered ? numbered_[number_ - first_number_] : state_.cache; }
-  /// The contents, to be changed.
-  Cache& changed() {
-    settle();
-    number_ = unnumbered;
-    return state_.cache;
-  }
   bool number_contents();
   void forget_numbers();
   bool fits_now(CodeBlock& block);
-  void fetch_by_other_step(CodeBlock& block, std::size_t from, std::size_t to);
-  void fetch_words(const CodeBlock& block, std::size_t from, std::size_t to);
+  CacheStep fetch_words(Address begin, std::span<const Word> words);
+  void put_words(Address begin, std::span<const Word> words);
 
   State& state_;
   std::uint32_t number_ = unnumbered;  ///< of the present contents; unnumbered: they are in state_.cache
   std::uint32_t first_number_ = 1;     ///< of numbered_[0]; no number is used again
   std::vector<Cache> numbered_;
   std::unordered_map<std::size_t, std::uint32_t> numbers_;  ///< by hash of the contents
+  std::vector<CacheStep> steps_;                            ///< by hash of what is before, and of the words
   Cycles numbers_since_ = 0;
   Cycles no_numbers_until_ = 0;
   bool stale_ = false;
