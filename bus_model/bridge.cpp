@@ -101,13 +101,15 @@ void Bridge::completed(const Transaction& transaction, std::span<const Word> wor
   if (!transaction.write) {
     if (!answered_) answer(words[0], now + config_.return_sync, transaction.result);
   } else {
+    const unsigned done = transaction.words;
+    const Result result = transaction.result;
     const unsigned gone = in_flight_;
     in_flight_ = 0;
     for (unsigned i = 0; i < gone; ++i) {
       const Posted posted = entry(0);
       head_ = (head_ + 1) % most_posted;
       count_ -= 1;
-      client_.landed(posted, now, i < transaction.words ? Result::done : transaction.result);
+      client_.landed(posted, now, i < done ? Result::done : result);
     }
     if (blocked_ == Blocked::room) {
       Posted posted = waiting_;

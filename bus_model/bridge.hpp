@@ -18,8 +18,10 @@ namespace pci {
 struct Posted {
   Address address = 0;
   Word value = 0;
-  Clocks clock = 0;        ///< when the processor issued it
-  std::int64_t stamp = 0;  ///< the caller's own mark, for instance the exact time
+  Clocks clock = 0;  ///< when the processor issued it
+  // The caller's own:
+  std::int64_t stamp = 0;  ///< for instance the exact time
+  std::uint64_t mark = 0;
 };
 
 class Bridge final : public Initiator {

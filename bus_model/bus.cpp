@@ -23,13 +23,18 @@ Command Bus::command_of(bool write, Address address, unsigned words) const {
 }
 
 void Bus::submit(unsigned master, bool write, Address address, unsigned words, Clocks request, bool speculative) {
-  Port& port = ports_.at(master);
+  Port& port = port_of(master);
   submit(port, master, command_of(write, address, words), address, words, request, port.config.agent,
          speculative && !write);
 }
 
 void Bus::submit(unsigned master, Command command, Address address, unsigned words, Clocks request, unsigned agent) {
-  submit(ports_.at(master), master, command, address, words, request, agent, false);
+  submit(port_of(master), master, command, address, words, request, agent, false);
+}
+
+// requests_ is as long as ports_, and tells its length without a division.
+[[gnu::always_inline]] inline Bus::Port& Bus::port_of(unsigned master) {
+  return master < requests_.size() ? ports_[master] : ports_.at(master);
 }
 
 [[gnu::always_inline]] inline void Bus::submit(Port& port, unsigned master, Command command, Address address,
@@ -123,8 +128,8 @@ inline int Bus::window_of(Address address, int last) const {
   return -1;
 }
 
-inline Access Bus::access_at(Clocks clock) const {
-  return {attempt_.master, clock, ports_[attempt_.master].agent, attempt_.command};
+inline Access Bus::access_of(const Port& port, Clocks clock) const {
+  return {attempt_.master, clock, port.agent, attempt_.command};
 }
 
 void Bus::start(unsigned master, Clocks granted, Clocks frame) {
@@ -188,11 +193,16 @@ void Bus::start(unsigned master, Clocks granted, Clocks frame) {
   ends_itself_ = port.config.max_burst != 0 && port.config.max_burst < attempt_.words;
   if (ends_itself_) attempt_.words = port.config.max_burst;
   natural_words_ = attempt_.words;
+  if (natural_words_ == 1) {
+    attempt_.last = attempt_.first;
+    next_ = attempt_.last + 1;
+    return;
+  }
   cut_by_timer();
-  if (attempt_.write || natural_words_ == 1) return;
+  if (attempt_.write) return;
   ahead_ = true;
   const std::span<Word> words = std::span{port.data}.subspan(port.done, natural_words_);
-  window.target->read_burst(attempt_.address - window.base, words, access_at(attempt_.first), attempt_.step);
+  window.target->read_burst(attempt_.address - window.base, words, access_of(port, attempt_.first), attempt_.step);
   port.initiator->arriving(attempt_, words.first(attempt_.words));
 }
 
@@ -210,7 +220,7 @@ unsigned Bus::fetched_ahead(const TargetConfig& config) const {
   const Address offset = attempt_.address - window.base;
   attempt_.words = static_cast<unsigned>(std::min<std::uint64_t>(attempt_.wanted, window.words - offset));
   if (config.max_burst != 0) attempt_.words = std::min(attempt_.words, config.max_burst);
-  const Access access = access_at(attempt_.frame);
+  const Access access = access_of(port, attempt_.frame);
   const Answer answer = window.target->answer(offset, attempt_.words, attempt_.write, access);
   if (answer != Answer::accept) {
     attempt_.kind = answer == Answer::retry ? Attempt::Kind::retry : Attempt::Kind::target_abort;
@@ -276,7 +286,7 @@ void Bus::cut_by_timer() {
   if (words == 0) return;
   Window& window = windows_[static_cast<unsigned>(attempt_.target)];
   const Address offset = attempt_.address - window.base;
-  const Access access = access_at(now_);
+  const Access access = access_of(port, now_);
   if (attempt_.write) {
     for (unsigned i = 0; i < words; ++i) window.target->write(offset + i, port.data[port.done + i], access);
     window.statistics.words_written += words;
@@ -309,7 +319,7 @@ void Bus::finish() {
   account(attempt_.words, last + 1 - attempt_.frame);
   port.statistics.owned += free_ - attempt_.frame;
   move_words(port, attempt_.words);
-  if (monitor_ != nullptr) monitor_->attempted(attempt_);
+  if (attempt_monitor_ != nullptr) attempt_monitor_->attempted(attempt_);
 
   const bool aborted = attempt_.kind == Attempt::Kind::master_abort || attempt_.kind == Attempt::Kind::target_abort;
   if (aborted || port.done == port.wanted || (port.speculative && port.done > 0)) {
@@ -323,9 +333,8 @@ void Bus::finish() {
     transaction.words = port.done;
     transaction.ended = last + 1;
     port.active = false;
-    const Transaction ended = transaction;
-    if (monitor_ != nullptr) monitor_->ended(ended);
-    port.initiator->completed(ended, std::span<const Word>{port.data}.first(port.wanted));
+    if (monitor_ != nullptr) monitor_->ended(transaction);
+    port.initiator->completed(transaction, std::span<const Word>{port.data}.first(port.wanted));
   } else if (attempt_.kind == Attempt::Kind::retry) {
     port.transaction.retries += 1;
     port.statistics.retries += 1;
@@ -346,7 +355,12 @@ void Bus::finish() {
 }
 
 // Hidden arbitration: a master that requested the bus by the last data phase starts right after the turnaround.
-void Bus::arbitrate(Clocks last) {
+[[gnu::always_inline]] inline void Bus::arbitrate(Clocks last) {
+  if (asking_ == 0) {
+    chosen_ = nobody;
+    next_ = never;
+    return;
+  }
   const Clocks requested = earliest_request(nobody);
   if (requested <= last && free_ >= stalled_)
     start(winner(last), last, free_);
@@ -396,7 +410,7 @@ unsigned Bus::withdraw(unsigned master, Clocks now) {
     move_words(port, words);
     attempt_.words = words;
     attempt_.last = end - 1;
-    if (monitor_ != nullptr) monitor_->attempted(attempt_);
+    if (attempt_monitor_ != nullptr) attempt_monitor_->attempted(attempt_);
     transaction.words = port.done;
     transaction.ended = end;
     if (monitor_ != nullptr) monitor_->ended(transaction);

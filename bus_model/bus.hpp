@@ -115,8 +115,8 @@ class Initiator {
   }
   /// The words of a burst read, known ahead: word i arrives with the data phase at first + i * step.
   virtual void arriving(const Attempt& /*attempt*/, std::span<const Word> /*words*/) {}
-  /// The transaction has ended; `words` (of a read) stay valid until the next submission. The master may submit again,
-  /// from `transaction.ended` on.
+  /// The transaction has ended. The transaction and `words` (of a read) stay valid until this master submits again,
+  /// which it may do from `transaction.ended` on.
   virtual void completed(const Transaction& transaction, std::span<const Word> words) = 0;
 };
 
@@ -176,7 +176,11 @@ class Bus {
   void advance_to(Clocks clock);
   Clocks now() const { return now_; }
 
-  void set_monitor(Monitor* monitor) { monitor_ = monitor; }
+  /// \param attempts whether it wants to see attempts
+  void set_monitor(Monitor* monitor, bool attempts = true) {
+    monitor_ = monitor;
+    attempt_monitor_ = attempts ? monitor : nullptr;
+  }
   /// The listener is not called for the bus's own steps.
   void set_plan_listener(PlanListener* listener) { plan_listener_ = listener; }
   const BusConfig& config() const { return config_; }
@@ -200,6 +204,7 @@ class Bus {
 
   void submit(Port& port, unsigned master, Command command, Address address, unsigned words, Clocks request,
               unsigned agent, bool speculative);
+  Port& port_of(unsigned master);
   void start(unsigned master, Clocks granted, Clocks frame);
   void choose_answer(Window& window, const Port& port);
   void cut_by_timer();
@@ -208,7 +213,7 @@ class Bus {
   void arbitrate(Clocks last);
   void plan_idle(Clocks requested);
   unsigned fetched_ahead(const TargetConfig& config) const;
-  Access access_at(Clocks clock) const;
+  Access access_of(const Port& port, Clocks clock) const;
   void ask(unsigned master, Clocks request);
   void ask_no_more(unsigned master);
   Clocks earliest_request(unsigned except) const;
@@ -243,6 +248,7 @@ class Bus {
   }
 
   Monitor* monitor_ = nullptr;
+  Monitor* attempt_monitor_ = nullptr;
   PlanListener* plan_listener_ = nullptr;
 };
 

@@ -136,6 +136,7 @@ class BusBridge::Direction {
   }
 
   void landed(const Transaction& transaction) {
+    const Clocks ended = transaction.ended;
     for (std::size_t i = 0; i < in_flight_; ++i) {
       const Forwarded word = fifo_.front();
       fifo_.pop_front();
@@ -145,8 +146,8 @@ class BusBridge::Direction {
                            i < transaction.words ? Result::done : transaction.result);
     }
     in_flight_ = 0;
-    send(transaction.ended);
-    fetch(transaction.ended);
+    send(ended);
+    fetch(ended);
   }
 
   // The oldest read whose turn has come requests the far bus.

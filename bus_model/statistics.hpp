@@ -18,19 +18,16 @@ class Histogram {
   static constexpr std::size_t exact = 2048;
 
   void add(Clocks value) {
-    const std::size_t index = bin(value);
-    if (index >= counts_.size()) counts_.resize(index + 1);
-    counts_[index] += 1;
-    count_ += 1;
-    sum_ += value;
-    if (value > max_) max_ = value;
-    if (value < min_) min_ = value;
+    if (static_cast<std::uint64_t>(value) < exact)
+      counts_[static_cast<std::size_t>(value)] += 1;
+    else
+      add_other(value);
   }
-  std::uint64_t count() const { return count_; }
-  Clocks sum() const { return sum_; }
-  Clocks max() const { return max_; }
+  std::uint64_t count() const;
+  Clocks sum() const;
+  Clocks max() const;
   std::uint64_t zeros() const { return counts_[0]; }
-  Clocks min() const { return count_ == 0 ? 0 : min_; }
+  Clocks min() const;
   /// The smallest value that is not below `fraction` (0..1) of the entries. Exact up to `exact`; above, the upper edge
   /// of the value's bin, less than 0.1 % too high and never more than max().
   Clocks percentile(double fraction) const;
@@ -41,14 +38,15 @@ class Histogram {
  private:
   static constexpr std::size_t bits = 10;  // bits below the highest one that select a value's bin
   static constexpr std::size_t bins = exact + (32 - bits - 1) * (std::size_t{1} << bits);
+  void add_other(Clocks value);
   static std::size_t bin(Clocks value);
   static Clocks upper_edge(std::size_t bin);
 
   std::vector<std::uint64_t> counts_ = std::vector<std::uint64_t>(exact);  // only as long as the largest entry needs
-  std::uint64_t count_ = 0;
-  Clocks sum_ = 0;
-  Clocks max_ = 0;
-  Clocks min_ = std::numeric_limits<Clocks>::max();
+  // Of the entries that are no index of an exact bin.
+  Clocks others_sum_ = 0;
+  Clocks others_max_ = 0;
+  Clocks others_min_ = std::numeric_limits<Clocks>::max();
 };
 
 /// Each clock since clock 0 is counted in exactly one of these.
@@ -82,13 +80,5 @@ struct TargetStatistics {
   std::uint64_t words_written = 0;
   std::uint64_t retries = 0;
 };
-
-inline std::size_t Histogram::bin(Clocks value) {
-  const auto v = static_cast<std::uint64_t>(value < 0 ? 0 : value);
-  if (v < exact) return static_cast<std::size_t>(v);
-  const auto octave = static_cast<unsigned>(std::bit_width(v)) - 1;
-  if (octave >= 32) return bins - 1;
-  return exact + ((octave - bits - 1) << bits) + ((v >> (octave - bits)) & ((1U << bits) - 1));
-}
 
 }  // namespace pci

@@ -128,6 +128,7 @@ void Chip::raise_iiof(int pin) {
 }
 void Chip::raise_nmi() { engine_->peripherals().raise(interrupts::nmi_flag); }
 void Chip::set_window_listener(WindowListener* listener) { engine_->window_listener = listener; }
+void Chip::catch_up() { engine_->catch_up(); }
 void Chip::attach(int port, PortListener* link) {
   check_port(port);
   if (link != nullptr && engine_->ports().listener(port) != nullptr)

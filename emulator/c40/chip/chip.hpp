@@ -49,10 +49,9 @@ class WindowListener {
  public:
   virtual ~WindowListener() = default;
   /// Answers an access of the processor that can be completed now, whatever other devices do. False if this is not
-  /// possible: the chip then stops before the access. The chip may not be changed here.
+  /// possible: the chip then stops before the access. The chip may not be changed here. During a write, its registers
+  /// and counters are up to date only after Chip::catch_up().
   virtual bool answer_at_once(const ExternalAccess& access, WindowAnswer& answer) = 0;
-  /// Whether the answer to this write needs the chip's counters. Only if so are they up to date during the call.
-  virtual bool needs_counters(const ExternalAccess& access) const = 0;
 };
 
 /// Why a chip cannot continue. The chip is halted until reset.
@@ -174,6 +173,8 @@ class Chip {
   /// The listener is called first for an access to a window, as long as no DMA channel is active. Null: no listener,
   /// and the chip stops before each access.
   void set_window_listener(WindowListener* listener);
+  /// For the listener, during a write: brings registers and counters up to the access.
+  void catch_up();
 
   /// Attaches a link (or another model of the port's other side); null detaches. Throws std::invalid_argument if the
   /// port does not exist or has a link already.

@@ -1,5 +1,7 @@
 #include "c40/chip/interrupts.hpp"
 
+#include <bit>
+
 #include "c40/instructions/choices.hpp"
 
 namespace c40::interrupts {
@@ -8,6 +10,7 @@ namespace {
 constexpr Word vector_nmi = 0x01, vector_timer0 = 0x02, first_vector_iiof = 0x03, first_vector_port = 0x0D,
                first_vector_dma = 0x25, vector_timer1 = 0x2B;
 constexpr unsigned iiof_pins = 4, dma_channels = 6;
+constexpr Word each_pin = 0x1111, dma_flags = ((1u << dma_channels) - 1) * first_dma_flag;
 
 // Levels, not latched (c40-hardware.md 2.3): 0Dh + 4n ICFULL, then ICRDY, OCRDY, OCEMPTY, in the order of their bits in
 // IIE.
@@ -28,15 +31,17 @@ Word pending_if_enabled(const State& state) {
   const Word iif = core.r[reg::IIF], iie = core.r[reg::IIE];
   if ((iif & nmi_flag) != 0) return vector_nmi;
   if ((iif & timer0_flag) != 0 && (iie & 1u) != 0) return vector_timer0;
-  for (unsigned pin = 0; pin < iiof_pins; ++pin) {
+  // The pins that are interrupts (bit 0 of a pin's four) and enabled (bit 3).
+  for (Word pins = iif & iif >> 3 & each_pin; pins != 0; pins &= pins - 1) {
+    const auto pin = static_cast<unsigned>(std::countr_zero(pins)) / 4;
     const Word nibble = iiof_nibble(core, pin);
     const bool requested = (nibble & 4u) != 0 || ((nibble & 2u) != 0 && (state.iiof_levels >> pin & 1u) != 0);
-    if ((nibble & 9u) == 9u && requested) return first_vector_iiof + pin;
+    if (requested) return first_vector_iiof + pin;
   }
   if ((iie & port_sources) != 0)
     if (const Word vector = pending_of_ports(state, iie); vector != 0) return vector;
-  for (unsigned channel = 0; channel < dma_channels; ++channel)
-    if (((iif & iie) & first_dma_flag << channel) != 0) return first_vector_dma + channel;
+  if (const Word channels = iif & iie & dma_flags; channels != 0)
+    return first_vector_dma + static_cast<Word>(std::countr_zero(channels) - std::countr_zero(first_dma_flag));
   return (iif & iie & timer1_flag) != 0 ? vector_timer1 : 0u;
 }
 

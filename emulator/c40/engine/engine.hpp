@@ -56,6 +56,8 @@ class Engine {
   void stand_until(Cycles cycle);
   bool waits_in_idle() const { return state_.core.idle && may_interrupt() && interrupts::pending(state_) == 0; }
   void settle_counts();
+  /// While a window's listener is asked: brings the state up to the access.
+  void catch_up();
   /// After this call the state may be changed from outside.
   State& touch();
   /// Always up to date, except causes, instructions, pipeline and cache; for these call settle_counts() first.
@@ -197,6 +199,11 @@ class Engine {
   struct InBlock {
     std::size_t from = 0, seen = 0;
   };
+  struct Passed {
+    CodeBlock* block = nullptr;
+    InBlock in{};
+    std::size_t at = 0;
+  };
   Stepped run_blocks(CodeBlock* block, std::size_t at, Cycles limit);
   CodeBlock::Exit* pass_windows(CodeBlock& block, InBlock in, Outcome outcome, Cycles limit);
   const WindowAccess* open_window(const CodeBlock& block, std::size_t at) const;
@@ -240,6 +247,7 @@ class Engine {
       return {true, writes, at, answer.value, answer.arbitration, answer.transfer, 0};
     }
   } opened_;
+  Passed passed_;                     ///< while a window's listener is asked: what the state does not have yet
   std::array<Scratch, 2> scratch_{};  ///< used instead of a register or a window during one instruction
   Memory::OpenPages pages_;           ///< of the present step
   DecodedSlotTable decoded_slots_;

@@ -115,8 +115,8 @@ inline bool Engine::opens_answer(const CodeBlock& block, std::size_t at) {
   if (window == nullptr) return false;
   const Answer& given = state_.answers[window->access];
   if (!given.given || !window->area->contains(given.address)) return false;
-  const Answer answer = access_.take_answer(window->access);
-  opened_ = {window, answer.address, answer.write, {answer.value, answer.arbitration, answer.transfer}};
+  opened_ = {window, given.address, given.write, {given.value, given.arbitration, given.transfer}};
+  access_.forget_answer(window->access);
   return true;
 }
 
@@ -139,14 +139,12 @@ inline bool Engine::opens_answer(const CodeBlock& block, std::size_t at) {
                         write ? core.miss_value : 0,
                         state_.cycle + block.start[at] - block.start[in.from] + window->start,
                         -1};
-  const bool counters = write && window_listener != nullptr && window_listener->needs_counters(access);
-  const auto bring_up_to_date = [&] {
+  if (write) passed_ = {&block, in, at};
+  const bool answered = answers_at_once(access);
+  if (write) in = std::exchange(passed_, {}).in;
+  if (!answered) {
     leave(block, in, at);
     in = {at, at};
-  };
-  if (counters) bring_up_to_date();
-  if (!answers_at_once(access)) {
-    if (!counters) bring_up_to_date();
     access_.begin(window->access, access);
     onward_.inside(block, at);
     return true;
@@ -154,6 +152,12 @@ inline bool Engine::opens_answer(const CodeBlock& block, std::size_t at) {
   state_.cycle += block.start[at] - block.start[in.from];
   in.from = at;
   return true;
+}
+
+void Engine::catch_up() {
+  if (passed_.block == nullptr) return;
+  leave(*passed_.block, passed_.in, passed_.at);
+  passed_ = {.block = nullptr, .in = {passed_.at, passed_.at}, .at = 0};
 }
 
 // Executes instruction `at`, whose access is answered, whatever the budget, and those after it.

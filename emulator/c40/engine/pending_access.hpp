@@ -34,7 +34,7 @@ class PendingAccess {
     const Answer& answer = state_.answers[slot];
     return answer.given && answer.address == address && answer.write == write;
   }
-  Answer take_answer(std::size_t slot) { return std::exchange(state_.answers[slot], {}); }
+  void forget_answer(std::size_t slot) { state_.answers[slot] = {}; }
   /// The access begun last.
   const ExternalAccess& window() const { return window_; }
   const PortAccess& port() const { return port_; }

@@ -167,6 +167,14 @@ class Dsp final : public Scheduler::Processor,
     const Clock* bus = nullptr;
   };
 
+  /// Where a posted word goes (pci::Posted::mark).
+  struct Mark {
+    Window window;
+    bool direct;
+    std::uint16_t unused = 0;
+    Offset offset;
+  };
+
   struct Underway {
     unsigned bus;
     Window window;
@@ -176,7 +184,6 @@ class Dsp final : public Scheduler::Processor,
 
   void run(Time until);
   bool answer_at_once(const c40::ExternalAccess& access, c40::WindowAnswer& answer) override;
-  bool needs_counters(const c40::ExternalAccess& access) const override;
   std::optional<Span> span() override;
   bool at_limit() override;
   bool asks_anew() override { return true; }

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 #include "machine/bus_agents/guard.hpp"
@@ -83,19 +84,20 @@ bool Dsp::window_access(const c40::ExternalAccess& access) {
   return false;
 }
 
-bool Dsp::needs_counters(const c40::ExternalAccess& access) const {
-  return access.write && context_.observer != nullptr &&
-         context_.observer->wants_issues_at(window_of(access.address), offset_of(access.address));
-}
-
 void Dsp::post(const Path& path, const c40::ExternalAccess& access, Time issued) {
+  const Window window = window_of(access.address);
+  const Offset offset = offset_of(access.address);
   statistics_.posted_writes += 1;
-  if (needs_counters(access))
-    context_.observer->dsp_issue(slot_, window_of(access.address), offset_of(access.address), access.value, issued);
-  path.bridge->write({.address = offset_of(access.address) + path.route.shift,
+  if (context_.observer != nullptr && context_.observer->wants_issues_at(window, offset)) {
+    chip_.catch_up();
+    context_.observer->dsp_issue(slot_, window, offset, access.value, issued);
+  }
+  const Mark mark{.window = window, .direct = path.route.direct, .offset = offset};
+  path.bridge->write({.address = offset + path.route.shift,
                       .value = access.value,
                       .clock = path.bus->tick_at_or_after(issued),
-                      .stamp = issued.count()});
+                      .stamp = issued.count(),
+                      .mark = std::bit_cast<std::uint64_t>(mark)});
 }
 
 void Dsp::begin_access(Time horizon) {
@@ -169,21 +171,11 @@ void Dsp::complete(Time horizon) {
 
 // The word has left the board's bridge: it has reached its target, or is in a bridge between buses.
 void Dsp::landed(const Side& side, const pci::Posted& posted, pci::Clocks clock) {
-  for (const Window window : {Window::a, Window::b}) {  // where its last access went
-    const Path& last = last_path_[window == Window::a];
-    const Offset offset = posted.address - last.route.shift;
-    if (last.bridge == &side.bridge && last.route.direct && last.route.holds(offset))
-      return arrived(window, offset, posted, last.bus->at(clock));
-  }
-  for (const Window window : {Window::a, Window::b}) {
-    for (const BusRoute& route : window == Window::a ? context_.window_a : context_.window_b) {
-      const Offset offset = posted.address - route.shift;
-      if (&sides_[route.port] != &side || !route.holds(offset)) continue;
-      if (route.direct) return arrived(window, offset, posted, context_.bus_clocks[side.bus].at(clock));
-      underway_.push_back({route.bus, window, offset, posted});
-      return;
-    }
-  }
+  const Mark mark = std::bit_cast<Mark>(posted.mark);
+  if (mark.direct) return arrived(mark.window, mark.offset, posted, context_.bus_clocks[side.bus].at(clock));
+  const std::vector<BusRoute>& routes = mark.window == Window::a ? context_.window_a : context_.window_b;
+  const auto route = std::ranges::find_if(routes, [&](const BusRoute& one) { return one.holds(mark.offset); });
+  underway_.push_back({route->bus, mark.window, mark.offset, posted});
 }
 
 void Dsp::delivered(unsigned bus, pci::Address address, pci::Clocks clock, pci::Result result) {

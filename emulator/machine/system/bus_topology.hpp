@@ -5,7 +5,6 @@
 // A DSP's program knows two windows only: shared memory in window A, devices in window B. The board's decoder sends an
 // access to the bridge that leads to the device, with the device's address on the buses. Buses connected by bridges
 // share one address space; other buses have one each.
-// join share one address space; the others have one each.
 #include <array>
 #include <cstdint>
 #include <string>

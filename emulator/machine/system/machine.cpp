@@ -95,7 +95,7 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
   struct Watch final : pci::Monitor {
     Watch(Parts& owner, BusId which) : parts{owner}, bus{which} {}
     void attempted(const pci::Attempt& attempt) override {
-      if (parts.bus_watch) parts.bus_watch(bus, attempt, parts.bus_clocks[static_cast<std::size_t>(bus)]);
+      parts.bus_watch(bus, attempt, parts.bus_clocks[static_cast<std::size_t>(bus)]);
     }
     void ended(const pci::Transaction& transaction) override {
       parts.around->observer->transaction(bus, transaction,
@@ -306,7 +306,7 @@ void Machine::Parts::observe(Observer* observer) {
   watches.clear();
   for (unsigned i = 0; i < buses.size(); ++i) {
     if (observer != nullptr) watches.emplace_back(*this, static_cast<BusId>(i));
-    buses[i].set_monitor(observer == nullptr ? nullptr : &watches.back());
+    buses[i].set_monitor(observer == nullptr ? nullptr : &watches.back(), static_cast<bool>(bus_watch));
   }
 }
 
@@ -382,7 +382,10 @@ const std::vector<ChipFault>& Machine::faults() const { return parts_->around->f
 const SlotStatistics& Machine::statistics(unsigned slot) const { return parts_->dsps.at(slot).statistics(); }
 Word Machine::peek(Offset offset) const { return parts_->sram.words().at(offset); }
 void Machine::poke(Offset offset, Word word) { parts_->sram.words().at(offset) = word; }
-void Machine::watch_buses(BusWatch watch) { parts_->bus_watch = std::move(watch); }
+void Machine::watch_buses(BusWatch watch) {
+  parts_->bus_watch = std::move(watch);
+  parts_->observe(parts_->around->observer);
+}
 
 void Machine::watch_shared(SharedWatch watch) {
   if (!watch) return parts_->sram.set_watch({});
