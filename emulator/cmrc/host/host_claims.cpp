@@ -63,7 +63,7 @@ bool Host::passed_read(Word flag) {
 // Its flag says that the block is claimed, though it may be behind the work pointer, where DSPs follow its link.
 void Host::taken_at_last(std::size_t index) {
   list_.take(index);
-  list_[index].passed_through = true;
+  list_.pass_through(index);
 }
 
 // Chooses one idle DSP for each eligible block, by falling J: for a block for one DSP alone that DSP; for another block

@@ -61,7 +61,8 @@ std::vector<std::int64_t> in_picoseconds(const CauseTimes& cycles, std::int64_t 
   std::int64_t sum = 0, before = 0;
   for (const std::int64_t count : cycles) {
     sum += count;
-    const std::int64_t until = total == 0 ? 0 : static_cast<std::int64_t>(Wide{whole} * sum / total);
+    std::int64_t until = before;  // most causes took no cycle
+    if (count != 0) until = total == 0 ? 0 : static_cast<std::int64_t>(Wide{whole} * sum / total);
     parts.push_back(until - before);
     before = until;
   }
