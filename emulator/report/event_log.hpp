@@ -35,11 +35,15 @@ class EventLog {
   /// Adds an event. \throws std::logic_error if its time lies before the last `settle`.
   /// Inlined, so that an event is made where it is kept: each bus transaction adds one.
   [[gnu::always_inline]] void add(const Event& event) {
-    if (event.time < settled_ || waiting_ == pending_.size()) [[unlikely]]
-      return add_with_room(event);
-    pending_[waiting_++] = event;
+    if (event.time < settled_ || waiting_ == pending_.size()) [[unlikely]] {
+      const Event copy = event;  // so that nothing asks for the address of `event` itself
+      return add_with_room(copy);
+    }
+    Event& added = pending_[waiting_++];
+    added = event;
     ++count_;
-    if (tap_ != nullptr) tap_->event(event);
+    if (tap_ != nullptr) [[unlikely]]
+      tap_->event(added);
   }
   /// No event before `time` will follow. Cheap; may be called often.
   void settle(Time time);

@@ -18,7 +18,10 @@ void Host::collect_taken() {
   for (const std::size_t index : list_.order()) {
     if (list_[index].flag == Flag::taken) flags_.push_back(index);
   }
-  signs_ = flags_;
+  if (flags_.empty())
+    signs_.clear();
+  else
+    signs_ = flags_;
   next_flag();
 }
 
