@@ -66,19 +66,22 @@ bool comes_before(const Event& left, const Event& right) {
 
 struct EventLog::Digest : Sha256 {};
 
-EventLog::EventLog() : digest_(std::make_unique<Digest>()) { pending_.reserve(2 * batch); }
+EventLog::EventLog() : digest_(std::make_unique<Digest>()), pending_(2 * batch) {}
 EventLog::~EventLog() = default;
 EventLog::EventLog(EventLog&&) noexcept = default;
 EventLog& EventLog::operator=(EventLog&&) noexcept = default;
 
-void EventLog::refuse(const Event& event) const {
-  throw std::logic_error(
-      fmt::format("event after its time was settled at {} ps: {}", settled_.count(), to_text(event)));
+void EventLog::add_with_room(const Event& event) {
+  if (event.time < settled_)
+    throw std::logic_error(
+        fmt::format("event after its time was settled at {} ps: {}", settled_.count(), to_text(event)));
+  pending_.resize(2 * pending_.size() + batch);
+  add(event);
 }
 
 void EventLog::settle(Time time) {
   settled_ = std::max(settled_, time);
-  if (pending_.size() >= drain_at_) drain(settled_);
+  if (waiting_ >= drain_at_) drain(settled_);
 }
 
 void EventLog::deliver(Time time) {
@@ -101,7 +104,8 @@ void EventLog::listen(EventSink& sink) {
 std::string EventLog::hash() const { return digest_->text(); }
 
 std::string EventLog::hash_with(std::span<const std::byte> bytes) const {
-  std::vector<Event> rest = pending_;
+  const auto first = pending_.begin();
+  std::vector<Event> rest(first, first + static_cast<std::ptrdiff_t>(waiting_));
   std::ranges::stable_sort(rest, comes_before);
   Digest copy = *digest_;
   copy.update(rest.data(), rest.size() * sizeof(Event));
@@ -110,28 +114,32 @@ std::string EventLog::hash_with(std::span<const std::byte> bytes) const {
 }
 
 void EventLog::drain(Time until) {
-  if (!std::ranges::is_sorted(pending_, comes_before)) std::ranges::stable_sort(pending_, comes_before);
+  const std::span<Event> all = waiting();
+  if (!std::ranges::is_sorted(all, comes_before)) std::ranges::stable_sort(all, comes_before);
   const auto end = until == Time::max()
-                       ? pending_.end()
-                       : std::ranges::lower_bound(pending_, until, {}, [](const Event& event) { return event.time; });
-  const auto settled = std::span(pending_.begin(), end);
+                       ? all.end()
+                       : std::ranges::lower_bound(all, until, {}, [](const Event& event) { return event.time; });
+  const auto settled = std::span(all.begin(), end);
   if (!settled.empty()) digest_->update(settled.data(), settled.size_bytes());
   for (EventSink* sink : sinks_)
     for (const Event& event : settled) sink->event(event);
-  pending_.erase(pending_.begin(), end);
-  drain_at_ = pending_.size() + batch;  // each event is sorted a bounded number of times, however far chips run ahead
+  std::ranges::copy(end, all.end(), all.begin());
+  waiting_ -= settled.size();
+  drain_at_ = waiting_ + batch;  // each event is sorted a bounded number of times, however far chips run ahead
 }
 
 void EventLog::list_state(state::Visitor& list) {
   if (!list.loads()) {
     drain(settled_);
-    std::ranges::stable_sort(pending_, comes_before);
+    std::ranges::stable_sort(waiting(), comes_before);
+    pending_.resize(waiting_);
   }
   list("digest", static_cast<Sha256&>(*digest_));
   list("pending", pending_);
   list("settled", settled_);
   list("count", count_);
-  if (list.loads()) drain_at_ = pending_.size() + batch;
+  waiting_ = pending_.size();
+  if (list.loads()) drain_at_ = waiting_ + batch;
 }
 
 }  // namespace report

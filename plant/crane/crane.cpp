@@ -142,7 +142,7 @@ void add_rotors(const CraneParameters& p, CraneMatrix& m) {
   }
 }
 
-// Upper triangle of M, plant-and-bus.md 1.3, mirrored.
+// M up to the diagonal, plant-and-bus.md 1.3; above it are zeros.
 CraneMatrix closed_form(const CraneParameters& p, const Angles& angles, const CraneVector& q, const Payload& payload) {
   const double mp = payload.mass;
   const double l = q[Q_L];
@@ -156,29 +156,28 @@ CraneMatrix closed_form(const CraneParameters& p, const Angles& angles, const Cr
 
   CraneMatrix m{};
   m[Q_S][Q_S] = p.gantry_mass + p.jib_mass + p.counterweight + mp;
-  m[Q_S][Q_PSI] = -(mu + mp * l * sa * cb) * sp - mp * l * sb * cp;
-  m[Q_S][Q_PHI] = -a * sf * cp;
-  m[Q_S][Q_L] = mp * (sa * cb * cp - sb * sp);
-  m[Q_S][Q_ALPHA] = mp * l * ca * cb * cp;
-  m[Q_S][Q_BETA] = -mp * l * (sa * sb * cp + cb * sp);
+  m[Q_PSI][Q_S] = -(mu + mp * l * sa * cb) * sp - mp * l * sb * cp;
+  m[Q_PHI][Q_S] = -a * sf * cp;
+  m[Q_L][Q_S] = mp * (sa * cb * cp - sb * sp);
+  m[Q_ALPHA][Q_S] = mp * l * ca * cb * cp;
+  m[Q_BETA][Q_S] = -mp * l * (sa * sb * cp + cb * sp);
   m[Q_PSI][Q_PSI] = p.slew_inertia + p.jib_inertia * square(cf) + p.counterweight * square(p.counterweight_radius) +
                     p.jib_mass * square(p.a0 + p.jib_centre * cf) + mp * (square(r + l * sa * cb) + square(l * sb)) +
                     payload.inertia;
-  m[Q_PSI][Q_PHI] = mp * p.jib * l * sf * sb;
-  m[Q_PSI][Q_L] = mp * r * sb;
-  m[Q_PSI][Q_ALPHA] = -mp * l * l * ca * sb * cb;
-  m[Q_PSI][Q_BETA] = mp * l * (r * cb + l * sa);
-  m[Q_PSI][Q_KAPPA] = payload.inertia;
+  m[Q_PHI][Q_PSI] = mp * p.jib * l * sf * sb;
+  m[Q_L][Q_PSI] = mp * r * sb;
+  m[Q_ALPHA][Q_PSI] = -mp * l * l * ca * sb * cb;
+  m[Q_BETA][Q_PSI] = mp * l * (r * cb + l * sa);
+  m[Q_KAPPA][Q_PSI] = payload.inertia;
   m[Q_PHI][Q_PHI] = p.jib_inertia + p.jib_mass * square(p.jib_centre) + mp * square(p.jib);
-  m[Q_PHI][Q_L] = -mp * p.jib * cb * cos_am;
-  m[Q_PHI][Q_ALPHA] = mp * p.jib * l * cb * sin_am;
-  m[Q_PHI][Q_BETA] = mp * p.jib * l * sb * cos_am;
+  m[Q_L][Q_PHI] = -mp * p.jib * cb * cos_am;
+  m[Q_ALPHA][Q_PHI] = mp * p.jib * l * cb * sin_am;
+  m[Q_BETA][Q_PHI] = mp * p.jib * l * sb * cos_am;
   m[Q_L][Q_L] = mp;
   m[Q_ALPHA][Q_ALPHA] = mp * square(l * cb);
   m[Q_BETA][Q_BETA] = mp * square(l);
   m[Q_KAPPA][Q_KAPPA] = payload.inertia;
   add_rotors(p, m);
-  each_below(all_rows, [&](auto i) { each_below(i, [&](auto j) { m[i][j] = m[j][i]; }); });
   return m;
 }
 
@@ -202,7 +201,8 @@ CraneMatrix from_points(const CraneParameters& p, const Angles& a, const CraneVe
   return m;
 }
 
-CraneMatrix mass_matrix_of(const CraneParameters& p, const Angles& a, const CraneVector& q, const Payload& payload) {
+// Factors need no more than M up to the diagonal.
+CraneMatrix lower_mass_matrix(const CraneParameters& p, const Angles& a, const CraneVector& q, const Payload& payload) {
   return is_gantry(p) ? from_points(p, a, q, payload) : closed_form(p, a, q, payload);
 }
 
@@ -232,7 +232,9 @@ Crane::Crane(const CraneParameters& parameters) : p_(parameters) {
 }
 
 CraneMatrix Crane::mass_matrix(const CraneVector& q, const Payload& payload) const {
-  return mass_matrix_of(p_, Angles(q), q, payload);
+  CraneMatrix m = lower_mass_matrix(p_, Angles(q), q, payload);
+  if (!is_gantry(p_)) each_below(all_rows, [&](auto i) { each_below(i, [&](auto j) { m[j][i] = m[i][j]; }); });
+  return m;
 }
 
 CraneVector Crane::bias(const CraneVector& q, const CraneVector& qd, const Payload& payload) const {
@@ -311,47 +313,46 @@ void factor(const CraneMatrix& m, unsigned locked, Factors& f) {
 
 }  // namespace
 
-CraneVector Factors::solve(const CraneVector& b) const {
-  CraneVector x = b;
+void Factors::solve(CraneVector& b) const {
   if (locked == 0) {
-    solve_rows(*this, x, all_rows);
-    return x;
+    solve_rows(*this, b, all_rows);
+    return;
   }
   const FreeCoordinates free(locked);
+  CraneVector x;
   for (std::size_t i = 0; i < free.count; ++i) x[i] = b[free.at[i]];
   solve_rows(*this, x, free.count);
-  CraneVector all{};
-  for (std::size_t i = 0; i < free.count; ++i) all[free.at[i]] = x[i];
-  return all;
+  b = {};
+  for (std::size_t i = 0; i < free.count; ++i) b[free.at[i]] = x[i];
 }
 
 CraneVector Crane::solve(const CraneMatrix& m, const CraneVector& b, unsigned locked) {
   Factors f;
   factor(m, locked, f);
-  return f.solve(b);
+  CraneVector x = b;
+  f.solve(x);
+  return x;
 }
 
 Crane::Dynamics Crane::dynamics(const CraneVector& q, const CraneVector& qd, const Payload& payload,
                                 unsigned locked) const {
   const Angles a(q);
   Dynamics d;
-  factor(mass_matrix_of(p_, a, q, payload), locked, d.mass);
+  factor(lower_mass_matrix(p_, a, q, payload), locked, d.mass);
   d.resisting = bias_and_gravity(p_, a, q, qd, payload, 1.0, 1.0);
-  std::array<std::size_t, joint_count> moving{};
+  std::array<std::size_t, joint_count + 1> moving;
   std::size_t count = 0;
-  Joints directions{}, bumps{};  // of moving joints
   for (std::size_t j = 0; j < joint_count; ++j) {
     const double v = qd[coordinate_of(j)];
     if ((locked >> coordinate_of(j) & 1U) != 0) continue;
-    directions[count] = v / joints_[j].smooth;
-    bumps[count] = bump_exponent(joints_[j], v);
+    d.direction[j] = v / joints_[j].smooth;
+    d.stribeck[j] = bump_exponent(joints_[j], v);
     moving[count++] = j;
   }
-  tanh_each(std::span{directions}.first(count));
-  small_exp_each(std::span{bumps}.first(count));
-  for (std::size_t i = 0; i < count; ++i) {
-    d.direction[moving[i]] = directions[i];
-    d.stribeck[moving[i]] = bumps[i];
+  if (count % 2 != 0) moving[count] = moving[count - 1];  // the last one goes with itself
+  for (std::size_t i = 0; i < count; i += 2) {
+    tanh_both(d.direction[moving[i]], d.direction[moving[i + 1]]);
+    small_exp_both(d.stribeck[moving[i]], d.stribeck[moving[i + 1]]);
   }
   return d;
 }
@@ -359,7 +360,8 @@ Crane::Dynamics Crane::dynamics(const CraneVector& q, const CraneVector& qd, con
 CraneVector Crane::acceleration(const Dynamics& d, const CraneVector& force) {
   CraneVector rest;
   for (std::size_t k = 0; k < crane_size; ++k) rest[k] = force[k] - d.resisting[k];
-  return d.mass.solve(rest);
+  d.mass.solve(rest);
+  return rest;
 }
 
 // The sign of a joint's speed, smooth around rest.

@@ -31,10 +31,10 @@ struct Payload {
 
 // Root-free Cholesky factors of a mass matrix's rows and columns of free coordinates.
 struct Factors {
-  CraneMatrix lower;                              // below the diagonal; each column still times its pivot
-  CraneVector inverse;                            // of the pivots
-  unsigned locked;                                // bits of the locked coordinates
-  CraneVector solve(const CraneVector& b) const;  // 0 for the locked ones
+  CraneMatrix lower;                 // below the diagonal; each column still times its pivot
+  CraneVector inverse;               // of the pivots
+  unsigned locked;                   // bits of the locked coordinates
+  void solve(CraneVector& b) const;  // b becomes the solution, 0 for the locked ones
 };
 
 class Crane {

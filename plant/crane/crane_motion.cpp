@@ -33,7 +33,7 @@ CraneMotion::CraneMotion(const CraneParameters& parameters, const Integrator::Se
 const Crane::Dynamics& CraneMotion::dynamics(const CraneVector& q, const CraneVector& qd, const CraneInputs& in) const {
   const bool same = known_ && known_->dynamics.mass.locked == in.locked && same_bits(known_->q, q) &&
                     same_bits(known_->qd, qd) && same_bits(known_->payload, in.payload);
-  if (!same) known_ = {q, qd, in.payload, crane_.dynamics(q, qd, in.payload, in.locked)};
+  if (!same) known_.emplace(crane_, q, qd, in);
   return known_->dynamics;
 }
 
@@ -64,6 +64,14 @@ void CraneMotion::begin(const CraneState& state, const CraneInputs& inputs) {
   torque_ = state.torque;
 }
 
+double CraneMotion::Decay::operator()(double exponent) {
+  for (const Known& known : known_)
+    if (known.exponent == exponent) return known.value;
+  Known& known = known_[oldest_];
+  oldest_ = (oldest_ + 1) % known_.size();
+  return (known = {exponent, exp(exponent)}).value;
+}
+
 // The first-order lag under a held command.
 Joints CraneMotion::torque_at(double t) const {
   Joints torque;
@@ -75,7 +83,7 @@ Joints CraneMotion::torque_at(double t) const {
     if (torque_[j] == goal) continue;
     if (const double own = crane_.parameters().drives[j].torque_lag; own != lag) {
       lag = own;
-      left = exp(-t / lag);
+      left = decay_(-t / lag);
     }
     torque[j] += (torque_[j] - goal) * left;
   }

@@ -3,6 +3,7 @@
 // commands.
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -100,6 +101,20 @@ class CraneMotion {
     CraneVector q, qd;
     Payload payload;
     Crane::Dynamics dynamics;
+    Known(const Crane& crane, const CraneVector& at, const CraneVector& rate, const CraneInputs& in)
+        : q(at), qd(rate), payload(in.payload), dynamics(crane.dynamics(at, rate, in.payload, in.locked)) {}
+  };
+  // exp of the last few exponents: steps of one length ask for the same ones again and again.
+  class Decay {
+   public:
+    double operator()(double exponent);
+
+   private:
+    struct Known {
+      double exponent = std::numeric_limits<double>::quiet_NaN(), value = 0.0;
+    };
+    std::array<Known, 4> known_{};
+    std::size_t oldest_ = 0;
   };
   static void derivative(void* self, double t, const double* y, double* yd);
   static void booked_derivative(void* self, double t, const double* y, double* yd);
@@ -121,6 +136,7 @@ class CraneMotion {
   const CraneInputs* inputs_ = nullptr;
   Joints torque_{};  // at the call's beginning
   mutable std::optional<Known> known_;
+  mutable Decay decay_;
   std::span<const CraneRoot> roots_;
 };
 

@@ -11,8 +11,10 @@ namespace plant {
 void DockCore::move_agvs() {
   for (AgvState& agv : state.agvs) agv_motion.advance(agv, agv_latches * latch_seconds);
   if (config.collisions) {
-    collect_solids(config, state, -1, solids_);
-    std::erase_if(solids_, [](const Solid& s) { return s.bottom >= 1.5; });  // above every vehicle, or carried by one
+    solids_.clear();
+    each_solid(config, state, -1, [this](const Solid& solid) {
+      if (solid.bottom < 1.5) solids_.push_back(solid);  // not above every vehicle, nor carried by one
+    });
     traffic.collide(state.agvs, solids_, [this](std::size_t agv, int other, double speed) {
       report(EventKind::collision, static_cast<int>(agv), speed, other);
     });

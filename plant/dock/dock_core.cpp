@@ -52,9 +52,10 @@ DockCore::DockCore(const DockConfig& c)
 
 const CraneState& DockCore::ahead() {
   if (!ahead_) {
-    ahead_ = {state.crane, state.inputs, state.modes};
+    Ahead& ahead = ahead_.emplace();
+    ahead.crane = state.crane, ahead.inputs = state.inputs, ahead.modes = state.modes;
     happenings_.clear();
-    advance_with_events(crane, ahead_->crane, ahead_->inputs, ahead_->modes, latch_seconds, happenings_);
+    advance_with_events(crane, ahead.crane, ahead.inputs, ahead.modes, latch_seconds, happenings_);
   }
   return ahead_->crane;
 }

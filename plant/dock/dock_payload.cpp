@@ -99,13 +99,12 @@ void DockCore::watch_handover(bool turned) {
 void DockCore::turn_locks() {
   const bool landed = state.landing.active && state.landing.corners == 0xF && accepted();
   const bool wants_lock = (state.spreader_command & 1U) != 0;
-  const auto duration = static_cast<std::int64_t>(std::llround(config.landing.lock_time / latch_seconds));
   switch (state.lock) {
     case Lock::open:
     case Lock::locked:
       if (wants_lock == (state.lock == Lock::locked) || !landed) return;
       state.lock = wants_lock ? Lock::locking : Lock::opening;
-      state.lock_done = state.latch + duration;
+      state.lock_done = state.latch + std::llround(config.landing.lock_time / latch_seconds);
       return;
     case Lock::locking:
     case Lock::opening: break;

@@ -48,9 +48,13 @@ bool DockCore::count_swings(std::size_t joint, bool on) {
   ProtectionState& p = state.protection;
   const DriveParameters& drive = config.crane.drives[joint];
   const int code = state.code[joint];
-  const int end = !on || std::abs(code) < largest_torque_code ? 0 : code > 0 ? 1 : -1;
-  if (!on || ++p.since_swing[joint] > latches(drive.saturation_time)) p.swings[joint] = 0;
-  if (!on) p.end[joint] = 0;
+  if (!on) {
+    p.swings[joint] = p.end[joint] = 0;
+    return false;
+  }
+  ++p.since_swing[joint];
+  if (p.swings[joint] != 0 && p.since_swing[joint] > latches(drive.saturation_time)) p.swings[joint] = 0;
+  const int end = std::abs(code) < largest_torque_code ? 0 : code > 0 ? 1 : -1;
   if (end == 0 || end == p.end[joint]) return false;
   if (p.end[joint] != 0) {
     ++p.swings[joint];

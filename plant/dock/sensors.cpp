@@ -18,12 +18,15 @@ bool drops(const SensorParameters& p, std::size_t agv, std::int64_t ray) {
 }
 
 std::int64_t ticks_until(const SampleClock& clock, std::int64_t latch, std::int64_t period) {
+  const auto floor_divide = [](auto since, auto length) {
+    const auto ticks = since / length;
+    return static_cast<std::int64_t>(ticks * length > since ? ticks - 1 : ticks);
+  };
+  const std::int64_t since = latch * latch_period.count() - clock.phase_ps, length = period * latch_period.count();
+  if (clock.ppm == 0) return floor_divide(since, length);
   __extension__ using Wide = __int128;
   constexpr Wide million = 1'000'000;
-  const Wide since = (Wide{latch} * latch_period.count() - clock.phase_ps) * (million + clock.ppm);
-  const Wide length = Wide{period} * latch_period.count() * million;
-  const Wide ticks = since / length;
-  return static_cast<std::int64_t>(ticks * length > since ? ticks - 1 : ticks);
+  return floor_divide(since * (million + clock.ppm), length * million);
 }
 
 std::int64_t range_latches(const SensorParameters& p) {

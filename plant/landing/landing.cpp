@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "plant/landing/landing_parts.hpp"
 
@@ -15,7 +16,6 @@ constexpr double fine_gap = 0.05;    // m, below which the step is 0.25 ms
 }  // namespace
 
 Landing::Landing(const DockConfig& config) : config_(config), p_(config.landing), engine_(config.landing) {
-  solids_.reserve(64);
   near_.reserve(64);
 }
 
@@ -87,11 +87,12 @@ double Landing::highest_under(const Solid& foot, const Solid& solid) {
 }
 
 double Landing::clearance_of(const DockState& s, const Solid& foot) {
-  collect_solids(config_, s, s.carried, solids_);
   double least = 1e9;
-  for (const Solid& solid : solids_)
+  const auto look = [&](const Solid& solid) {
     if (foot.top >= solid.bottom && overlaps(foot, solid, p_.near))
       least = std::min(least, foot.bottom - highest_under(foot, solid));
+  };
+  each_solid(config_, s, s.carried, std::cref(look));  // by reference: std::function would allocate a copy
   return least;
 }
 
@@ -107,10 +108,11 @@ double Landing::clearance(const DockState& s, const Crane& crane) {
 void Landing::find_near(const DockState& s) {
   const Vector3 at = payload_position(s);
   const Solid foot = footprint(s, at[0], at[1], at[2], payload_yaw(s));
-  collect_solids(config_, s, s.carried, solids_);
   near_.clear();
-  for (const Solid& solid : solids_)
+  const auto look = [&](const Solid& solid) {
     if (foot.bottom - 0.5 < solid.top_at(foot.x, foot.y) && overlaps(foot, solid, 0.5)) near_.push_back(solid);
+  };
+  each_solid(config_, s, s.carried, std::cref(look));
 }
 
 // The surface that would carry a foot at (x, y, z): the highest top that is not clearly above the foot.

@@ -65,7 +65,7 @@ class Landing {
   DockConfig config_;
   LandingParameters p_;
   ContactEngine engine_;
-  std::vector<Solid> solids_, near_;  // scratch, rebuilt at each use
+  std::vector<Solid> near_;  // scratch, rebuilt at each use
 };
 
 }  // namespace plant

@@ -8,7 +8,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <span>
 
 #include "plant/numerics/vector.hpp"
 
@@ -39,26 +38,20 @@ inline double exp(double x) { return Sleef_cinz_expd1_u10purec(x); }
 // 0 if less than exp(-700).
 inline double small_exp(double x) { return x < -700.0 ? 0.0 : exp(x); }
 
-// Replaces each element by within(element, its result of f), two elements at a time; an odd last one goes twice.
-template <class F, class Within>
-void in_pairs(std::span<double> x, const F& f, const Within& within) {
-  std::size_t i = 0;
-  for (; i + 1 < x.size(); i += 2) {
-    const __m128d two = f(_mm_loadu_pd(&x[i]));
-    x[i] = within(x[i], _mm_cvtsd_f64(two));
-    x[i + 1] = within(x[i + 1], _mm_cvtsd_f64(_mm_unpackhi_pd(two, two)));
-  }
-  if (i < x.size()) x[i] = within(x[i], _mm_cvtsd_f64(f(_mm_set1_pd(x[i]))));
+// Replaces x and y by their results, with the bits of the scalar functions. Two cost less than one; x and y may be one.
+inline void tanh_both(double& x, double& y) {
+  const __m128d at = _mm_setr_pd(x, y), sign = _mm_and_pd(at, _mm_set1_pd(-0.0));
+  const __m128d beyond = _mm_cmpgt_pd(_mm_xor_pd(at, sign), _mm_set1_pd(20.0));
+  const __m128d one = _mm_or_pd(_mm_set1_pd(1.0), sign), within = Sleef_cinz_tanhd2_u10sse2(at);
+  const __m128d both = _mm_or_pd(_mm_and_pd(beyond, one), _mm_andnot_pd(beyond, within));
+  _mm_storel_pd(&x, both);
+  _mm_storeh_pd(&y, both);
 }
-
-// tanh of each element, with the bits of the scalar function. Two at a time cost less than one.
-inline void tanh_each(std::span<double> x) {
-  const auto within = [](double at, double value) { return at > 20.0 ? 1.0 : at < -20.0 ? -1.0 : value; };
-  in_pairs(x, [&](__m128d at) { return Sleef_cinz_tanhd2_u10sse2(at); }, within);
-}
-inline void small_exp_each(std::span<double> x) {
-  const auto within = [](double at, double value) { return at < -700.0 ? 0.0 : value; };
-  in_pairs(x, [&](__m128d at) { return Sleef_cinz_expd2_u10sse2(at); }, within);
+inline void small_exp_both(double& x, double& y) {
+  const __m128d at = _mm_setr_pd(x, y), nothing = _mm_cmplt_pd(at, _mm_set1_pd(-700.0));
+  const __m128d both = _mm_andnot_pd(nothing, Sleef_cinz_expd2_u10sse2(at));
+  _mm_storel_pd(&x, both);
+  _mm_storeh_pd(&y, both);
 }
 inline double log(double x) { return Sleef_cinz_logd1_u10purec(x); }
 inline double hypot(double x, double y) { return Sleef_cinz_hypotd1_u05purec(x, y); }

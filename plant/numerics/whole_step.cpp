@@ -34,16 +34,16 @@ bool WholeStep::take(RightHandSide f, void* model, std::span<double> y, double i
   Coefficients by{}, apart{};
   for (std::size_t i = 1; i < stages_; ++i) {
     for (std::size_t j = 0; j < i; ++j) by[j] = interval * table_->A[i][j];
-    sum(point_, by, i, true);
+    sum_of<true>(point_, by, i);
     f(model, table_->c[i] * interval, point_.data(), rates_[i].data());
   }
   for (std::size_t j = 0; j < stages_; ++j) {
     by[j] = interval * table_->b[j];
     apart[j] = interval * (table_->b[j] - table_->d[j]);
   }
-  sum(difference_, apart, stages_, false);
+  sum_of<false>(difference_, apart, stages_);
   if (!(error() <= largest_error)) return false;
-  sum(point_, by, stages_, true);
+  sum_of<true>(point_, by, stages_);
   // ERKStep interpolates the end, which may turn a negative zero into a positive one.
   const std::span<const double> end(point_.data(), y.size());
   if (std::any_of(end.begin(), end.end(), [](double x) { return x == 0.0 && std::signbit(x); })) return false;
@@ -52,31 +52,32 @@ bool WholeStep::take(RightHandSide f, void* model, std::span<double> y, double i
 }
 
 // ERKStep also adds terms with coefficient 0: they decide the sign of a zero.
-template <std::size_t terms>
-void WholeStep::sum_of(Vector& to, const Coefficients& by, bool with_start) const {
+template <std::size_t terms, bool with_start>
+void WholeStep::sum_of(Vector& to, const Coefficients& by) const {
   // Not read again for each pair: `to` might be one of them, for all that the compiler knows.
   std::array<const double*, terms> rates;
   std::array<__m128d, terms> factors;
   for (std::size_t j = 0; j < terms; ++j) rates[j] = rates_[j].data(), factors[j] = _mm_set1_pd(by[j]);
-  const double* const start = with_start ? start_.data() : nullptr;
+  const double* const start = start_.data();
   double* const sums = to.data();
   for (std::size_t i = 0, places = to.size(); i < places; i += 2) {
     __m128d two = _mm_mul_pd(factors[0], _mm_loadu_pd(rates[0] + i));
 #pragma GCC unroll 5
     for (std::size_t j = 1; j < terms; ++j) two = _mm_add_pd(two, _mm_mul_pd(factors[j], _mm_loadu_pd(rates[j] + i)));
-    if (start != nullptr) two = _mm_add_pd(two, _mm_loadu_pd(start + i));
+    if constexpr (with_start) two = _mm_add_pd(two, _mm_loadu_pd(start + i));
     _mm_storeu_pd(sums + i, two);
   }
 }
 
-void WholeStep::sum(Vector& to, const Coefficients& by, std::size_t terms, bool with_start) const {
+template <bool with_start>
+void WholeStep::sum_of(Vector& to, const Coefficients& by, std::size_t terms) const {
   static_assert(most_stages == 5);
   switch (terms) {
-    case 1: return sum_of<1>(to, by, with_start);
-    case 2: return sum_of<2>(to, by, with_start);
-    case 3: return sum_of<3>(to, by, with_start);
-    case 4: return sum_of<4>(to, by, with_start);
-    default: return sum_of<5>(to, by, with_start);
+    case 1: return sum_of<1, with_start>(to, by);
+    case 2: return sum_of<2, with_start>(to, by);
+    case 3: return sum_of<3, with_start>(to, by);
+    case 4: return sum_of<4, with_start>(to, by);
+    default: return sum_of<5, with_start>(to, by);
   }
 }
 

@@ -37,9 +37,10 @@ class WholeStep {
   using Coefficients = std::array<double, most_stages>;
 
   // to = start + the sum of coefficient times rate over the first `terms` stages; without start: only the sum.
-  void sum(Vector& to, const Coefficients&, std::size_t terms, bool with_start) const;
-  template <std::size_t terms>
-  void sum_of(Vector& to, const Coefficients&, bool with_start) const;
+  template <std::size_t terms, bool with_start>
+  void sum_of(Vector& to, const Coefficients&) const;
+  template <bool with_start>
+  void sum_of(Vector& to, const Coefficients&, std::size_t terms) const;
   double error() const;  // in units of the tolerance
 
   std::unique_ptr<ARKodeButcherTableMem, FreeTable> table_;

@@ -22,7 +22,7 @@ struct Thing {
 // The crane's legs at the start.
 std::vector<Solid> legs_of(const DockConfig& c) {
   std::vector<Solid> legs;
-  add_legs(c.crane.portal, c.home.s, 0.0, legs);
+  each_leg(c.crane.portal, c.home.s, 0.0, [&legs](const Solid& leg) { legs.push_back(leg); });
   return legs;
 }
 

@@ -102,27 +102,33 @@ Solid solid_of(const ContainerData& container, int index, const std::vector<AgvS
   return solid;
 }
 
-void add_legs(const Portal& portal, double travel, double speed, std::vector<Solid>& solids) {
+void each_leg(const Portal& portal, double travel, double speed, const VisitSolid& visit) {
   if (portal.leg <= 0.0) return;
   const double half = 0.5 * portal.leg;
   for (const double along : {portal.along, -portal.along})
     for (const double y : {portal.waterside, portal.landside}) {
-      solids.push_back(make_solid(Solid::Kind::crane, -1, travel + along, y, 0.0, half, half, 0.0, portal.height));
-      solids.back().vx = speed;
+      Solid leg = make_solid(Solid::Kind::crane, -1, travel + along, y, 0.0, half, half, 0.0, portal.height);
+      leg.vx = speed;
+      visit(leg);
     }
 }
 
 void collect_solids(const DockConfig& config, const DockState& state, int without, std::vector<Solid>& solids) {
+  solids.clear();
+  each_solid(config, state, without, [&solids](const Solid& solid) { solids.push_back(solid); });
+}
+
+void each_solid(const DockConfig& config, const DockState& state, int without, const VisitSolid& visit) {
   const std::vector<ContainerData>& containers = state.containers;
   const std::vector<AgvState>& agvs = state.agvs;
   const double seconds = state.seconds();
-  solids.clear();
-  solids.push_back(solid_of(Solid::Kind::ground, {-500.0, 500.0, -500.0, 500.0, -5.0, 0.0}));
-  solids.push_back(solid_of(Solid::Kind::ship, config.layout.ship));
+  visit(solid_of(Solid::Kind::ground, {-500.0, 500.0, -500.0, 500.0, -5.0, 0.0}));
   const ShipPose ship = ship_at(config, containers, seconds);
-  if (ship.moves) ride(solids.back(), ship);
-  for (const Box& box : config.layout.no_go) solids.push_back(solid_of(Solid::Kind::fixed, box));
-  add_legs(config.crane.portal, state.crane.q[Q_S], state.crane.qd[Q_S], solids);
+  Solid hull = solid_of(Solid::Kind::ship, config.layout.ship);
+  if (ship.moves) ride(hull, ship);
+  visit(hull);
+  for (const Box& box : config.layout.no_go) visit(solid_of(Solid::Kind::fixed, box));
+  each_leg(config.crane.portal, state.crane.q[Q_S], state.crane.qd[Q_S], visit);
   for (std::size_t i = 0; i < config.layout.movers.size(); ++i) {
     const Mover& mover = config.layout.movers[i];
     const MoverPlace at = place_of(mover, seconds);
@@ -131,18 +137,19 @@ void collect_solids(const DockConfig& config, const DockState& state, int withou
     solid.round = true;
     solid.vx = at.vx;
     solid.vy = at.vy;
-    solids.push_back(solid);
+    visit(solid);
   }
   for (std::size_t i = 0; i < agvs.size(); ++i) {
     const auto& y = agvs[i].y;
-    solids.push_back(solid_of(config.agv, static_cast<int>(i), y[A_X], y[A_Y], y[A_HEADING]));
-    ride(solids.back(), agvs[i]);
+    Solid agv = solid_of(config.agv, static_cast<int>(i), y[A_X], y[A_Y], y[A_HEADING]);
+    ride(agv, agvs[i]);
+    visit(agv);
   }
   for (std::size_t i = 0; i < containers.size(); ++i) {
     const ContainerState where = containers[i].state;
     if (static_cast<int>(i) == without || where == ContainerState::carried || where == ContainerState::delivered)
       continue;
-    solids.push_back(solid_of(containers[i], static_cast<int>(i), agvs, ship));
+    visit(solid_of(containers[i], static_cast<int>(i), agvs, ship));
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // The objects on the dock, and the surface below a point: containers in any place, AGV decks, the ship, the ground.
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "plant/dock/dock.hpp"
@@ -51,10 +52,13 @@ struct MoverPlace {
 };
 MoverPlace place_of(const Mover&, double seconds);
 
+using VisitSolid = std::function<void(const Solid&)>;
 // The legs of a crane with travel position `travel` (m) and speed `speed` (m/s).
-void add_legs(const Portal&, double travel, double speed, std::vector<Solid>& solids);
+void each_leg(const Portal&, double travel, double speed, const VisitSolid& visit);
 
-// All solids except the container `without`. Clears and fills `solids`.
+// All solids except the container `without`, one after the other.
+void each_solid(const DockConfig&, const DockState&, int without, const VisitSolid& visit);
+// The same into `solids`, which is cleared first.
 void collect_solids(const DockConfig&, const DockState&, int without, std::vector<Solid>& solids);
 
 bool covers(const Solid&, double x, double y);

@@ -18,7 +18,10 @@ void Host::collect_taken() {
   for (const std::size_t index : list_.order()) {
     if (list_[index].flag == Flag::taken) flags_.push_back(index);
   }
-  signs_ = flags_;
+  if (flags_.empty())
+    signs_.clear();
+  else
+    signs_ = flags_;
   next_flag();
 }
 
@@ -63,7 +66,7 @@ bool Host::passed_read(Word flag) {
 // Its flag says that the block is claimed, though it may be behind the work pointer, where DSPs follow its link.
 void Host::taken_at_last(std::size_t index) {
   list_.take(index);
-  list_[index].passed_through = true;
+  list_.pass_through(index);
 }
 
 // Chooses one idle DSP for each eligible block, by falling J: for a block for one DSP alone that DSP; for another block

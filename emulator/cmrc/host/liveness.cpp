@@ -4,7 +4,12 @@
 
 namespace cmrc {
 
-void Liveness::sign(unsigned slot, std::int64_t refresh) { slots_.at(slot) = {State::alive, refresh}; }
+Liveness::Slot& Liveness::known(unsigned slot) {
+  known_ = std::max<std::size_t>(known_, slot + 1);
+  return slots_.at(slot);
+}
+
+void Liveness::sign(unsigned slot, std::int64_t refresh) { known(slot) = {State::alive, refresh}; }
 
 void Liveness::signs(std::uint32_t mask, std::int64_t refresh) {
   for (unsigned slot = 0; slot < slots_.size(); ++slot) {
@@ -12,10 +17,10 @@ void Liveness::signs(std::uint32_t mask, std::int64_t refresh) {
   }
 }
 
-void Liveness::renewed(unsigned slot, std::int64_t refresh) { slots_.at(slot) = {State::reset, refresh}; }
+void Liveness::renewed(unsigned slot, std::int64_t refresh) { known(slot) = {State::reset, refresh}; }
 
 bool Liveness::doubtful(std::int64_t refresh, std::int64_t limit) const {
-  return std::any_of(slots_.begin(), slots_.end(),
+  return std::any_of(slots_.begin(), slots_.begin() + static_cast<std::ptrdiff_t>(known_),
                      [&](const Slot& slot) { return slot.state != State::unknown && refresh - slot.last > limit; });
 }
 

@@ -42,7 +42,10 @@ class Liveness {
     State state = State::unknown;
     std::int64_t last = 0;
   };
+  Slot& known(unsigned slot);
+
   std::array<Slot, 32> slots_{};
+  std::size_t known_ = 0;  // slots from this one on are unknown
 };
 
 }  // namespace cmrc

@@ -50,7 +50,12 @@ std::vector<std::int64_t> plus(std::vector<std::int64_t> one, const std::vector<
   return one;
 }
 
-__extension__ using Wide = __int128;
+/// whole * part / total, rounded down for positive numbers.
+std::int64_t share(std::int64_t whole, std::int64_t part, std::int64_t total) {
+  __extension__ using Wide = __int128;
+  if (std::int64_t product = 0; !__builtin_mul_overflow(whole, part, &product)) return product / total;
+  return static_cast<std::int64_t>(Wide{whole} * part / total);
+}
 
 /// Cycles to picoseconds such that the parts add up to the whole exactly: each cumulative sum is rounded down, not each
 /// part.
@@ -61,7 +66,8 @@ std::vector<std::int64_t> in_picoseconds(const CauseTimes& cycles, std::int64_t 
   std::int64_t sum = 0, before = 0;
   for (const std::int64_t count : cycles) {
     sum += count;
-    const std::int64_t until = total == 0 ? 0 : static_cast<std::int64_t>(Wide{whole} * sum / total);
+    std::int64_t until = before;  // most causes took no cycle
+    if (count != 0) until = total == 0 ? 0 : share(whole, sum, total);
     parts.push_back(until - before);
     before = until;
   }

@@ -1,6 +1,7 @@
 #include "cmrc/measures/timeline.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 namespace cmrc {
 namespace {
@@ -17,7 +18,9 @@ auto at_time(const List& list, Time time) {
 
 template <class List>
 void drop_before(List& list, Time before) {
-  while (list.size() > 1 && list[1].from <= before) list.pop_front();
+  if (list.empty()) return;
+  for (auto second = std::next(list.begin()); second != list.end() && second->from <= before; ++second)
+    list.pop_front();
 }
 
 std::int64_t& time_of(report::WaitTimes& times, Wait wait) { return times[static_cast<std::size_t>(wait)]; }
@@ -59,12 +62,7 @@ void Timeline::introduce(RunWatcher& watcher) const {
   }
 }
 
-void Timeline::window(unsigned number, machine::Window window, Time from, Time to) {
-  if (watcher_ != nullptr) watcher_->held_up(number, window, from, to);
-  if (from >= to || number >= slots_.size() || slots_[number].states.empty()) return;
-  if (slots_[number].states.back().state == SlotState::busy) return;  // the chip counts this for the job
-  slots_[number].waits.push_back({from, to, window});
-}
+void Timeline::Slot::waited(const BusWait& wait) { waits.push_back(wait); }
 
 void Timeline::forget(Time before) {
   for (Slot& slot : slots_) {

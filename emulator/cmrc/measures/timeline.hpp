@@ -41,7 +41,10 @@ class Timeline {
   /// The list's semaphore belongs to `owner` (DSP slot + 1, machine::host_owner) from `at` on, or is free.
   void list(unsigned owner, Time at);
   /// A DSP waited for an access through a window; called for DSPs without a block.
-  void window(unsigned slot, machine::Window window, Time from, Time to);
+  void window(unsigned slot, machine::Window window, Time from, Time to) {
+    if (watcher_ != nullptr) watcher_->held_up(slot, window, from, to);
+    if (from < to && slot < slots_.size() && slots_[slot].free()) slots_[slot].waited({from, to, window});
+  }
   /// Passes all calls on to `watcher`; null: none.
   void watch(RunWatcher* watcher) { watcher_ = watcher; }
   /// Reports the present states of the DSPs that run no block.
@@ -71,6 +74,9 @@ class Timeline {
   struct Slot {
     std::deque<State> states;
     std::deque<BusWait> waits;
+    // While the DSP runs a job, the chip counts its waits for the job.
+    bool free() const { return !states.empty() && states.back().state != SlotState::busy; }
+    void waited(const BusWait& wait);
   };
   struct Span;
 

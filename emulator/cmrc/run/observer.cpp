@@ -122,20 +122,21 @@ CauseTimes RunObserver::take_snapshot(unsigned slot, machine::Offset offset, Tim
   return {};
 }
 
+void RunObserver::pid_error(std::size_t joint, machine::Word value) {
+  if (!errors_hold_) return;
+  const double error = from_ti_float(value);
+  auto& sum = pid_error_[joint];
+  sum.squares += error * error;
+  sum.peak = std::max(sum.peak, std::abs(error));
+  ++sum.count;
+}
+
 void RunObserver::dsp_write(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value,
                             Time issued, Time now) {
   if (window != machine::Window::a) return;
   // PID writes its words in rising order: the stage comes before the errors.
   if (errors_ != 0 && offset == stage_) errors_hold_ = value == servoing_stage_;
-  if (const Word joint = offset - errors_; errors_ != 0 && joint < pid_error_.size()) {
-    if (!errors_hold_) return;
-    const double error = from_ti_float(value);
-    auto& sum = pid_error_[joint];
-    sum.squares += error * error;
-    sum.peak = std::max(sum.peak, std::abs(error));
-    ++sum.count;
-    return;
-  }
+  if (const Word joint = offset - errors_; errors_ != 0 && joint < pid_error_.size()) return pid_error(joint, value);
   if (offset == words_.doorbell_idle || offset == words_.doorbell_busy)
     return idle(slot, offset == words_.doorbell_idle, now);
   const Word in_pool = offset - words_.block_pool;

@@ -99,6 +99,7 @@ class RunObserver : public machine::Observer, public HostListener {
   void finish(unsigned slot, std::size_t block, Time issued, Time now);
   void issued(unsigned slot, std::size_t block, Word flag, Time issued, Time now);
   void idle(unsigned slot, bool idle, Time now);
+  void pid_error(std::size_t joint, machine::Word value);
   std::optional<std::size_t> flag_of(machine::Offset offset) const;
   CauseTimes take_snapshot(unsigned slot, machine::Offset offset, Time issued);
   void dock_event(const plant::Event& event, plant::CraneKind crane);

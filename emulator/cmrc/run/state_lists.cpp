@@ -15,6 +15,7 @@ void TaskList::list_state(state::Visitor& list) {
   list("order", order_);
   list("insertions", insertions_);
   list("size", size_);
+  if (list.loads()) any_passed_ = true;
 }
 
 void PointChain::list_state(state::Visitor& list) {
@@ -184,7 +185,12 @@ void ControlBlock::list_state(state::Visitor& list) {
   if (list.loads()) compare();
 }
 
-void Liveness::list_state(state::Visitor& list) { list("slots", slots_); }
+void Liveness::list_state(state::Visitor& list) {
+  list("slots", slots_);
+  if (!list.loads()) return;
+  known_ = slots_.size();
+  while (known_ > 0 && slots_[known_ - 1].state == State::unknown) --known_;
+}
 
 void BootLoader::list_state(state::Visitor& list) {
   list("requested", requested_);

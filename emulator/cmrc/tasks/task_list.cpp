@@ -68,7 +68,14 @@ void TaskList::refresh(std::int64_t elapsed, const std::function<std::uint32_t(c
   sort();
 }
 
+void TaskList::pass_through(std::size_t index) {
+  blocks_[index].passed_through = true;
+  any_passed_ = true;
+}
+
 void TaskList::release_passed() {
+  if (!any_passed_) return;
+  any_passed_ = false;
   for (TaskBlock& block : blocks_) block.passed_through = false;
 }
 

@@ -46,9 +46,8 @@ struct TaskBlock {
   std::uint32_t beat = 0;  ///< TB_ALIVE as last read, and the refresh at which this value was first read; -1: never
   std::int64_t beat_seen = -1;
   bool in_use = false;
-  bool fresh = false;  ///< its words are not in shared memory yet
-  bool passed_through =
-      false;  ///< DSPs may still follow the link in its words: not to be used before the next relinking
+  bool fresh = false;           ///< its words are not in shared memory yet
+  bool passed_through = false;  ///< see TaskList::pass_through
   std::uint32_t written_slice = 0;
   std::int64_t written_link = -1;  // as in shared memory, so that only changes are written
 };
@@ -69,6 +68,8 @@ class TaskList {
   void remove(std::size_t index);
   /// Marks a waiting block as taken: t = 0, without a sign of life yet.
   void take(std::size_t index);
+  /// DSPs may still follow the link in the block's words: it is not used again before the next relinking.
+  void pass_through(std::size_t index);
   /// Puts a taken block back behind the work pointer as a recompute block (x = 2).
   void put_back(std::size_t index, std::uint32_t x);
 
@@ -96,6 +97,7 @@ class TaskList {
   std::vector<std::size_t> order_;
   std::uint64_t insertions_ = 0;
   std::size_t size_ = 0;
+  bool any_passed_ = false;  // some block may be passed through
 };
 
 }  // namespace cmrc

@@ -98,6 +98,10 @@ bool HostBoard::blocked() const {
 }
 
 void HostBoard::require_answer(Offset offset, std::size_t words, bool write) const {
+  // Nearly always the words are in shared memory, on one path.
+  if (const Path* path = path_of(offset); path != nullptr) {
+    if (offset + words <= std::min<std::size_t>(path->route.end, SharedSram::size)) return;
+  }
   for (std::size_t i = 0; i < words; ++i) {
     const auto one = static_cast<Offset>(offset + i);
     const bool shared = one < SharedSram::size || registers_.answers(one, write, true) || adapter_.answers(one, write);
@@ -122,26 +126,30 @@ void HostBoard::write(Offset offset, std::span<const Word> words) {
   if (words_wanted_ != 0)
     throw std::logic_error{"HostPort::write while a read is outstanding: the host's processor waits for it"};
   require_answer(offset, words.size(), true);
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const auto one = static_cast<Offset>(offset + i);
-    if (one >= SharedSram::size && registers_.acts_on_dsps(one)) acting_ += 1;
-    waiting_.push_back({.address = one, .value = words[i]});
-  }
-  feed();
+  const auto at = [&](std::size_t i) { return static_cast<Offset>(offset + i); };
+  if (offset + words.size() > SharedSram::size)
+    for (std::size_t i = 0; i < words.size(); ++i) acting_ += registers_.acts_on_dsps(at(i));
+  std::size_t posted = 0;
+  if (waiting_.empty())
+    for (bool free = !blocked(); free && posted < words.size(); ++posted) free = post(at(posted), words[posted]);
+  for (; posted < words.size(); ++posted) waiting_.push_back({.address = at(posted), .value = words[posted]});
+}
+
+// Passes a word to its bridge. False: the bridge has no room, and the board waits.
+bool HostBoard::post(Offset offset, Word value) {
+  const Path& path = *path_of(offset);
+  written_ = static_cast<unsigned>(&path - paths_.data());
+  cpu_ += config_.host_write_clocks;
+  path.bridge.write({.address = offset + path.route.shift, .value = value, .clock = bus_clock(path, cpu_)});
+  return !path.bridge.blocked();
 }
 
 // Passes to the bridges what they accept: writes in order, then the read. A write that finds no room blocks the board.
 void HostBoard::feed() {
   bool free = !blocked();
   while (free && first_waiting_ < waiting_.size()) {
-    pci::Posted posted = waiting_[first_waiting_++];
-    cpu_ += config_.host_write_clocks;
-    const Path& path = *path_of(posted.address);
-    posted.clock = path.clock.tick_at_or_after(clock_.at(cpu_));
-    written_ = static_cast<unsigned>(&path - paths_.data());
-    posted.address += path.route.shift;
-    path.bridge.write(posted);
-    free = !path.bridge.blocked();
+    const pci::Posted& next = waiting_[first_waiting_++];
+    free = post(next.address, next.value);
   }
   if (first_waiting_ == waiting_.size()) {
     waiting_.clear();
@@ -157,7 +165,7 @@ void HostBoard::taken(pci::Clocks ready, pci::Clocks) {
 
 void HostBoard::ask() {
   const Path& path = *path_of(read_offset_);
-  path.bridge.read(read_offset_ + path.route.shift, path.clock.tick_at_or_after(clock_.at(cpu_)));
+  path.bridge.read(read_offset_ + path.route.shift, bus_clock(path, cpu_));
 }
 
 void HostBoard::answered(Word value, pci::Clocks ready, pci::Clocks, pci::Result) {

@@ -64,9 +64,15 @@ class HostBoard final : public Scheduler::Actor, public HostPort, public pci::Br
   }
   bool blocked() const;
   Time next_bus_event() const;
+  // The first clock of the host at or after a path's clock, and the reverse. Port 0 is on the bus whose clock is the
+  // host's.
   pci::Clocks own_clock(const Path& path, pci::Clocks clock) const {
-    return clock_.tick_at_or_after(path.clock.at(clock));
+    return path.route.port == 0 ? clock : clock_.tick_at_or_after(path.clock.at(clock));
   }
+  pci::Clocks bus_clock(const Path& path, pci::Clocks own) const {
+    return path.route.port == 0 ? own : path.clock.tick_at_or_after(clock_.at(own));
+  }
+  bool post(Offset offset, Word value);
   void ask();
   void feed();
   void set_next(Time now);

@@ -13,15 +13,20 @@ constexpr unsigned owner_of(unsigned agent) { return is_host(agent) ? host_owner
 }  // namespace
 
 void SharedSram::write(pci::Address offset, Word value, const pci::Access& access) {
-  if (!is_host(access.agent)) {
-    const unsigned slot = access.agent - 1;
-    if (fence_.closed(slot)) return;
-    if (guard_ != nullptr &&
-        !guard_->admits(slot, offset, value, registers_->holder(guard_->list_semaphore()) == slot + 1))
-      return;
-  }
-  if (watch_) [[unlikely]]
-    watch_(offset, words_[offset], value, true, access);
+  if (!is_host(access.agent)) return write_of_dsp(offset, value, access);
+  store(offset, value, access);
+}
+
+void SharedSram::write_of_dsp(pci::Address offset, Word value, const pci::Access& access) {
+  const unsigned slot = access.agent - 1;
+  if (fence_.closed(slot)) return;
+  if (guard_ == nullptr ||
+      guard_->admits(slot, offset, value, registers_->holder(guard_->list_semaphore()) == slot + 1))
+    store(offset, value, access);
+}
+
+void SharedSram::store_watched(Offset offset, Word value, const pci::Access& access) {
+  watch_(offset, words_[offset], value, true, access);
   words_[offset] = value;
 }
 

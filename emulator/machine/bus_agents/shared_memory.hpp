@@ -61,6 +61,15 @@ class SharedSram final : public pci::Target {
   const std::vector<Word>& words() const { return words_; }
 
  private:
+  // Not inlined: a word of the host needs neither, and is stored without a frame.
+  [[gnu::noinline]] void write_of_dsp(pci::Address offset, Word value, const pci::Access& access);
+  [[gnu::noinline]] void store_watched(Offset offset, Word value, const pci::Access& access);
+  void store(Offset offset, Word value, const pci::Access& access) {
+    if (watch_) [[unlikely]]
+      return store_watched(offset, value, access);
+    words_[offset] = value;
+  }
+
   const Fence& fence_;
   Guard* guard_ = nullptr;
   const SharedRegisters* registers_ = nullptr;
