@@ -376,14 +376,6 @@ void Bus::stall(Clocks now, Clocks until) {
   tell_plan();
 }
 
-void Bus::step() {
-  now_ = next_;
-  if (running_)
-    finish();
-  else
-    start(chosen_, chosen_at_, now_);
-}
-
 void Bus::advance_to(Clocks clock) {
   while (next_ <= clock) step();
   now_ = std::max(now_, clock);

@@ -171,7 +171,13 @@ class Bus {
   /// The clock of the next event of this bus, or never.
   Clocks next_event() const { return next_; }
   /// Executes the next event.
-  void step();
+  void step() {
+    now_ = next_;
+    if (running_)
+      finish();
+    else
+      start(chosen_, chosen_at_, now_);
+  }
   /// Executes all events up to and with `clock`.
   void advance_to(Clocks clock);
   Clocks now() const { return now_; }

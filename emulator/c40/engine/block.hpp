@@ -29,6 +29,10 @@ struct CodeBlockKey {
   std::uint32_t mode = 0;  ///< SET COND, RM, the state of RPTS, whether the cache is on, and whether it is frozen
   std::uint32_t hits = 0;  ///< which of the block's words, and of those after it, are in the cache
   friend bool operator==(const CodeBlockKey&, const CodeBlockKey&) = default;
+  /// Only address and words in the cache differ.
+  bool is_elsewhere(const CodeBlockKey& other) const {
+    return pipeline == other.pipeline && mode == other.mode && repeat_end == other.repeat_end;
+  }
 };
 struct CodeBlockKeyHash {
   std::size_t operator()(const CodeBlockKey& key) const {

@@ -33,6 +33,7 @@ void BlockStore::clear(Memory& memory) {
       if (const Memory::Area* area = memory.find(pc)) area->unmark_code(pc);
     }
   by_key_.clear();
+  recent_ = {};
   blocks_.clear();
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 /// The blocks of a chip by their keys, and the number of runs of each since the last settle().
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <unordered_map>
@@ -15,6 +16,15 @@ class BlockStore {
   /// Null if there is no such block.
   CodeBlock* find(const CodeBlockKey& key) const;
   bool full() const;
+  /// Where an exit leads to several blocks, as at the end of a subroutine: one that begins at `pc` and has a key as
+  /// `like` otherwise. Null if none was found there of late.
+  /// \param control of the cache: with another one, a block at `pc` may need another mode, and one at `like` the same
+  CodeBlock* recent(Address pc, const CodeBlockKey& like, Word control) const {
+    const auto& [block, noted] = recent_[pc % recent_.size()];
+    const bool fits = block != nullptr && noted == control && block->key.pc == pc && block->key.is_elsewhere(like);
+    return fits ? block : nullptr;
+  }
+  void note_recent(CodeBlock& block, Word control) { recent_[block.key.pc % recent_.size()] = {&block, control}; }
   /// Adds a block and marks its words as code in `memory`.
   void add(std::unique_ptr<CodeBlock> block, Memory& memory);
   /// Deletes all blocks and their marks in memory. All counts must be settled before.
@@ -34,6 +44,11 @@ class BlockStore {
  private:
   std::vector<std::unique_ptr<CodeBlock>> blocks_;
   std::unordered_map<CodeBlockKey, CodeBlock*, CodeBlockKeyHash> by_key_;
+  struct Recent {
+    CodeBlock* block = nullptr;
+    Word control = 0;
+  };
+  std::array<Recent, 256> recent_{};    ///< by address
   CodeBlock::Exit* counted_ = nullptr;  ///< the first of the exits whose count is not 0
 };
 

@@ -207,7 +207,11 @@ Engine::Stepped Engine::run_blocks(CodeBlock* block, std::size_t at, Cycles limi
     blocks_.count(*exit, 1);
     cycle += exit->cycles;
     block = exit->next;
-    return block != nullptr && block->key.pc == core.pc && !core.attention;
+    if (block == nullptr || core.attention) return false;
+    if (block->key.pc == core.pc) [[likely]]
+      return true;
+    block = blocks_.recent(core.pc, block->key, cache_.control());
+    return block != nullptr;
   };
   bool on = true;
   if (access_.is_answered() && opens_answer(*block, at)) {

@@ -26,7 +26,10 @@ CodeBlock* Engine::find_or_record(Cycles limit, Stepped& why) {
   CodeBlock* const block = blocks_.find(k);
   // This exit always leads here, so it is linked to the block. Not at a breakpoint, where each run of blocks ends.
   if (CodeBlock::Exit* from = onward_.take_exit(); from != nullptr && block != nullptr && from->chained)
-    if (!ends_blocks(k.pc)) from->next = block;
+    if (!ends_blocks(k.pc)) {
+      from->next = block;
+      blocks_.note_recent(*block, cache_.control());
+    }
   if (block != nullptr) {
     cache_.note_fit(*block);
     return block;

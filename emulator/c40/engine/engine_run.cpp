@@ -55,7 +55,8 @@ const StopInfo& Engine::stop(Stepped why) {
     flush_blocks();
     forget_memory();
   }
-  if (may_interrupt()) {
+  const bool interruptible = may_interrupt();
+  if (interruptible) {
     if (const Word vector = interrupts::pending(state_); vector != 0) {
       if (!take_interrupt(vector)) return Stepped::fault;
       return Stepped::done;
@@ -71,7 +72,7 @@ const StopInfo& Engine::stop(Stepped why) {
   }
   if (probe_.on_code()) probe_.reaches(core.pc, state_.cycle);
   if (pipelines_.full()) forget_pipelines();
-  const bool waiting_interrupt = !may_interrupt() && interrupts::pending(state_) != 0;
+  const bool waiting_interrupt = !interruptible && interrupts::pending(state_) != 0;
   dma_effect_ = dma_side_.effect(dma_busy);
   if (dma_effect_ == DmaEffect::under_way)
     dma_side_.know_accesses();

@@ -23,6 +23,7 @@ class InstructionCache {
 
   // As the fetch stage sees CE now.
   bool on() const { return (state_.cache_control & st::CE) != 0; }
+  Word control() const { return state_.cache_control; }
   bool frozen() const { return (state_.cache_control & st::CF) != 0; }
   const Word* find(Address pc) const { return contents().find(pc); }
 

@@ -234,10 +234,8 @@ class Dsp final : public Scheduler::Processor,
   void plan();
   bool writable(Window window, Offset offset) const;
 
-  bool on_a(std::uint32_t address) const { return address >= context_.symbols.window_a; }
-  Offset offset_of(std::uint32_t address) const {
-    return address - (on_a(address) ? context_.symbols.window_a : context_.symbols.window_b);
-  }
+  bool on_a(std::uint32_t address) const { return address >= window_a_; }
+  Offset offset_of(std::uint32_t address) const { return address - (on_a(address) ? window_a_ : window_b_); }
   Window window_of(std::uint32_t address) const { return on_a(address) ? Window::a : Window::b; }
   /// The part of the board's window with this address; behind the last part nothing answers.
   const Path& path_of(std::uint32_t address) {
@@ -248,6 +246,9 @@ class Dsp final : public Scheduler::Processor,
 
   unsigned slot_;
   DspContext& context_;
+  // Read at each access:
+  std::uint32_t window_a_ = context_.symbols.window_a, window_b_ = context_.symbols.window_b;
+  c40::Cycles hit_cycles_ = context_.config.prefetch_hit_cycles;
   PacedClock clock_;
   c40::Chip chip_;
   std::deque<Side> sides_;           // by the buses of the board

@@ -50,10 +50,9 @@ bool Dsp::answer_at_once(const c40::ExternalAccess& access, c40::WindowAnswer& a
   }
   statistics_.prefetch_hits += 1;
   const Time ready = path.bus->at(hit.ready);
-  const c40::Cycles least = context_.config.prefetch_hit_cycles;
-  const bool is_there = ready <= clock_.at(access.cycle + least);
+  const bool is_there = ready <= clock_.at(access.cycle + hit_cycles_);
   answer.value = hit.value;
-  answer.transfer = is_there ? least : clock_.tick_at_or_after(ready) - access.cycle;
+  answer.transfer = is_there ? hit_cycles_ : clock_.tick_at_or_after(ready) - access.cycle;
   return true;
 }
 

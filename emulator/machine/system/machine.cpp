@@ -93,16 +93,19 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
   }
 
   struct Watch final : pci::Monitor {
-    Watch(Parts& owner, BusId which) : parts{owner}, bus{which} {}
-    void attempted(const pci::Attempt& attempt) override {
-      parts.bus_watch(bus, attempt, parts.bus_clocks[static_cast<std::size_t>(bus)]);
-    }
+    Watch(Parts& owner, BusId which)
+        : bus{which},
+          clock{owner.bus_clocks[static_cast<std::size_t>(which)]},
+          observer{*owner.around->observer},
+          bus_watch{owner.bus_watch} {}
+    void attempted(const pci::Attempt& attempt) override { bus_watch(bus, attempt, clock); }
     void ended(const pci::Transaction& transaction) override {
-      parts.around->observer->transaction(bus, transaction,
-                                          parts.bus_clocks[static_cast<std::size_t>(bus)].at(transaction.ended));
+      observer.transaction(bus, transaction, clock.at(transaction.ended));
     }
-    Parts& parts;
     BusId bus;
+    const Clock& clock;
+    Observer& observer;
+    const BusWatch& bus_watch;
   };
 
   SilentInitiator nobody;
