@@ -219,6 +219,8 @@ unsigned Bus::fetched_ahead(const TargetConfig& config) const {
   const TargetConfig& config = window.config;
   const Address offset = attempt_.address - window.base;
   attempt_.words = static_cast<unsigned>(std::min<std::uint64_t>(attempt_.wanted, window.words - offset));
+  if (window.takes_all) [[likely]]
+    return;
   if (config.max_burst != 0) attempt_.words = std::min(attempt_.words, config.max_burst);
   const Access access = access_of(port, attempt_.frame);
   const Answer answer = window.target->answer(offset, attempt_.words, attempt_.write, access);

@@ -86,6 +86,8 @@ enum class Answer : std::uint8_t { accept, retry, abort };
 class Target {
  public:
   virtual ~Target() = default;
+  /// It accepts each access whole: neither answer() nor most() is called.
+  virtual bool takes_all() const { return false; }
   /// Called at FRAME# of each attempt.
   virtual Answer answer(Address /*offset*/, unsigned /*words*/, bool /*write*/, const Access&) {
     return Answer::accept;

@@ -38,6 +38,7 @@ struct Bus::Window {
   Target* target;
   Address base;
   std::uint64_t words;
+  bool takes_all = false;  // each access whole, at once
   // delayed read
   bool fetching = false;
   std::uint16_t fetch_master = 0;

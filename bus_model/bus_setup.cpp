@@ -74,7 +74,9 @@ unsigned Bus::add_target(const TargetConfig& config, Target& target, Address bas
   for (const Window& other : windows_)
     require(base + words <= other.base || other.base + other.words <= base,
             who + "its window overlaps that of " + other.config.name);
-  windows_.push_back(Window{.config = config, .target = &target, .base = base, .words = words, .statistics = {}});
+  const bool takes_all = target.takes_all() && config.max_burst == 0 && config.post_words == 0 && !config.delayed_read;
+  windows_.push_back(Window{
+      .config = config, .target = &target, .base = base, .words = words, .takes_all = takes_all, .statistics = {}});
   return static_cast<unsigned>(windows_.size() - 1);
 }
 

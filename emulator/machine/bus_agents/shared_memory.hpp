@@ -42,6 +42,7 @@ class SharedSram final : public pci::Target {
  public:
   static constexpr Offset size = 0x10000;
   explicit SharedSram(const Fence& fence) : fence_{fence}, words_(size) {}
+  bool takes_all() const override { return true; }
   Word read(pci::Address offset, const pci::Access& access) override {
     if (watch_) [[unlikely]]
       watch_(offset, words_[offset], words_[offset], false, access);
