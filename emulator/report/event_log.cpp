@@ -75,8 +75,15 @@ void EventLog::add_with_room(const Event& event) {
   if (event.time < settled_)
     throw std::logic_error(
         fmt::format("event after its time was settled at {} ps: {}", settled_.count(), to_text(event)));
+  if (discards_) return;
   pending_.resize(2 * pending_.size() + batch);
   add(event);
+}
+
+void EventLog::discard() {
+  flush();
+  pending_ = {};
+  discards_ = true;
 }
 
 void EventLog::settle(Time time) {

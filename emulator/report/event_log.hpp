@@ -45,6 +45,8 @@ class EventLog {
     if (tap_ != nullptr) [[unlikely]]
       tap_->event(added);
   }
+  /// Nobody will ask for an event or the hash: events that are added from now on are only checked.
+  void discard();
   /// No event before `time` will follow. Cheap; may be called often.
   void settle(Time time);
   /// Hashes bytes of the final machine state after all events (calls `flush`).
@@ -76,6 +78,7 @@ class EventLog {
   std::unique_ptr<Digest> digest_;
   std::vector<Event> pending_;  // with room behind the events that wait
   std::size_t waiting_ = 0;
+  bool discards_ = false;
   std::vector<EventSink*> sinks_;
   EventSink* tap_ = nullptr;
   Time settled_ = Time::min();

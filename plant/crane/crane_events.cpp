@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <vector>
 
 namespace plant {
 namespace {
@@ -38,20 +38,20 @@ class Interval {
       else
         motion_.advance(trial, in_, seconds - at);
       gather(trial);
-      if (count_ == 0 || i + 1 == most_events) {
+      if (found_.empty() || i + 1 == most_events) {
         c_ = trial;
         if (work_ != nullptr) *work_ += done;
         return;
       }
       std::array<CraneRoot, CraneMotion::most_roots> roots{};
-      for (std::size_t k = 0; k < count_; ++k) roots[k] = found_[k]->root;
+      for (std::size_t k = 0; k < found_.size(); ++k) roots[k] = found_[k].root;
       CraneState before = c_;
       int which = -1;
-      const double gone = motion_.advance_to(c_, in_, seconds - at, {roots.data(), count_}, which);
+      const double gone = motion_.advance_to(c_, in_, seconds - at, {roots.data(), found_.size()}, which);
       if (work_ != nullptr && gone > 0.0) *work_ += motion_.advance_booked(before, in_, gone);
       at += gone;
       if (which < 0) return;  // exactly at the end of the interval
-      happen(*found_[static_cast<std::size_t>(which)], at);
+      happen(found_[static_cast<std::size_t>(which)], at);
       if (at >= seconds) return;
     }
   }
@@ -62,13 +62,13 @@ class Interval {
   void consider(const CraneState& trial, const Candidate& candidate) {
     const double now = motion_.value(candidate.root, c_, in_);
     const double then = motion_.value(candidate.root, trial, in_);
-    if (now != 0.0 && now * then <= 0.0 && count_ < found_.size()) found_[count_++] = candidate;
+    if (now != 0.0 && now * then <= 0.0 && found_.size() < CraneMotion::most_roots) found_.push_back(candidate);
   }
 
   // All events between the present state and the trial's.
   void gather(const CraneState& trial) {
     using Kind = CraneRoot::Kind;
-    count_ = 0;
+    found_.clear();
     for (std::size_t j = 0; j < joint_count; ++j) {
       const std::size_t k = coordinate_of(j);
       if (!locked(k)) {
@@ -159,8 +159,7 @@ class Interval {
   std::vector<CraneEvent>& happenings_;
   Work* work_;
   const CraneParameters& p_;
-  std::array<std::optional<Candidate>, CraneMotion::most_roots> found_{};
-  std::size_t count_ = 0;
+  std::vector<Candidate> found_;  // mostly empty: then nothing is allocated or cleared
 };
 
 }  // namespace

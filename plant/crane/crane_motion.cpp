@@ -99,11 +99,11 @@ void CraneMotion::derivative(void* data, double t, const double* y, double* yd) 
   std::copy_n(y + crane_size, crane_size, qd.begin());
   const Crane::Dynamics& dynamics = self.dynamics(q, qd, in);
   const CraneVector qdd = Crane::acceleration(dynamics, self.applied_force(q, qd, self.torque_at(t), in, dynamics));
-  for (std::size_t k = 0; k < crane_size; ++k) {
-    const bool held = (in.locked >> k & 1U) != 0;
-    yd[k] = held ? 0.0 : qd[k];
-    yd[crane_size + k] = qdd[k];
-  }
+  std::copy(qd.begin(), qd.end(), yd);
+  std::copy(qdd.begin(), qdd.end(), yd + crane_size);
+  if (in.locked == 0) return;
+  for (std::size_t k = 0; k < crane_size; ++k)
+    if ((in.locked >> k & 1U) != 0) yd[k] = 0.0;
 }
 
 CraneMotion::Packed CraneMotion::pack(const CraneState& state) {

@@ -40,16 +40,16 @@ inline double small_exp(double x) { return x < -700.0 ? 0.0 : exp(x); }
 
 // Replaces x and y by their results, with the bits of the scalar functions. Two cost less than one; x and y may be one.
 inline void tanh_both(double& x, double& y) {
-  const __m128d at = _mm_setr_pd(x, y), sign = _mm_and_pd(at, _mm_set1_pd(-0.0));
+  const __m128d at = _mm_setr_pd(x, y), within = Sleef_cinz_tanhd2_u10sse2(at);
+  const __m128d sign = _mm_and_pd(at, _mm_set1_pd(-0.0)), one = _mm_or_pd(_mm_set1_pd(1.0), sign);
   const __m128d beyond = _mm_cmpgt_pd(_mm_xor_pd(at, sign), _mm_set1_pd(20.0));
-  const __m128d one = _mm_or_pd(_mm_set1_pd(1.0), sign), within = Sleef_cinz_tanhd2_u10sse2(at);
   const __m128d both = _mm_or_pd(_mm_and_pd(beyond, one), _mm_andnot_pd(beyond, within));
   _mm_storel_pd(&x, both);
   _mm_storeh_pd(&y, both);
 }
 inline void small_exp_both(double& x, double& y) {
-  const __m128d at = _mm_setr_pd(x, y), nothing = _mm_cmplt_pd(at, _mm_set1_pd(-700.0));
-  const __m128d both = _mm_andnot_pd(nothing, Sleef_cinz_expd2_u10sse2(at));
+  const __m128d at = _mm_setr_pd(x, y), within = Sleef_cinz_expd2_u10sse2(at);
+  const __m128d both = _mm_andnot_pd(_mm_cmplt_pd(at, _mm_set1_pd(-700.0)), within);
   _mm_storel_pd(&x, both);
   _mm_storeh_pd(&y, both);
 }

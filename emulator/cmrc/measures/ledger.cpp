@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <functional>
 #include <numeric>
+#include <utility>
 
 namespace cmrc {
 namespace {
@@ -44,10 +45,11 @@ CauseTimes minus(const CauseTimes& later, const CauseTimes& earlier) {
 }
 
 /// The sum by cause; an empty list counts as zero.
-std::vector<std::int64_t> plus(std::vector<std::int64_t> one, const std::vector<std::int64_t>& other) {
+std::vector<std::int64_t> plus(const std::vector<std::int64_t>& one, std::vector<std::int64_t> other) {
   if (one.empty()) return other;
-  for (std::size_t i = 0; i < one.size() && i < other.size(); ++i) one[i] += other[i];
-  return one;
+  std::vector<std::int64_t> sum = one;
+  for (std::size_t i = 0; i < sum.size() && i < other.size(); ++i) sum[i] += other[i];
+  return sum;
 }
 
 /// whole * part / total, rounded down for positive numbers.
@@ -153,7 +155,7 @@ void Ledger::skipped(JobKind kind, Time released, Time deadline, std::optional<s
   why_.missed(missed, timeline_, audit_, watcher_);
 }
 
-void Ledger::claimed(std::size_t block, unsigned number, Time at, const CauseTimes& causes, Word generation) {
+void Ledger::claimed(std::size_t block, unsigned number, Time at, CauseTimes causes, Word generation) {
   audit_.claimed(block, number, at);
   const auto found = open_.find(block);
   if (found == open_.end()) return;
@@ -168,7 +170,7 @@ void Ledger::claimed(std::size_t block, unsigned number, Time at, const CauseTim
   open.tries.back().run = report::Run{number, at, at, report::Run::End::running};
   if (open.parts.count == 0) open.first_claim = at;
   open.failed = false;
-  open.at_claim = causes;
+  open.at_claim = std::move(causes);
   timeline_.took(number, open.name, at);
   if (watcher_ != nullptr) watcher_->took(number, {open.name, block, generation, at});
 }

@@ -70,7 +70,7 @@ class Ledger {
   void close(Time now, const std::function<CauseTimes(unsigned)>& causes, RunWatcher& watcher) const;
 
   /// A DSP has marked the block 0Fh / FFh. Times are those at which the program issued the write.
-  void claimed(std::size_t block, unsigned slot, Time at, const CauseTimes& causes, Word generation = 0);
+  void claimed(std::size_t block, unsigned slot, Time at, CauseTimes causes, Word generation = 0);
   /// \param part the task is not finished: a block that continues it will follow \returns whether this DSP was the one
   /// to finish it.
   bool finished(std::size_t block, unsigned slot, Time at, const CauseTimes& causes, bool part = false);

@@ -34,7 +34,8 @@ class RunObserver : public machine::Observer, public HostListener {
   void watch_errors(Word errors, Word stage, Word servoing) {
     errors_ = errors, stage_ = stage, servoing_stage_ = servoing;
   }
-  /// Called when a slot issues a write: the slot's cycles by cause.
+  /// Called when a slot issues a write: the slot's cycles by cause. Without it, jobs have no causes, and nobody asks
+  /// what they waited for.
   void set_causes(std::function<CauseTimes(unsigned)> causes) { causes_ = std::move(causes); }
   /// Reads shared memory without time.
   void set_peek(std::function<machine::Word(machine::Offset)> peek) { peek_ = std::move(peek); }
@@ -51,14 +52,14 @@ class RunObserver : public machine::Observer, public HostListener {
   void dsp_issue(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value,
                  Time issued) override;
   bool wants_issues_at(machine::Window window, machine::Offset offset) const override {
-    return window == machine::Window::a && flag_of(offset).has_value();
+    return window == machine::Window::a && flag_of(offset).has_value() && causes_;
   }
   void dsp_write(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued,
                  Time now) override;
   void dsp_write_dropped(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value,
                          Time issued, Time now) override;
   void dsp_waited(unsigned slot, machine::Window window, Time from, Time to) override {
-    ledger_.timeline().window(slot, window, from, to);
+    if (causes_) ledger_.timeline().window(slot, window, from, to);
   }
   void dsp_write_refused(unsigned slot, machine::Offset offset, machine::Word value, machine::Word kind,
                          Time now) override;

@@ -52,7 +52,8 @@ class Simulation {
   /// \throws toolchain::AssemblyError
   /// \throws std::invalid_argument for an image without the shared words
   explicit Simulation(const Config& config);
-  /// The same, recorded in `course`; or measured against an existing ideal run.
+  /// The same, recorded in `course`, which is then all that is recorded but for jobs; or measured against an existing
+  /// ideal run.
   Simulation(const Config& config, std::shared_ptr<Course> course);
   Simulation(const Config& config, std::shared_ptr<const Reference> reference);
   ~Simulation();

@@ -40,13 +40,17 @@ Simulation::Parts::Parts(const Config& given, std::shared_ptr<Course> recorded,
            [this](unsigned slot) { return machine.boot_stream(slot); }),
       machine(machine_config, image, &dock, &host),
       run_end(config, machine, dock, host),
-      course(recorded ? std::move(recorded)
+      course(recorded ? recorded
                       : std::make_shared<Course>(ideal.measured() ? rows_of(config) : 0,
                                                  static_cast<int>(config.dock.agvs))) {
   host.set_course(course.get());
   observer.set_servoing([this] { return host.servoing(); });
   for (const AreaWord& word : initial_words(config, dock_config, words, dock)) machine.poke(word.offset, word.value);
-  observer.set_causes([this](unsigned slot) { return job_causes(machine, slot); });
+  // The ideal run of another run is known by its course and its jobs: nobody reads its events and causes.
+  if (recorded)
+    log.discard();
+  else
+    observer.set_causes([this](unsigned slot) { return job_causes(machine, slot); });
   observer.set_peek([this](machine::Offset offset) { return machine.peek(offset); });
   const Word pid_state = words.cr_base + image.symbol("CR_PID") - image.symbol("PD_STATE");
   observer.watch_errors(pid_state + image.symbol("PD_E"), pid_state + image.symbol("PD_STAGE"),

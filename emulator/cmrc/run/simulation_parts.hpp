@@ -29,7 +29,8 @@ inline constexpr Time settling = std::chrono::milliseconds{1};
 
 class Simulation::Parts {
  public:
-  /// \param recorded takes the run's course; may be null \param reference the ideal run, if it is known
+  /// \param recorded takes the run's course; then the run has neither events nor causes; may be null \param reference
+  /// the ideal run, if it is known
   Parts(const Config& given, std::shared_ptr<Course> recorded, std::shared_ptr<const Reference> reference);
 
   /// A future event goes into the machine's script or the host's.

@@ -97,11 +97,7 @@ bool HostBoard::blocked() const {
   return std::ranges::any_of(bridges_, [](const pci::Bridge& bridge) { return bridge.blocked(); });
 }
 
-void HostBoard::require_answer(Offset offset, std::size_t words, bool write) const {
-  // Nearly always the words are in shared memory, on one path.
-  if (const Path* path = path_of(offset); path != nullptr) {
-    if (offset + words <= std::min<std::size_t>(path->route.end, SharedSram::size)) return;
-  }
+void HostBoard::require_answers(Offset offset, std::size_t words, bool write) const {
   for (std::size_t i = 0; i < words; ++i) {
     const auto one = static_cast<Offset>(offset + i);
     const bool shared = one < SharedSram::size || registers_.answers(one, write, true) || adapter_.answers(one, write);
@@ -130,15 +126,24 @@ void HostBoard::write(Offset offset, std::span<const Word> words) {
   if (offset + words.size() > SharedSram::size)
     for (std::size_t i = 0; i < words.size(); ++i) acting_ += registers_.acts_on_dsps(at(i));
   std::size_t posted = 0;
-  if (waiting_.empty())
-    for (bool free = !blocked(); free && posted < words.size(); ++posted) free = post(at(posted), words[posted]);
+  if (waiting_.empty()) {
+    const Path* path = nullptr;
+    for (bool free = !blocked(); free && posted < words.size(); ++posted) {
+      if (path == nullptr || !path->route.holds(at(posted))) path = &path_to_write(at(posted));
+      free = post(*path, at(posted), words[posted]);
+    }
+  }
   for (; posted < words.size(); ++posted) waiting_.push_back({.address = at(posted), .value = words[posted]});
 }
 
-// Passes a word to its bridge. False: the bridge has no room, and the board waits.
-bool HostBoard::post(Offset offset, Word value) {
+const HostBoard::Path& HostBoard::path_to_write(Offset offset) {
   const Path& path = *path_of(offset);
   written_ = static_cast<unsigned>(&path - paths_.data());
+  return path;
+}
+
+// Passes a word to its bridge. False: the bridge has no room, and the board waits.
+bool HostBoard::post(const Path& path, Offset offset, Word value) {
   cpu_ += config_.host_write_clocks;
   path.bridge.write({.address = offset + path.route.shift, .value = value, .clock = bus_clock(path, cpu_)});
   return !path.bridge.blocked();
@@ -149,7 +154,7 @@ void HostBoard::feed() {
   bool free = !blocked();
   while (free && first_waiting_ < waiting_.size()) {
     const pci::Posted& next = waiting_[first_waiting_++];
-    free = post(next.address, next.value);
+    free = post(path_to_write(next.address), next.address, next.value);
   }
   if (first_waiting_ == waiting_.size()) {
     waiting_.clear();

@@ -50,7 +50,13 @@ class HostBoard final : public Scheduler::Actor, public HostPort, public pci::Br
   void answered(Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result) override;
   void taken(pci::Clocks ready, pci::Clocks arbitration) override;
   void landed(const pci::Posted&, pci::Clocks, pci::Result) override {}
-  void require_answer(Offset offset, std::size_t words, bool write) const;
+  // Nearly always the words are in shared memory, on the first path; every machine has a path there.
+  void require_answer(Offset offset, std::size_t words, bool write) const {
+    const BusRoute& first = paths_.front().route;
+    if (offset < first.first || offset + words > std::min<std::size_t>(first.end, SharedSram::size))
+      require_answers(offset, words, write);
+  }
+  void require_answers(Offset offset, std::size_t words, bool write) const;
   /// A route, the bridge that leads there, and the clock of the bridge's bus.
   struct Path {
     BusRoute route;
@@ -72,7 +78,8 @@ class HostBoard final : public Scheduler::Actor, public HostPort, public pci::Br
   pci::Clocks bus_clock(const Path& path, pci::Clocks own) const {
     return path.route.port == 0 ? own : path.clock.tick_at_or_after(clock_.at(own));
   }
-  bool post(Offset offset, Word value);
+  const Path& path_to_write(Offset offset);
+  bool post(const Path& path, Offset offset, Word value);
   void ask();
   void feed();
   void set_next(Time now);
