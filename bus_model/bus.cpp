@@ -326,11 +326,11 @@ void Bus::finish() {
   const bool aborted = attempt_.kind == Attempt::Kind::master_abort || attempt_.kind == Attempt::Kind::target_abort;
   if (aborted || port.done == port.wanted || (port.speculative && port.done > 0)) {
     Transaction& transaction = port.transaction;
-    if (attempt_.kind == Attempt::Kind::master_abort) transaction.result = Result::master_abort;
-    if (attempt_.kind == Attempt::Kind::target_abort) transaction.result = Result::target_abort;
-    if (aborted && !transaction.write)
-      std::fill(port.data.begin() + port.done, port.data.begin() + port.wanted, ~Word{0});
-    port.statistics.aborts += aborted;
+    if (aborted) [[unlikely]] {
+      transaction.result = attempt_.kind == Attempt::Kind::master_abort ? Result::master_abort : Result::target_abort;
+      port.statistics.aborts += 1;
+      if (!transaction.write) std::fill(port.data.begin() + port.done, port.data.begin() + port.wanted, ~Word{0});
+    }
     port.statistics.transactions += 1;
     transaction.words = port.done;
     transaction.ended = last + 1;

@@ -112,9 +112,7 @@ class Initiator {
   /// FRAME# of an attempt, decided at clock `now` <= attempt.frame. `first`: the first attempt of this transaction. A
   /// write may then put more words into `room` (the submitted words are its first attempt.wanted) and return the new
   /// number.
-  virtual unsigned framed(const Attempt& attempt, bool /*first*/, Clocks /*now*/, std::span<Word> /*room*/) {
-    return attempt.wanted;
-  }
+  virtual unsigned framed(const Attempt& attempt, bool first, Clocks now, std::span<Word> room) = 0;
   /// The words of a burst read, known ahead: word i arrives with the data phase at first + i * step.
   virtual void arriving(const Attempt& /*attempt*/, std::span<const Word> /*words*/) {}
   /// The transaction has ended. The transaction and `words` (of a read) stay valid until this master submits again,
@@ -127,7 +125,7 @@ class Monitor {
  public:
   virtual ~Monitor() = default;
   virtual void attempted(const Attempt&) {}
-  virtual void ended(const Transaction&) {}
+  virtual void ended(const Transaction&) = 0;
 };
 
 /// Called when the bus's next_event() may have changed.

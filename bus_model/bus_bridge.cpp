@@ -108,6 +108,7 @@ class BusBridge::Direction {
   };
   struct Reader final : Initiator {
     explicit Reader(Direction& the_direction) : direction{the_direction} {}
+    unsigned framed(const Attempt& attempt, bool, Clocks, std::span<Word>) override { return attempt.wanted; }
     void completed(const Transaction& transaction, std::span<const Word> words) override {
       direction.fetched(transaction, words);
     }

@@ -50,6 +50,7 @@ struct Ended {
 
 struct Master final : Initiator {
   explicit Master(std::vector<Ended>& list) : ended{list} {}
+  unsigned framed(const Attempt& attempt, bool, Clocks, std::span<Word>) override { return attempt.wanted; }
   void completed(const Transaction& transaction, std::span<const Word> words) override {
     ended.push_back({transaction, {words.begin(), words.end()}});
   }
@@ -82,6 +83,7 @@ class PyBus final : public Monitor {
  public:
   explicit PyBus(const BusConfig& config) : bus{config} { bus.set_monitor(this); }
   void attempted(const Attempt& attempt) override { attempts.push_back(attempt); }
+  void ended(const Transaction&) override {}
   unsigned add_master(const MasterConfig& config) { return bus.add_master(config, masters.emplace_back(ended)); }
   Memory& add_memory(const TargetConfig& config, Address base, std::size_t words) {
     Memory& memory = memories.emplace_back(words);

@@ -35,8 +35,7 @@ void InstructionCache::settle_control(Cycles fetched) {
 }
 
 // Gives the present contents a number. False: there are no numbers at present.
-bool InstructionCache::number_contents() {
-  if (number_ != unnumbered) return true;
+bool InstructionCache::give_number() {
   if (state_.cycle < no_numbers_until_) return false;
   const Cache& now = state_.cache;
   const std::size_t hash = now.hash();

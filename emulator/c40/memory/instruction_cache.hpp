@@ -101,7 +101,8 @@ class InstructionCache {
   }
   void add_change(Cycles executed, Word control);
   const Cache& contents() const { return number_ != unnumbered ? numbered_[number_ - first_number_] : state_.cache; }
-  bool number_contents();
+  bool number_contents() { return number_ != unnumbered || give_number(); }
+  bool give_number();
   void forget_numbers();
   bool fits_now(CodeBlock& block);
   CacheStep fetch_words(Address begin, std::span<const Word> words);

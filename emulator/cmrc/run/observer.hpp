@@ -52,7 +52,8 @@ class RunObserver : public machine::Observer, public HostListener {
   void dsp_issue(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value,
                  Time issued) override;
   bool wants_issues_at(machine::Window window, machine::Offset offset) const override {
-    return window == machine::Window::a && flag_of(offset).has_value() && causes_;
+    const bool in_pool = offset - words_.block_pool < words_.block_count * words_.block_words;
+    return in_pool && window == machine::Window::a && flag_of(offset).has_value() && causes_;
   }
   void dsp_write(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued,
                  Time now) override;

@@ -33,6 +33,7 @@ namespace {
 
 // Master 0 of the host's buses if there is no host.
 struct SilentInitiator final : pci::Initiator {
+  unsigned framed(const pci::Attempt& attempt, bool, pci::Clocks, std::span<Word>) override { return attempt.wanted; }
   void completed(const pci::Transaction&, std::span<const Word>) override {}
 };
 
