@@ -225,6 +225,7 @@ Crane::Crane(const CraneParameters& parameters) : p_(parameters) {
                   .bump = (d.stribeck - 1.0) * coulomb,
                   .bump_speed = d.stribeck_speed * speed,
                   .viscous = d.viscous * rated / speed,
+                  .gear = d.gear * d.efficiency,
                   .half_gear = 0.5 * d.gear,
                   .either_way = 1.0 / d.efficiency + d.efficiency,
                   .loss = 1.0 / d.efficiency - d.efficiency};
@@ -384,8 +385,7 @@ double Crane::bump_exponent(const JointForces& joint, double v) const {
 }
 
 double Crane::gear_force(std::size_t joint, double torque, double v) const {
-  const DriveParameters& d = p_.drives[joint];
-  if (!p_.gear_losses) return d.gear * d.efficiency * torque;
+  if (!p_.gear_losses) return joints_[joint].gear * torque;
   return behind_gear(joint, torque, direction(joints_[joint], v));
 }
 
@@ -396,9 +396,8 @@ Joints Crane::drive_forces(const Joints& torque, const CraneVector& qd,
   for (std::size_t j = 0; j < joint_count; ++j) {
     const auto k = coordinate_of(j);
     if ((dynamics.mass.locked >> k & 1U) != 0) continue;
-    const DriveParameters& d = p_.drives[j];
     const double direction = dynamics.direction[j];
-    const double gear = p_.gear_losses ? behind_gear(j, torque[j], direction) : d.gear * d.efficiency * torque[j];
+    const double gear = p_.gear_losses ? behind_gear(j, torque[j], direction) : joints_[j].gear * torque[j];
     forces[j] =
         gear - friction_towards(joints_[j], qd[k], sliding[j] != 0 ? sliding[j] : direction, dynamics.stribeck[j]);
   }

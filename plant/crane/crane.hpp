@@ -93,6 +93,7 @@ class Crane {
     double bump;        // height of the Stribeck curve at rest
     double bump_speed;  // speed at which it has fallen to 1 / e
     double viscous;     // per unit of joint speed
+    double gear;        // times efficiency
     double half_gear;
     double either_way, loss;  // the gear's 1 / efficiency + efficiency, and - efficiency
   };

@@ -142,13 +142,6 @@ const HostBoard::Path& HostBoard::path_to_write(Offset offset) {
   return path;
 }
 
-// Passes a word to its bridge. False: the bridge has no room, and the board waits.
-bool HostBoard::post(const Path& path, Offset offset, Word value) {
-  cpu_ += config_.host_write_clocks;
-  path.bridge.write({.address = offset + path.route.shift, .value = value, .clock = bus_clock(path, cpu_)});
-  return !path.bridge.blocked();
-}
-
 // Passes to the bridges what they accept: writes in order, then the read. A write that finds no room blocks the board.
 void HostBoard::feed() {
   bool free = !blocked();

@@ -79,7 +79,12 @@ class HostBoard final : public Scheduler::Actor, public HostPort, public pci::Br
     return path.route.port == 0 ? own : path.clock.tick_at_or_after(clock_.at(own));
   }
   const Path& path_to_write(Offset offset);
-  bool post(const Path& path, Offset offset, Word value);
+  // Passes a word to its bridge. False: the bridge has no room, and the board waits.
+  bool post(const Path& path, Offset offset, Word value) {
+    cpu_ += config_.host_write_clocks;
+    path.bridge.write({.address = offset + path.route.shift, .value = value, .clock = bus_clock(path, cpu_)});
+    return !path.bridge.blocked();
+  }
   void ask();
   void feed();
   void set_next(Time now);
