@@ -47,6 +47,7 @@ class EventLog {
   }
   /// Nobody will ask for an event or the hash: events that are added from now on are only checked.
   void discard();
+  bool discards() const { return discards_; }
   /// No event before `time` will follow. Cheap; may be called often.
   void settle(Time time);
   /// Hashes bytes of the final machine state after all events (calls `flush`).

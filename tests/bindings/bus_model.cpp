@@ -84,7 +84,7 @@ class PyBus final : public Monitor {
   explicit PyBus(const BusConfig& config) : bus{config} { bus.set_monitor(this); }
   void attempted(const Attempt& attempt) override { attempts.push_back(attempt); }
   void ended(const Transaction&) override {}
-  unsigned add_master(const MasterConfig& config) { return bus.add_master(config, masters.emplace_back(ended)); }
+  unsigned add_master(const MasterConfig& config) { return bus.add_master(config, masters.emplace_back(all_ended)); }
   Memory& add_memory(const TargetConfig& config, Address base, std::size_t words) {
     Memory& memory = memories.emplace_back(words);
     bus.add_target(config, memory, base, words);
@@ -102,7 +102,7 @@ class PyBus final : public Monitor {
     std::copy(words.begin(), words.end(), bus.buffer(master).begin());
     bus.submit(master, command, address, static_cast<unsigned>(words.size()), clock, bus.master_config(master).agent);
   }
-  std::vector<Ended> take_ended() { return std::exchange(ended, {}); }
+  std::vector<Ended> take_ended() { return std::exchange(all_ended, {}); }
   std::vector<Ended> advance_to(Clocks clock) {
     bus.advance_to(clock);
     return take_ended();
@@ -114,7 +114,7 @@ class PyBus final : public Monitor {
   std::vector<Attempt> attempts;
 
  private:
-  std::vector<Ended> ended;
+  std::vector<Ended> all_ended;
   std::deque<Master> masters;
 };
 

@@ -97,19 +97,27 @@ PIECES = [
 ]
 
 
+# The cache on and off, frozen and not, cleared.
+CACHE_PIECES = ["xor 800h,st", "xor 400h,st", "or 1000h,st"]
+
 CACHE_ENABLE, GIE = 0x800, 0x2000
 VECTORS, TIMER0 = 0x80002000, 0x100020
 
 
-def random_program(seed: int, status: int = 0, pieces: int = 40, board: str = "default", timer: int = 0) -> Any:
-    """`timer`: ticks between the interrupts of timer 0; 0: none."""
+def random_program(
+    seed: int, status: int = 0, pieces: int = 40, board: str = "default", timer: int = 0, apart: bool = False
+) -> Any:
+    """`timer`: ticks between the interrupts of timer 0; 0: none. `apart`: the program changes the cache, and of main
+    program and subroutines one is in the chip's RAM, which is not cached."""
     rng = random.Random(seed)
-    body = "\n".join("        " + rng.choice(PIECES).replace("{n}", str(n)) for n in range(pieces))
+    kinds = PIECES + (3 * CACHE_PIECES + 6 * ["call sub"] if apart else [])
+    body = "\n".join("        " + rng.choice(kinds).replace("{n}", str(n)) for n in range(pieces))
     text = f"""
 loop:
 {body}
         dbu ar1,loop
 stop:   bu stop
+{'        .sect "apart"' if apart else ""}
 sub:    addi 1,r7
         retsge
         subi 3,r7
@@ -123,7 +131,8 @@ service: addi 1,ar0
         pop r1
         reti
 """
-    processor, image = small_programs.load(text, board, at=0x300000 if seed % 2 else 0x2FFC00)
+    here, there = (0x300000, 0x2FFC00) if seed % 2 else (0x2FFC00, 0x300000)
+    processor, image = small_programs.load(text, board, at=here, sections={"apart": there} if apart else None)
     processor.set("AR1", 20)
     processor.set("AR4", 0x2FF800)
     processor.set("AR5", 0x2FF840)
@@ -164,6 +173,12 @@ CASES = [(seed, 0, 40) for seed in range(40)] + [
 @pytest.mark.parametrize(("seed", "status", "pieces"), CASES)
 def test_random_programs_agree_cycle_by_cycle(seed: int, status: int, pieces: int) -> None:
     agree(random_program(seed, status, pieces), random_program(seed, status, pieces), seed)
+
+
+@pytest.mark.parametrize("timer", [0, 61])
+@pytest.mark.parametrize("seed", range(30))
+def test_programs_that_change_the_cache_agree(seed: int, timer: int) -> None:
+    agree(*(random_program(seed, CACHE_ENABLE, 60, timer=timer, apart=True) for _ in range(2)), seed)
 
 
 # Pages of 1 K words; of 16, with a cycle for a change of strobe.
@@ -267,3 +282,144 @@ def test_the_boot_loader_looking_for_a_word_takes_as_long_however_its_run_is_cut
     whole.run(3000)
     exact.run(3000)
     assert state(whole) == state(pieces) == state(exact)
+
+
+SLOW = 0x40000000
+
+
+def test_a_subroutine_returns_to_code_that_is_cached_now_and_was_not_before() -> None:
+    """The subroutine and one of its callers are in the chip's RAM, which is never cached; the other caller is not."""
+    text = """
+main:   ldi 5,ar0
+        ldi @far_is,r10
+again:  callu r10
+        call sub
+        addi 3,r1
+        dbu ar0,again
+        xor 800h,st             ; the cache on, and off again
+        bu main
+sub:    addi 1,r0
+        rets
+far_is: .word far
+sub_is: .word sub
+        .sect "far"
+far:    ldi @sub_is,r9
+        callu r9
+        addi 2,r1
+        addi r0,r1
+        rets
+"""
+    fast, exact = (small_programs.load(text, sections={"far": SLOW})[0] for _ in range(2))
+    for processor in (fast, exact):
+        processor.set("DP", small_programs.CODE >> 16)
+    agree(fast, exact, 1)
+    assert fast.causes["cache_miss"] > 0
+
+
+@pytest.mark.parametrize(("pause", "cycles"), [(0, 150_000), (260, 800_000)])
+def test_contents_of_the_cache_that_hardly_ever_come_again(pause: int, cycles: int) -> None:
+    """Sixteen subroutines in a segment each, called in random order: 43,680 contents, of which the engine knows a part
+    at a time."""
+    subroutines = "\n".join(f"        addi {n},r3\n        rets\n        .space 30" for n in range(16))
+    text = f"""
+main:   ldi 1,r1
+next:   mpyi @factor,r1         ; a linear congruential generator
+        addi 1,r1
+        lsh3 -28,r1,r2
+        lsh 5,r2
+        addi @first,r2
+        callu r2
+        rpts {pause}
+        nop
+        bu next
+factor: .word 69069
+first:  .word {SLOW:#x}
+        .sect "far"
+{subroutines}
+"""
+    fast, exact = (small_programs.load(text, sections={"far": SLOW})[0] for _ in range(2))
+    for processor in (fast, exact):
+        processor.set("DP", small_programs.CODE >> 16)
+        processor.set("ST", CACHE_ENABLE)
+    exact.set_exact(True)
+    for part in (0.3, 0.01, 0.001, 0.689):
+        fast.run(round(part * cycles))
+        exact.run(round(part * cycles))
+        assert state(fast) == state(exact)
+    assert fast.causes["cache_miss"] > 1000
+
+
+def test_code_that_changes_while_the_cache_has_it() -> None:
+    """The old code runs until CC clears the cache. Then the same words come into an empty cache as before, but one of
+    them is another one."""
+    text = """
+main:   ldi @far_is,r10
+        ldi @place_is,ar1
+        ldi 11,ar0
+again:  ldi 3,ar2
+calls:  callu r10
+        addi r0,r4
+        dbu ar2,calls
+        ldi *ar1,r2             ; addi 1,r0 becomes addi 64,r0, and the other way round
+        xor 65,r2
+        sti r2,*ar1
+        callu r10
+        tstb 1,ar0
+        bz again1               ; each second time the old code stays
+        or 1000h,st
+again1: dbu ar0,again
+stop:   bu stop
+far_is: .word far
+place_is: .word place
+        .sect "far"
+far:    addi 2,r1
+place:  addi 1,r0
+        rets
+"""
+    fast, exact = (small_programs.load(text, sections={"far": SLOW})[0] for _ in range(2))
+    for processor in (fast, exact):
+        processor.set("DP", small_programs.CODE >> 16)
+        processor.set("ST", CACHE_ENABLE)
+    exact.set_exact(True)
+    rng = random.Random(1)
+    for _ in range(300):
+        fast.set_exact(rng.random() < 0.3)  # then the words that the cache holds are executed, not blocks made of them
+        cycles = rng.choice([1, 5, 30])
+        fast.run(cycles)
+        exact.run(cycles)
+        assert state(fast) == state(exact)
+    adds, in_cache, in_memory = 0, 1, 1
+    for left in range(11, -1, -1):
+        adds += 4 * in_cache
+        in_memory ^= 65
+        adds += in_cache
+        in_cache = in_memory if left % 2 else in_cache
+    assert fast.get("R0") & 0xFFFFFFFF == adds
+
+
+def test_code_that_changes_while_neither_cache_nor_blocks_have_it() -> None:
+    """Then the chip does not see the write: nothing that it keeps of earlier fetches may hold the old word."""
+    text = """
+main:   ldi @far_is,r10
+        ldi 3,ar2
+calls:  callu r10
+        dbu ar2,calls
+        or 1000h,st
+stop:   bu stop
+far_is: .word far
+        .sect "far"
+far:    addi 1,r0
+        rets
+"""
+    processor, image = small_programs.load(text, sections={"far": SLOW})
+    processor.set("DP", small_programs.CODE >> 16)
+    processor.set("ST", CACHE_ENABLE)
+    processor.run(10_000, until=image.symbols["stop"])
+    processor.add_breakpoint(image.symbols["stop"])  # an end of all blocks
+    processor.poke(SLOW, 0x02600040)  # addi 64,r0
+    processor.remove_breakpoint(image.symbols["stop"])
+    for exact in (False, True):
+        processor.set_exact(exact)
+        processor.pc = small_programs.CODE
+        processor.run(10_000, until=image.symbols["stop"])
+    assert processor.get("R0") & 0xFFFFFFFF == 4 + 2 * 4 * 64

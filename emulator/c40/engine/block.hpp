@@ -26,18 +26,22 @@ struct CodeBlockKey {
   Address pc = 0;
   Address repeat_end = 0;  ///< RE if RM is set
   PipelineId pipeline = 0;
-  std::uint32_t mode = 0;  ///< SET COND, RM, the state of RPTS, whether the cache is on, and whether it is frozen
+  /// SET COND, RM, the state of RPTS, whether the block's words come from the cache, and whether the cache was frozen
+  /// then. Also CE and CF at their places in ST, for all blocks: so the blocks that follow have the same CE and CF.
+  std::uint32_t mode = 0;
   std::uint32_t hits = 0;  ///< which of the block's words, and of those after it, are in the cache
   friend bool operator==(const CodeBlockKey&, const CodeBlockKey&) = default;
-  /// Only address and words in the cache differ.
+  /// They differ at most in address, and in what follows from it: whether the words come from the cache, and from
+  /// which of them.
   bool is_elsewhere(const CodeBlockKey& other) const {
-    return pipeline == other.pipeline && mode == other.mode && repeat_end == other.repeat_end;
+    return pipeline == other.pipeline && repeat_end == other.repeat_end &&
+           ((mode ^ other.mode) & ~(cached | frozen)) == 0;
   }
 };
 struct CodeBlockKeyHash {
   std::size_t operator()(const CodeBlockKey& key) const {
     std::uint64_t h = (std::uint64_t{key.pc} << 32 | key.repeat_end) * 0x9E3779B97F4A7C15u;
-    h ^= (h >> 29) ^ (std::uint64_t{key.pipeline} << 6 | key.mode) * 0xBF58476D1CE4E5B9u;
+    h ^= (h >> 29) ^ (std::uint64_t{key.pipeline} << 12 | key.mode) * 0xBF58476D1CE4E5B9u;
     h += std::uint64_t{key.hits} * 0x94D049BB133111EBu;
     return static_cast<std::size_t>(h ^ h >> 32);
   }

@@ -18,13 +18,11 @@ class BlockStore {
   bool full() const;
   /// Where an exit leads to several blocks, as at the end of a subroutine: one that begins at `pc` and has a key as
   /// `like` otherwise. Null if none was found there of late.
-  /// \param control of the cache: with another one, a block at `pc` may need another mode, and one at `like` the same
-  CodeBlock* recent(Address pc, const CodeBlockKey& like, Word control) const {
-    const auto& [block, noted] = recent_[pc % recent_.size()];
-    const bool fits = block != nullptr && noted == control && block->key.pc == pc && block->key.is_elsewhere(like);
-    return fits ? block : nullptr;
+  CodeBlock* recent(Address pc, const CodeBlockKey& like) const {
+    CodeBlock* const block = recent_[pc % recent_.size()];
+    return block != nullptr && block->key.pc == pc && block->key.is_elsewhere(like) ? block : nullptr;
   }
-  void note_recent(CodeBlock& block, Word control) { recent_[block.key.pc % recent_.size()] = {&block, control}; }
+  void note_recent(CodeBlock& block) { recent_[block.key.pc % recent_.size()] = &block; }
   /// Adds a block and marks its words as code in `memory`.
   void add(std::unique_ptr<CodeBlock> block, Memory& memory);
   /// Deletes all blocks and their marks in memory. All counts must be settled before.
@@ -44,12 +42,8 @@ class BlockStore {
  private:
   std::vector<std::unique_ptr<CodeBlock>> blocks_;
   std::unordered_map<CodeBlockKey, CodeBlock*, CodeBlockKeyHash> by_key_;
-  struct Recent {
-    CodeBlock* block = nullptr;
-    Word control = 0;
-  };
-  std::array<Recent, 256> recent_{};    ///< by address
-  CodeBlock::Exit* counted_ = nullptr;  ///< the first of the exits whose count is not 0
+  std::array<CodeBlock*, 256> recent_{};  ///< by address
+  CodeBlock::Exit* counted_ = nullptr;    ///< the first of the exits whose count is not 0
 };
 
 /// Addresses with which no block can begin: the exact engine executes these instructions each time, without a search

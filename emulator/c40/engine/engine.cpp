@@ -80,7 +80,7 @@ void Engine::flush_blocks() {
   blocks_.clear(memory_);
   exact_addresses_.clear();
   onward_.clear();
-  cache_.mark_code(memory_);
+  cache_.blocks_cleared(memory_);
 }
 
 // All knowledge about memory was found with the old values of the interface control registers.
@@ -95,7 +95,7 @@ void Engine::set_probe(Probe* probe, ProbePlan plan) {
   memory_.set_apart(plan.data);
   probe_.set(probe, std::move(plan));
   forget_memory();
-  cache_.mark_code(memory_);
+  cache_.blocks_cleared(memory_);
 }
 
 // Pipeline states get new ids.

@@ -210,7 +210,7 @@ Engine::Stepped Engine::run_blocks(CodeBlock* block, std::size_t at, Cycles limi
     if (block == nullptr || core.attention) return false;
     if (block->key.pc == core.pc) [[likely]]
       return true;
-    block = blocks_.recent(core.pc, block->key, cache_.control());
+    block = blocks_.recent(core.pc, block->key);
     return block != nullptr;
   };
   bool on = true;

@@ -8,11 +8,12 @@ CodeBlockKey Engine::key() {
   CodeBlockKey key;
   key.pc = core.pc;
   key.pipeline = pipeline_.id();
+  key.mode = cache_.control();
   const bool repeat = (core.modes & st::RM) != 0;
   if (repeat) key.repeat_end = core.r[reg::RE];
-  key.mode = ((core.modes & st::SETCOND) != 0 ? CodeBlockKey::set_condition : 0u) |
-             (repeat ? CodeBlockKey::repeat : 0u) |
-             static_cast<std::uint32_t>(core.repeat_single) << CodeBlockKey::repeat_single;
+  key.mode |= ((core.modes & st::SETCOND) != 0 ? CodeBlockKey::set_condition : 0u) |
+              (repeat ? CodeBlockKey::repeat : 0u) |
+              static_cast<std::uint32_t>(core.repeat_single) << CodeBlockKey::repeat_single;
   if (caching()) {
     key.mode |= CodeBlockKey::cached | (cache_.frozen() ? CodeBlockKey::frozen : 0u);
     key.hits = cache_.hits_from(core.pc);
@@ -28,7 +29,7 @@ CodeBlock* Engine::find_or_record(Cycles limit, Stepped& why) {
   if (CodeBlock::Exit* from = onward_.take_exit(); from != nullptr && block != nullptr && from->chained)
     if (!ends_blocks(k.pc)) {
       from->next = block;
-      blocks_.note_recent(*block, cache_.control());
+      blocks_.note_recent(*block);
     }
   if (block != nullptr) {
     cache_.note_fit(*block);

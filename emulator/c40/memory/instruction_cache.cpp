@@ -62,7 +62,6 @@ void InstructionCache::forget_numbers() {
 }
 
 bool InstructionCache::fits_now(CodeBlock& block) {
-  if (!block.uses_cache) return true;
   const std::uint32_t hits = contents().hits_from(block.key.pc, static_cast<unsigned>(block.size));
   if (((hits ^ block.key.hits) & block.own_words) != 0) return false;
   note_fit(block);
@@ -97,7 +96,8 @@ void InstructionCache::put_words(Address begin, std::span<const Word> words) {
   if (in_first != words.size()) state_.cache.load(begin + static_cast<Address>(in_first), words.subspan(in_first));
 }
 
-void InstructionCache::mark_code(Memory& memory) const {
+void InstructionCache::blocks_cleared(Memory& memory) {
+  steps_.clear();
   contents().each_word([&memory](Address pc) {
     if (const Memory::Area* area = memory.find(pc); area != nullptr && area->data != nullptr) area->mark_code(pc);
   });

@@ -23,7 +23,7 @@ class InstructionCache {
 
   // As the fetch stage sees CE now.
   bool on() const { return (state_.cache_control & st::CE) != 0; }
-  Word control() const { return state_.cache_control; }
+  Word control() const { return state_.cache_control; }  ///< CE and CF, as the fetch stage sees them now
   bool frozen() const { return (state_.cache_control & st::CF) != 0; }
   const Word* find(Address pc) const { return contents().find(pc); }
 
@@ -65,7 +65,7 @@ class InstructionCache {
       fetch(block, 0, block.size);
   }
   /// The cache holds the same of the block's words as when the block was recorded.
-  bool fits(CodeBlock& block) { return block.fitted == number_ || fits_now(block); }
+  bool fits(CodeBlock& block) { return block.fitted == number_ || !block.uses_cache || fits_now(block); }
   /// The block was found by the cache's contents, so it fits.
   void note_fit(CodeBlock& block) {
     if (block.uses_cache && number_contents()) block.fitted = number_;
@@ -78,14 +78,12 @@ class InstructionCache {
   }
 
   /// A word of memory has changed.
-  void memory_written(Address address) {
-    stale_ |= find(address) != nullptr;
-    steps_.clear();
-  }
+  void memory_written(Address address) { stale_ |= find(address) != nullptr; }
   /// The cache holds words that differ from memory.
   bool stale() const { return stale_; }
-  /// Marks the cached words as code: a write to one of them makes the cache stale.
-  void mark_code(Memory& memory) const;
+  /// The blocks are gone, and with them the marks of their words as code. Marks the cached words: a write to one of
+  /// them makes the cache stale. A write to another word will not be noticed, so no step is kept.
+  void blocks_cleared(Memory& memory);
 
   /// The chip was reset: its state was replaced.
   void was_reset();

@@ -65,6 +65,7 @@ class RunObserver : public machine::Observer, public HostListener {
   void dsp_write_refused(unsigned slot, machine::Offset offset, machine::Word value, machine::Word kind,
                          Time now) override;
   void transaction(machine::BusId bus, const pci::Transaction& transaction, Time now) override;
+  bool wants_transactions() const override { return !log_.discards(); }
   void interrupt(unsigned slot, int pin, Time now) override;
   void semaphore(unsigned number, machine::SemaphoreEvent event, unsigned owner, Time now) override;
   void fault(const machine::ChipFault& fault) override;

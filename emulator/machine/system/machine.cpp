@@ -310,7 +310,9 @@ void Machine::Parts::observe(Observer* observer) {
   watches.clear();
   for (unsigned i = 0; i < buses.size(); ++i) {
     if (observer != nullptr) watches.emplace_back(*this, static_cast<BusId>(i));
-    buses[i].set_monitor(observer == nullptr ? nullptr : &watches.back(), static_cast<bool>(bus_watch));
+    const bool attempts = static_cast<bool>(bus_watch);
+    const bool watches_bus = observer != nullptr && (attempts || observer->wants_transactions());
+    buses[i].set_monitor(watches_bus ? &watches.back() : nullptr, attempts);
   }
 }
 

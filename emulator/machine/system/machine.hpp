@@ -134,6 +134,8 @@ class Observer {
   /// A transaction has ended. On every bus of the host, the host is master 0; then come the DSPs in the order of their
   /// slots, then the bridges between buses.
   virtual void transaction(BusId, const pci::Transaction&, Time /*now*/) {}
+  /// Asked once, when the observer is set. If not, transaction() is not called.
+  virtual bool wants_transactions() const { return true; }
   virtual void interrupt(unsigned /*slot*/, int /*iiof pin*/, Time /*now*/) {}
   /// owner: DSP slot + 1, or host_owner.
   virtual void semaphore(unsigned /*number*/, SemaphoreEvent, unsigned /*owner*/, Time /*now*/) {}
