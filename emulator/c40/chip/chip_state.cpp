@@ -62,10 +62,10 @@ void Pipeline::list_state(state::Visitor& list) {
 }
 
 void Cache::list_state(state::Visitor& list) {
+  *this = in_order_of_use();  // so the same contents are saved as the same words
   list("words", words_);
   list("present", present_);
   list("start", start_);
-  list("order", order_);
 }
 
 void Fifo::list_state(state::Visitor& list) {

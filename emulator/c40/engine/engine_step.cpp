@@ -74,6 +74,8 @@ bool Engine::fetch(Step& step) {
     step.from_cache = cached != nullptr && step.fetched;
     step.missed = cached == nullptr && step.fetched;
     step.frozen = cache_.frozen();
+    // Before it executes: the instruction may write to its own word.
+    if (step.missed && !step.frozen) code_.area->mark_code(pc);
   }
   if (!step.fetched) step.fetch = {};
   if (code_.met.paged && step.fetched && !step.from_cache) {
@@ -167,7 +169,7 @@ void Engine::account(const Transition& t, const std::optional<StepTiming>& witho
 // The effects of an instruction's accesses on the cache, the pages and LOCK.
 void Engine::settle_accesses(const Step& step, Address pc) {
   if (step.from_cache && !step.frozen) cache_.hit(pc);
-  if (step.missed && !step.frozen) cache_.load(pc, step.word, *code_.area);
+  if (step.missed && !step.frozen) cache_.load(pc, step.word);
   if (step.paged) state_.open_pages = pages_;
   if (step.locks)
     if (const auto lock = lock_after(step.decoded->bound.row->operation))

@@ -69,10 +69,10 @@ class Cache {
   /// CC: clears all P flags; segment addresses and their order stay.
   void clear() { present_ = {}, words_ = {}; }
 
-  /// Calls visit(address) for each word in the cache.
+  /// Calls visit(address) for each word in the cache, those of the most recently used segment first.
   template <class Visit>
   void each_word(Visit&& visit) const {
-    for (unsigned s = 0; s < segment_count; ++s)
+    for (const unsigned s : order_)
       for (Word rest = present_[s]; rest != 0; rest &= rest - 1)
         visit(start_[s] << 5 | static_cast<Address>(std::countr_zero(rest)));
   }
@@ -86,6 +86,7 @@ class Cache {
   }
 
   void list_state(state::Visitor& list);
+  /// Which segment is where does not matter, only their order of use.
   friend bool operator==(const Cache& a, const Cache& b) {
     for (unsigned i = 0; i < segment_count; ++i) {
       const unsigned s = a.order_[i], t = b.order_[i];
@@ -104,6 +105,16 @@ class Cache {
     const __m128i equal = _mm_cmpeq_epi32(starts, _mm_set1_epi32(static_cast<int>(address >> 5)));
     const auto bits = static_cast<unsigned>(_mm_movemask_ps(_mm_castsi128_ps(equal)));
     return static_cast<unsigned>(std::countr_zero(bits | 1u << segment_count));
+  }
+  /// The same contents, the most recently used segment in place 0.
+  Cache in_order_of_use() const {
+    Cache ordered;
+    for (unsigned i = 0; i < segment_count; ++i) {
+      ordered.words_[i] = words_[order_[i]];
+      ordered.present_[i] = present_[order_[i]];
+      ordered.start_[i] = start_[order_[i]];
+    }
+    return ordered;
   }
   void move_to_front(unsigned segment) {
     const auto newest = static_cast<std::uint8_t>(segment);

@@ -44,13 +44,10 @@ class InstructionCache {
 
   /// A fetched word was in the cache.
   void hit(Address pc) {
-    if (const Cache& now = contents(); !now.is_latest(pc)) fetch_words(pc, {now.find(pc), 1});
+    if (!contents().is_latest(pc)) load(pc, *find(pc));
   }
-  /// A fetched word was not in the cache and is loaded.
-  void load(Address pc, Word word, const Memory::Area& area) {
-    fetch_words(pc, {&word, 1});
-    area.mark_code(pc);
-  }
+  /// A fetched word was not in the cache and is loaded. It is marked as code already.
+  void load(Address pc, Word word) { fetch_words(pc, {&word, 1}); }
   /// The effect on the cache of fetching instructions [from, to) of a block.
   [[gnu::noinline]] void fetch(CodeBlock& block, std::size_t from, std::size_t to) {
     if (block.changes_cache && from != to)
