@@ -423,3 +423,35 @@ far:    addi 1,r0
         processor.pc = small_programs.CODE
         processor.run(10_000, until=image.symbols["stop"])
     assert processor.get("R0") & 0xFFFFFFFF == 4 + 2 * 4 * 64
+
+
+@pytest.mark.parametrize("exact", [False, True])
+def test_an_instruction_that_overwrites_itself_while_it_comes_into_the_cache(exact: bool) -> None:
+    """The cache has the word that was fetched, until it is cleared; then it gets the word that was written."""
+    text = """
+main:   ldi @far_is,ar1
+        ldi ar1,r10
+        ldi @store,r3
+        ldi @add,r2
+        ldi 9,ar0
+again:  sti r3,*ar1
+        callu r10               ; sti r2,*ar1: the next time it is addi 1,r0
+        or 1000h,st
+        callu r10
+        callu r10
+        or 1000h,st
+        dbu ar0,again
+stop:   bu stop
+far_is: .word far
+store:  sti r2,*ar1
+add:    addi 1,r0
+        .sect "far"
+far:    nop
+        rets
+"""
+    processor, image = small_programs.load(text, sections={"far": SLOW})
+    processor.set_exact(exact)
+    processor.set("DP", small_programs.CODE >> 16)
+    processor.set("ST", CACHE_ENABLE)
+    processor.run(10_000, until=image.symbols["stop"])
+    assert processor.get("R0") & 0xFFFFFFFF == 20
