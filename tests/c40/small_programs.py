@@ -10,9 +10,7 @@ CODE = 0x2FFC00  # on-chip block 1
 DATA = 0x2FF800  # on-chip block 0
 
 
-def load(
-    text: str, board: str = "default", at: int = CODE, sections: dict[str, int] | None = None
-) -> tuple[Any, Any]:
+def load(text: str, board: str = "default", at: int = CODE, sections: dict[str, int] | None = None) -> tuple[Any, Any]:
     """`sections`: where other sections than .text are."""
     image = toolchain.assemble("        .text\n" + text, "test.asm", sections={".text": at, **(sections or {})})
     processor = c40.Processor(board)
