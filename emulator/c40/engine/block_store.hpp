@@ -23,6 +23,13 @@ class BlockStore {
     return block != nullptr && block->key.pc == pc && block->key.is_elsewhere(like) ? block : nullptr;
   }
   void note_recent(CodeBlock& block) { recent_[block.key.pc % recent_.size()] = &block; }
+  /// A recording from `pc` on is cut by the end of a run. Where this happens each time, a short block is better than
+  /// none; where it does not, the next recording is a longer one.
+  bool is_cut_again_and_again(Address pc) {
+    Cut& cut = cuts_[pc % cuts_.size()];
+    if (cut.pc != pc) cut = {pc, 0};
+    return ++cut.times > most_cuts;
+  }
   /// Adds a block and marks its words as code in `memory`.
   void add(std::unique_ptr<CodeBlock> block, Memory& memory);
   /// Deletes all blocks and their marks in memory. All counts must be settled before.
@@ -40,6 +47,12 @@ class BlockStore {
   void settle(Causes& causes, std::uint64_t& instructions);
 
  private:
+  static constexpr unsigned most_cuts = 2;
+  struct Cut {
+    Address pc = 0;
+    unsigned times = 0;
+  };
+  std::array<Cut, 256> cuts_{};
   std::vector<std::unique_ptr<CodeBlock>> blocks_;
   std::unordered_map<CodeBlockKey, CodeBlock*, CodeBlockKeyHash> by_key_;
   std::array<CodeBlock*, 256> recent_{};  ///< by address

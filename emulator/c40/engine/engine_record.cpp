@@ -57,7 +57,10 @@ void Engine::record(const CodeBlockKey& k, Cycles limit, Stepped& why) {
   Step step;
   while (!recording.closed()) {  // a block cannot end between a branch and its delay slots
     const std::size_t n = recording.size();
-    if (n != 0 && state_.cycle >= limit) return;
+    if (n != 0 && state_.cycle >= limit) {
+      if (core.delay_slots != 0 || !blocks_.is_cut_again_and_again(k.pc)) return;
+      break;
+    }
     if (recording.full() && core.delay_slots == 0) break;
     if (n != 0 && ends_blocks(core.pc)) {
       if (core.delay_slots != 0) return;
