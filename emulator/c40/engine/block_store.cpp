@@ -23,6 +23,7 @@ void BlockStore::add(std::unique_ptr<CodeBlock> block, Memory& memory) {
     memory.find(pc)->mark_code(pc);
   }
   by_key_.emplace(block->key, block.get());
+  cuts_[block->key.pc % cuts_.size()] = {};
   blocks_.push_back(std::move(block));
 }
 

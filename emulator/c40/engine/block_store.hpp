@@ -24,7 +24,7 @@ class BlockStore {
   }
   void note_recent(CodeBlock& block) { recent_[block.key.pc % recent_.size()] = &block; }
   /// A recording from `pc` on is cut by the end of a run. Where this happens each time, a short block is better than
-  /// none; where it does not, the next recording is a longer one.
+  /// none; elsewhere the next recording is a longer one.
   bool is_cut_again_and_again(Address pc) {
     Cut& cut = cuts_[pc % cuts_.size()];
     if (cut.pc != pc) cut = {pc, 0};
@@ -47,7 +47,7 @@ class BlockStore {
   void settle(Causes& causes, std::uint64_t& instructions);
 
  private:
-  static constexpr unsigned most_cuts = 2;
+  static constexpr unsigned most_cuts = 8;
   struct Cut {
     Address pc = 0;
     unsigned times = 0;
