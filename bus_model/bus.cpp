@@ -370,6 +370,13 @@ void Bus::finish() {
     plan_idle(requested);
 }
 
+DirectWindow Bus::window_at(Address address) const {
+  const int found = window_of(address, -1);
+  if (found < 0) return {};
+  const Window& window = windows_[static_cast<std::size_t>(found)];
+  return {*window.target, window.base, window.words};
+}
+
 void Bus::stall(Clocks now, Clocks until) {
   now_ = std::max(now_, now);
   stalled_ = std::max(stalled_, until);

@@ -105,6 +105,32 @@ class Target {
   virtual void write(Address offset, Word value, const Access& access) = 0;
 };
 
+/// A target's window, for accesses without transactions.
+class DirectWindow {
+ public:
+  DirectWindow() = default;
+  DirectWindow(Target& target, Address base, std::uint64_t words)
+      : target_{&target}, base_{base}, words_{words}, takes_all_{target.takes_all()} {}
+  bool holds(Address address) const { return address - base_ < words_; }
+  /// One word, with no clocks, no arbitration and no counts. `value` is written, or gets the word read. False: the
+  /// target does not take the access now, and nothing has happened.
+  bool access(Address address, bool write, Word& value, const Access& access) const {
+    const Address offset = address - base_;
+    if (!takes_all_ && target_->answer(offset, 1, write, access) != Answer::accept) return false;
+    if (write)
+      target_->write(offset, value, access);
+    else
+      value = target_->read(offset, access);
+    return true;
+  }
+
+ private:
+  Target* target_ = nullptr;
+  Address base_ = 0;
+  std::uint64_t words_ = 0;
+  bool takes_all_ = false;
+};
+
 /// A master's own logic. Calls come from Bus::step, in bus order.
 class Initiator {
  public:
@@ -164,6 +190,9 @@ class Bus {
   /// The master leaves at clock `now`. Its request ends, its running transaction breaks off; words whose data phases
   /// have passed are moved. completed() is not called. Returns the number of words moved.
   unsigned withdraw(unsigned master, Clocks now);
+
+  /// What answers at an address.
+  DirectWindow window_at(Address address) const;
 
   /// From clock `now` on the arbiter grants nothing before clock `until`; a running attempt continues to its end.
   void stall(Clocks now, Clocks until);

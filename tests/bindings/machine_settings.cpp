@@ -69,6 +69,7 @@ void bind_config(py::module_& m) {
       .def_readwrite("bridge_a", &Config::bridge_a)
       .def_readwrite("bridge_b", &Config::bridge_b)
       .def_readwrite("host_bridge", &Config::host_bridge)
+      .def_readwrite("instant_access", &Config::instant_access)
       .def_readwrite("turn_order", &Config::turn_order)
       .def(
           "script",

@@ -8,6 +8,9 @@ from cmrc._core import c40, toolchain
 
 CODE = 0x2FFC00  # on-chip block 1
 DATA = 0x2FF800  # on-chip block 0
+REGISTERS = [f"R{n}" for n in range(12)] + [f"AR{n}" for n in range(8)]
+REGISTERS += ["DP", "IR0", "IR1", "BK", "SP", "ST", "DIE", "IIE", "IIF", "RS", "RE", "RC"]
+RAM = (DATA, 0x800)
 
 
 def load(text: str, board: str = "default", at: int = CODE, sections: dict[str, int] | None = None) -> tuple[Any, Any]:
@@ -22,3 +25,12 @@ def load(text: str, board: str = "default", at: int = CODE, sections: dict[str, 
 
 def consistent(processor: Any) -> bool:
     return sum(processor.causes.values()) == processor.cycle
+
+
+def state(processor: Any) -> dict[str, Any]:
+    """All that a program can see: registers, time, instructions, causes, and the chip's RAM."""
+    out: dict[str, Any] = {name: processor.get(name) for name in REGISTERS}
+    out |= {"pc": processor.pc, "cycle": processor.cycle, "instructions": processor.instructions}
+    out |= processor.causes
+    out["ram"] = processor.read(*RAM)
+    return out

@@ -8,19 +8,9 @@ from typing import Any
 import pytest
 import small_programs
 from cmrc._core import c40
+from small_programs import RAM, state
 
 DATA = Path(__file__).parent / "data"
-REGISTERS = [f"R{n}" for n in range(12)] + [f"AR{n}" for n in range(8)]
-REGISTERS += ["DP", "IR0", "IR1", "BK", "SP", "ST", "DIE", "IIE", "IIF", "RS", "RE", "RC"]
-RAM = (0x2FF800, 0x800)
-
-
-def state(processor: Any) -> dict[str, Any]:
-    out: dict[str, Any] = {name: processor.get(name) for name in REGISTERS}
-    out |= {"pc": processor.pc, "cycle": processor.cycle, "instructions": processor.instructions}
-    out |= processor.causes
-    out["ram"] = processor.read(*RAM)
-    return out
 
 
 def kernel(name: str) -> Any:

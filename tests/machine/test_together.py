@@ -246,12 +246,12 @@ again:  ldi     *ar1, r0
 """
 
 
-def mixture(turn_order: int, cuts: list[int], seed: int = 3) -> tuple[list[int], list[object]]:
+def mixture(turn_order: int, cuts: list[int], instant: bool) -> tuple[list[int], list[object]]:
     """(final state, events) of one and the same run of 2 ms, done in one way or another."""
     from cmrc._core import toolchain
     from programs import HEAD, INCLUDE, TAIL
 
-    draw = random.Random(seed)
+    draw = random.Random(3)
     host = []
     for i in range(300):
         time = 20 * US + i * 6 * US + draw.randrange(US)
@@ -271,7 +271,7 @@ def mixture(turn_order: int, cuts: list[int], seed: int = 3) -> tuple[list[int],
         (900 * US, 0x10110, [0xF], 0),
         (905 * US, 0x10000, [0], 0),
     ]
-    setup = config(dsps=4, turn_order=turn_order)
+    setup = config(dsps=4, turn_order=turn_order, instant_access=instant)
     setup.script(500 * US + 7, machine.Action.unplug, 2)
     setup.script(500 * US + 9, machine.Action.freeze, 3)
     setup.script(520 * US, machine.Action.plug, 2)
@@ -287,16 +287,21 @@ def mixture(turn_order: int, cuts: list[int], seed: int = 3) -> tuple[list[int],
     return m.state(), m.events
 
 
+Plain = dict[bool, tuple[list[int], list[object]]]
+INSTANT = pytest.mark.parametrize("instant", [False, True])
+
+
 @pytest.fixture(scope="module")
-def plain() -> tuple[list[int], list[object]]:
-    """The mixture, done in one go."""
-    return mixture(0, [])
+def plain() -> Plain:
+    """The mixture, done in one go; by whether accesses take no time."""
+    return {instant: mixture(0, [], instant) for instant in (False, True)}
 
 
-def test_the_mixture_has_what_it_should_have(plain: tuple[list[int], list[object]]) -> None:
-    kinds = [what for _, what, _ in plain[1]]
+@INSTANT
+def test_the_mixture_has_what_it_should_have(instant: bool, plain: Plain) -> None:
+    kinds = [what for _, what, _ in plain[instant][1]]
     for kind, least in (
-        ("transaction", 3000),
+        ("transaction", 0 if instant else 3000),
         ("write", 1000),
         ("interrupt", 20),
         ("semaphore", 500),
@@ -305,18 +310,19 @@ def test_the_mixture_has_what_it_should_have(plain: tuple[list[int], list[object
     ):
         assert kinds.count(kind) >= least, kind
     # In order of time, except for writes, which are reported when their burst has ended.
-    times = [time for time, what, _ in plain[1] if what in ("transaction", "interrupt", "semaphore")]
+    times = [time for time, what, _ in plain[instant][1] if what in ("transaction", "interrupt", "semaphore")]
     assert times == sorted(times)
 
 
+@INSTANT
 @pytest.mark.parametrize("turn_order", [1, 2, 3, 123456789])
-def test_the_order_in_which_chips_are_advanced_changes_nothing(
-    turn_order: int, plain: tuple[list[int], list[object]]
-) -> None:
-    assert mixture(turn_order, []) == plain
+def test_the_order_in_which_chips_are_advanced_changes_nothing(turn_order: int, instant: bool, plain: Plain) -> None:
+    assert mixture(turn_order, [], instant) == plain[instant]
 
 
+@INSTANT
 @pytest.mark.parametrize("seed", range(3))
-def test_cutting_the_run_changes_nothing(seed: int, plain: tuple[list[int], list[object]]) -> None:
+def test_cutting_the_run_changes_nothing(seed: int, instant: bool, plain: Plain) -> None:
     draw = random.Random(seed)
-    assert mixture(seed, [draw.randrange(2 * MS) for _ in range(draw.choice([3, 50, 1000]))]) == plain
+    cuts = [draw.randrange(2 * MS) for _ in range(draw.choice([3, 50, 1000]))]
+    assert mixture(seed, cuts, instant) == plain[instant]

@@ -30,6 +30,9 @@ struct CodeBlockKey {
   /// then. Also CE and CF at their places in ST, for all blocks: so the blocks that follow have the same CE and CF.
   std::uint32_t mode = 0;
   std::uint32_t hits = 0;  ///< which of the block's words, and of those after it, are in the cache
+  static constexpr Address none = ~Address{0};
+  /// Where another block was often left because of an access: the base of the area that this access reaches.
+  Address left_for = none;
   friend bool operator==(const CodeBlockKey&, const CodeBlockKey&) = default;
   /// They differ at most in address, and in what follows from it: whether the words come from the cache, and from
   /// which of them.
@@ -42,7 +45,7 @@ struct CodeBlockKeyHash {
   std::size_t operator()(const CodeBlockKey& key) const {
     std::uint64_t h = (std::uint64_t{key.pc} << 32 | key.repeat_end) * 0x9E3779B97F4A7C15u;
     h ^= (h >> 29) ^ (std::uint64_t{key.pipeline} << 12 | key.mode) * 0xBF58476D1CE4E5B9u;
-    h += std::uint64_t{key.hits} * 0x94D049BB133111EBu;
+    h += std::uint64_t{key.hits ^ ~key.left_for} * 0x94D049BB133111EBu;
     return static_cast<std::size_t>(h ^ h >> 32);
   }
 };
@@ -107,6 +110,8 @@ struct CodeBlock {
   std::uint32_t fitted = CacheStep::none;  ///< the contents of the cache that last had the hits of its key
   CacheStep cache_step;                    ///< its last one
   std::vector<Word> words;                 ///< if it uses the cache
+  std::uint32_t times_left = 0;            ///< because of an access
+  std::uint32_t others = 0;                ///< blocks that were recorded for this reason
 
   const WindowAccess* window(std::size_t instruction) const {
     const auto found = std::ranges::find(windows, instruction, &WindowAccess::at);

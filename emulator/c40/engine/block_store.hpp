@@ -100,13 +100,17 @@ class Continuation {
     block_ = &block;
     at_ = at;
   }
-  /// The instruction at PC belongs to this block, but the exact engine must execute it.
-  void missed(CodeBlock& block) {
+  /// The instruction at PC belongs to this block, but the exact engine must execute it, or another block that begins
+  /// there, if the block is `often` left there.
+  void missed(CodeBlock& block, bool often) {
     kind_ = Kind::missed;
     block_ = &block;
+    often_ = often;
   }
   bool is_inside() const { return kind_ == Kind::inside; }
   bool is_missed() const { return kind_ == Kind::missed; }
+  /// The block that is often left here, else null. Clears nothing.
+  CodeBlock* often_missed() const { return kind_ == Kind::missed && often_ ? block_ : nullptr; }
   /// The instruction of take_inside()'s block with which to continue.
   std::size_t at() const { return at_; }
   // Each returns null if the continuation has another kind; else it returns the object and clears the continuation.
@@ -125,6 +129,7 @@ class Continuation {
   CodeBlock::Exit* exit_ = nullptr;
   CodeBlock* block_ = nullptr;
   std::size_t at_ = 0;
+  bool often_ = false;
 };
 
 }  // namespace c40

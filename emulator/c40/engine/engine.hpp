@@ -190,6 +190,7 @@ class Engine {
   // engine_record.cpp: recording blocks
   CodeBlockKey key();
   CodeBlock* find_or_record(Cycles limit, Stepped& why);
+  CodeBlock* find_or_record_other(CodeBlock& left, Cycles limit, Stepped& why);
   void record(const CodeBlockKey& key, Cycles limit, Stepped& why);
   bool recordable(const BoundInstruction& bound) const;
 

@@ -7,6 +7,12 @@
 #include "c40/instructions/handler_tables.hpp"
 
 namespace c40 {
+namespace {
+
+// So often a block is left for an access before other blocks are recorded for it.
+constexpr std::uint32_t seldom_left = 8;
+
+}  // namespace
 
 // Leaves a block before instruction `at`. Time before `from`, and everything else before `seen`, is already added.
 void Engine::leave(CodeBlock& block, InBlock in, std::size_t at) {
@@ -288,7 +294,8 @@ void Engine::left_block(CodeBlock& block, InBlock in, const Outcome& outcome) {
   if (outcome.exit == Exit::cut) {
     onward_.inside(block, at);
   } else {
-    onward_.missed(block);
+    const bool elsewhere = outcome.exit == Exit::miss && (at != 0 || block.key.left_for == CodeBlockKey::none);
+    onward_.missed(block, elsewhere && ++block.times_left > seldom_left);
   }
 }
 

@@ -1,8 +1,17 @@
 // Records blocks: the exact engine executes, and its actions are kept.
+#include <utility>
+
 #include "c40/engine/block_recording.hpp"
 #include "c40/engine/engine.hpp"
 
 namespace c40 {
+namespace {
+
+// A block has no more of them: an access that reaches many areas seldom comes back to one.
+constexpr std::uint32_t most_others = 3;
+
+}  // namespace
+
 CodeBlockKey Engine::key() {
   const Core& core = state_.core;
   CodeBlockKey key;
@@ -37,6 +46,27 @@ CodeBlock* Engine::find_or_record(Cycles limit, Stepped& why) {
   }
   if (blocks_.full()) flush_blocks();
   record(k, limit, why);
+  return nullptr;
+}
+
+// The block `left` was left before the instruction at PC, whose access reaches another area than at the recording: a
+// subroutine copies from memory to a window, and from the window to memory. So there is a block for each area. Null,
+// and onward_ as it was: the exact engine executes the instruction.
+CodeBlock* Engine::find_or_record_other(CodeBlock& left, Cycles limit, Stepped& why) {
+  const Core& core = state_.core;
+  const Memory::Area* const area = std::as_const(memory_).find(core.miss_address);
+  if (area == nullptr || core.delay_slots != 0 || exact_addresses_.contains(core.pc) || !by_blocks()) return nullptr;
+  CodeBlockKey k = key();
+  k.left_for = area->base;
+  if (CodeBlock* const block = blocks_.find(k); block != nullptr) {
+    onward_.clear();
+    cache_.note_fit(*block);
+    return block;
+  }
+  if (left.others == most_others || blocks_.full()) return nullptr;
+  onward_.clear();
+  record(k, limit, why);
+  left.others += blocks_.find(k) != nullptr;
   return nullptr;
 }
 
@@ -83,7 +113,8 @@ void Engine::record(const CodeBlockKey& k, Cycles limit, Stepped& why) {
     BlockRecording::StepContext context{.before = pipeline_.id(), .slots = static_cast<std::uint8_t>(core.delay_slots)};
     why = exact_step(step, true);
     if (why != Stepped::done || !step.repeatable) {
-      if (n == 0) why == Stepped::done ? exact_addresses_.add(k.pc, true) : exact_addresses_.remove(k.pc);
+      if (n == 0 && k.left_for == CodeBlockKey::none)
+        why == Stepped::done ? exact_addresses_.add(k.pc, true) : exact_addresses_.remove(k.pc);
       if (n == 0 || context.slots != 0) return;
       break;
     }

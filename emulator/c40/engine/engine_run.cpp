@@ -90,6 +90,12 @@ const StopInfo& Engine::stop(Stepped why) {
       return why;
     }
   }
+  if (CodeBlock* const left = onward_.often_missed(); left != nullptr && !one && !exact_only) [[unlikely]] {
+    Stepped why = Stepped::done;
+    if (CodeBlock* block = find_or_record_other(*left, limit, why); block != nullptr)
+      return run_blocks(block, 0, limit);
+    if (!onward_.is_missed()) return why;
+  }
   CodeBlock* const missed = onward_.take_missed();
   onward_.clear();
   Step step;

@@ -22,7 +22,7 @@ std::vector<Key> controller_keys() {
              "duration_s",
              "docs/report.md"),
       boolean("run.ideal", FIELD(run.ideal),
-              "instant execution: DSPs and buses a thousand times as fast, no host time, nothing of the machine fails "
+              "instant execution: DSPs a thousand times as fast, buses and host take no time, nothing of the machine fails "
               "(docs/report.md, Ideal)",
               "plant-and-bus.md 5"),
 

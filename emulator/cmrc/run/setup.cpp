@@ -223,6 +223,7 @@ machine::Config nominal_machine_of(const Config& config) {
   machine.pci_hz_numerator = std::llround(config.bus.clock_hz * 3);
   machine.pci_hz_denominator = 3;
   if (config.run.ideal) machine.chip_hz *= ideal_speed, machine.pci_hz_numerator *= ideal_speed;
+  machine.instant_access = config.run.ideal;
   machine.boot = static_cast<machine::Boot>(config.machine.boot);
   machine.idle_policy = static_cast<machine::Word>(config.machine.idle_policy);
   machine.pause_count = static_cast<machine::Word>(config.machine.pause_nops);

@@ -7,6 +7,16 @@
 
 namespace machine {
 
+namespace {
+
+// The shortest way of a word from the host's processor to its target.
+pci::Clocks time_of_write(const Config& config) {
+  if (config.instant_access) return 0;
+  return config.host_bridge.request_sync + config.shared_memory.devsel + config.shared_memory.write_initial + 1;
+}
+
+}  // namespace
+
 HostBoard::HostBoard(HostProgram& program, const Config& config, std::deque<pci::Bus>& buses,
                      const std::vector<BusRoute>& routes, std::vector<Clock> bus_clocks,
                      const SharedRegisters& registers, const LinkAdapter& adapter)
@@ -17,14 +27,12 @@ HostBoard::HostBoard(HostProgram& program, const Config& config, std::deque<pci:
       clock_{clocks_[config.topology.host.front()]},
       registers_{registers},
       adapter_{adapter},
-      action_time_{clock_.at(config.host_bridge.request_sync + config.shared_memory.devsel +
-                             config.shared_memory.write_initial + 1 + config.interrupt_clocks) -
-                   clock_.at(0)} {
+      action_time_{clock_.at(time_of_write(config) + config.interrupt_clocks) - clock_.at(0)} {
   pci::MasterConfig master = config.host_master;
   master.first_level = true;
   for (const unsigned bus : config.topology.host) bridges_.emplace_back(buses[bus], master, config.host_bridge, *this);
   for (const BusRoute& route : routes)
-    paths_.push_back({route, bridges_[route.port], clocks_[config.topology.host[route.port]]});
+    paths_.push_back({route, bridges_[route.port], clocks_[config.topology.host[route.port]], {}});
   waiting_.reserve(1024);
   words_read_.reserve(1024);
   set_next(Time{0});
@@ -101,7 +109,8 @@ void HostBoard::require_answers(Offset offset, std::size_t words, bool write) co
   for (std::size_t i = 0; i < words; ++i) {
     const auto one = static_cast<Offset>(offset + i);
     const bool shared = one < SharedSram::size || registers_.answers(one, write, true) || adapter_.answers(one, write);
-    if (path_of(one) == nullptr || !(shared || one >= host_devices))
+    const bool routed = std::ranges::any_of(paths_, [&](const Path& path) { return path.route.holds(one); });
+    if (!routed || !(shared || one >= host_devices))
       throw std::out_of_range{
           fmt::format("the host {} offset {:X}h, where no device answers", write ? "writes to" : "reads from", one)};
   }
@@ -127,7 +136,7 @@ void HostBoard::write(Offset offset, std::span<const Word> words) {
     for (std::size_t i = 0; i < words.size(); ++i) acting_ += registers_.acts_on_dsps(at(i));
   std::size_t posted = 0;
   if (waiting_.empty()) {
-    const Path* path = nullptr;
+    Path* path = nullptr;
     for (bool free = !blocked(); free && posted < words.size(); ++posted) {
       if (path == nullptr || !path->route.holds(at(posted))) path = &path_to_write(at(posted));
       free = post(*path, at(posted), words[posted]);
@@ -136,8 +145,8 @@ void HostBoard::write(Offset offset, std::span<const Word> words) {
   for (; posted < words.size(); ++posted) waiting_.push_back({.address = at(posted), .value = words[posted]});
 }
 
-const HostBoard::Path& HostBoard::path_to_write(Offset offset) {
-  const Path& path = *path_of(offset);
+HostBoard::Path& HostBoard::path_to_write(Offset offset) {
+  Path& path = *path_of(offset);
   written_ = static_cast<unsigned>(&path - paths_.data());
   return path;
 }
@@ -161,23 +170,40 @@ void HostBoard::taken(pci::Clocks ready, pci::Clocks) {
   feed();
 }
 
+// What the target does not take now goes through the bridge, and what comes after it must not overtake it.
+bool HostBoard::access_instantly(Path& path, Offset offset, bool write, Word& value) {
+  const pci::Access seen{.master = path.bridge.master(), .clock = bus_clock(path, cpu_)};
+  const pci::Address address = offset + path.route.shift;
+  if (!path.bridge.idle()) return false;
+  if (!path.target.holds(address)) path.target = buses_[path.route.bus].window_at(address);
+  return path.target.holds(address) && path.target.access(address, write, value, seen);
+}
+
+// Requests the words that are still missing, one after another.
 void HostBoard::ask() {
-  const Path& path = *path_of(read_offset_);
-  path.bridge.read(read_offset_ + path.route.shift, bus_clock(path, cpu_));
+  while (words_read_.size() < words_wanted_) {
+    Path& path = *path_of(read_offset_);
+    const pci::Clocks clock = bus_clock(path, cpu_);
+    Word value = 0;
+    if (!config_.instant_access || !access_instantly(path, read_offset_, false, value))
+      return path.bridge.read(read_offset_ + path.route.shift, clock);
+    take(path, value, clock);
+  }
 }
 
 void HostBoard::answered(Word value, pci::Clocks ready, pci::Clocks, pci::Result) {
-  const Path& path = *path_of(read_offset_);
+  take(*path_of(read_offset_), value, ready);
+  ask();
+}
+
+void HostBoard::take(const Path& path, Word value, pci::Clocks ready) {
   cpu_ = std::max(cpu_, own_clock(path, ready));
   words_read_.push_back(value);
   read_offset_ += 1;
-  if (words_read_.size() < words_wanted_) {
-    ask();
-  } else {
-    read_done_ = path.clock.at(ready);
-    next_ = std::max(paused_until_, std::min(next_, read_done_));
-    changed();
-  }
+  if (words_read_.size() < words_wanted_) return;
+  read_done_ = path.clock.at(ready);
+  next_ = std::max(paused_until_, std::min(next_, read_done_));
+  changed();
 }
 
 }  // namespace machine

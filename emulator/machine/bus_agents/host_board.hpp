@@ -57,14 +57,16 @@ class HostBoard final : public Scheduler::Actor, public HostPort, public pci::Br
       require_answers(offset, words, write);
   }
   void require_answers(Offset offset, std::size_t words, bool write) const;
-  /// A route, the bridge that leads there, and the clock of the bridge's bus.
+  /// A route, the bridge that leads there, the clock of the bridge's bus, and with instant access the target that was
+  /// reached last.
   struct Path {
     BusRoute route;
     pci::Bridge& bridge;
     const Clock& clock;
+    pci::DirectWindow target{};
   };
-  const Path* path_of(Offset offset) const {
-    for (const Path& path : paths_)
+  Path* path_of(Offset offset) {
+    for (Path& path : paths_)
       if (path.route.holds(offset)) return &path;
     return nullptr;
   }
@@ -78,14 +80,17 @@ class HostBoard final : public Scheduler::Actor, public HostPort, public pci::Br
   pci::Clocks bus_clock(const Path& path, pci::Clocks own) const {
     return path.route.port == 0 ? own : path.clock.tick_at_or_after(clock_.at(own));
   }
-  const Path& path_to_write(Offset offset);
+  Path& path_to_write(Offset offset);
   // Passes a word to its bridge. False: the bridge has no room, and the board waits.
-  bool post(const Path& path, Offset offset, Word value) {
+  bool post(Path& path, Offset offset, Word value) {
     cpu_ += config_.host_write_clocks;
+    if (config_.instant_access && access_instantly(path, offset, true, value)) return true;
     path.bridge.write({.address = offset + path.route.shift, .value = value, .clock = bus_clock(path, cpu_)});
     return !path.bridge.blocked();
   }
+  bool access_instantly(Path& path, Offset offset, bool write, Word& value);
   void ask();
+  void take(const Path& path, Word value, pci::Clocks ready);
   void feed();
   void set_next(Time now);
 

@@ -31,7 +31,10 @@ Dsp::Dsp(unsigned slot, bool plugged, DspContext& context)
     sides_.emplace_back(*this, config.topology.dsps[port], master_of(config, slot),
                         port == context_.window_a.front().port ? config.bridge_a : config.bridge_b);
   context_.adapter.join(chip_, clock_, plugged);
-  chip_.set_window_listener(this);
+  if (config.instant_access)
+    chip_.set_window_listener(&instant_answers_);
+  else
+    chip_.set_window_listener(this);
   attach(context_.adapter.dsp_port(), context_.adapter.link(slot_), 1, adapter_wire_);
   if (!plugged) {
     chip_.hold(true);

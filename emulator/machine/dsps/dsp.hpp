@@ -142,6 +142,15 @@ class Dsp final : public Scheduler::Processor,
     pci::Bridge bridge;
   };
 
+  /// Answers the chip instead of the board where accesses take no time.
+  struct InstantAnswers final : c40::WindowListener {
+    explicit InstantAnswers(Dsp& owner) : dsp{owner} {}
+    bool answer_at_once(const c40::ExternalAccess& access, c40::WindowAnswer& answer) override {
+      return dsp.answer_instantly(access, answer);
+    }
+    Dsp& dsp;
+  };
+
   /// The link to the adapter, as an actor.
   struct AdapterWire final : Scheduler::Actor {
     explicit AdapterWire(Dsp& owner) : dsp{owner} {}
@@ -160,11 +169,13 @@ class Dsp final : public Scheduler::Processor,
     Scheduler::Actor& actor;
   };
 
-  /// A part of a window, the bridge that leads there, and the clock of the bridge's bus.
+  /// A part of a window, the bridge that leads there, the clock of the bridge's bus, and with instant access the target
+  /// that was reached last.
   struct Path {
     BusRoute route{};
     pci::Bridge* bridge = nullptr;
     const Clock* bus = nullptr;
+    pci::DirectWindow target{};
   };
 
   /// Where a posted word goes (pci::Posted::mark).
@@ -184,6 +195,8 @@ class Dsp final : public Scheduler::Processor,
 
   void run(Time until);
   bool answer_at_once(const c40::ExternalAccess& access, c40::WindowAnswer& answer) override;
+  bool answer_instantly(const c40::ExternalAccess& access, c40::WindowAnswer& answer);
+  bool access_instantly(const c40::ExternalAccess& access, Time issued, Word& value);
   std::optional<Span> span() override;
   bool at_limit() override;
   bool asks_anew() override { return true; }
@@ -215,6 +228,7 @@ class Dsp final : public Scheduler::Processor,
   }
   c40::Cycles limit_by_links(c40::Cycles far) const;
   void post(const Path& path, const c40::ExternalAccess& access, Time issued);
+  void issue_write(const c40::ExternalAccess& access, Time issued);
   void complete(Time horizon);
   void deliver_edge(Time now);
   bool caught_up(Time now);
@@ -227,7 +241,7 @@ class Dsp final : public Scheduler::Processor,
   void answered(const Side& side, Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result);
   void resume_at(const Side& side, pci::Clocks ready, pci::Clocks arbitration);
   void landed(const Side& side, const pci::Posted& posted, pci::Clocks clock);
-  void arrived(Window window, Offset offset, const pci::Posted& posted, Time now);
+  void arrived(Window window, Offset offset, Word value, Time issued, Time now);
   void fault(c40::Cycles cycle, std::uint32_t pc, std::uint32_t address, std::string what);
   void report_fault(Time now);
   void set_next();
@@ -238,22 +252,24 @@ class Dsp final : public Scheduler::Processor,
   Offset offset_of(std::uint32_t address) const { return address - (on_a(address) ? window_a_ : window_b_); }
   Window window_of(std::uint32_t address) const { return on_a(address) ? Window::a : Window::b; }
   /// The part of the board's window with this address; behind the last part nothing answers.
-  const Path& path_of(std::uint32_t address) {
-    const Path& last = last_path_[on_a(address)];
+  Path& path_of(std::uint32_t address) {
+    Path& last = last_path_[on_a(address)];
     return last.route.holds(offset_of(address)) ? last : found_path(address);
   }
-  const Path& found_path(std::uint32_t address);
+  Path& found_path(std::uint32_t address);
 
   unsigned slot_;
   DspContext& context_;
   // Read at each access:
   std::uint32_t window_a_ = context_.symbols.window_a, window_b_ = context_.symbols.window_b;
+  bool instant_ = context_.config.instant_access;
   c40::Cycles hit_cycles_ = context_.config.prefetch_hit_cycles;
   PacedClock clock_;
   c40::Chip chip_;
   std::deque<Side> sides_;           // by the buses of the board
   std::array<Path, 2> last_path_{};  // by on_a: where to look first
   std::vector<Underway> underway_;   // in bridges between buses
+  InstantAnswers instant_answers_{*this};
   AdapterWire adapter_wire_{*this};
   std::vector<Wire> wires_;               // the link adapter's is the first
   std::vector<Net*> nets_in_, nets_out_;  // nets that lead to its pins, and nets that it can drive

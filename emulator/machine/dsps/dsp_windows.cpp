@@ -10,13 +10,13 @@
 
 namespace machine {
 
-const Dsp::Path& Dsp::found_path(std::uint32_t address) {
+Dsp::Path& Dsp::found_path(std::uint32_t address) {
   const std::vector<BusRoute>& routes = on_a(address) ? context_.window_a : context_.window_b;
   const auto found = std::ranges::find_if(
       routes, [offset = offset_of(address)](const BusRoute& route) { return route.holds(offset); });
   const BusRoute& route = found != routes.end() ? *found : routes.back();
   Side& side = sides_[route.port];
-  return last_path_[on_a(address)] = {route, &side.bridge, &context_.bus_clocks[side.bus]};
+  return last_path_[on_a(address)] = {route, &side.bridge, &context_.bus_clocks[side.bus], {}};
 }
 
 bool Dsp::writable(Window window, Offset offset) const {
@@ -56,6 +56,34 @@ bool Dsp::answer_at_once(const c40::ExternalAccess& access, c40::WindowAnswer& a
   return true;
 }
 
+// Where accesses take no time. Nothing else happens up to and with this access, so its turn would find the same.
+bool Dsp::answer_instantly(const c40::ExternalAccess& access, c40::WindowAnswer& answer) {
+  const Time issued = clock_.at(access.cycle);
+  const bool first = issued < run_end_ && context_.scheduler.is_first_until(issued, *this);
+  if (first && access_instantly(access, issued, answer.value)) return true;
+  refused_ = access.cycle;
+  return false;
+}
+
+// What the target does not take now goes through the bridge, and what comes after it must not overtake it.
+[[gnu::always_inline]] inline bool Dsp::access_instantly(const c40::ExternalAccess& access, Time issued, Word& value) {
+  const Window window = window_of(access.address);
+  const Offset offset = offset_of(access.address);
+  Path& path = path_of(access.address);
+  if (!path.bridge->idle() || (access.write && !writable(window, offset))) return false;
+  if (access.write) issue_write(access, issued), value = access.value;
+  const pci::Clocks clock = path.bus->tick_at_or_after(issued);
+  const pci::Access seen{.master = path.bridge->master(), .clock = clock, .agent = slot_ + 1};
+  const pci::Address address = offset + path.route.shift;
+  if (!path.target.holds(address)) path.target = context_.buses[path.route.bus].window_at(address);
+  if (!path.target.holds(address) || !path.target.access(address, access.write, value, seen)) return false;
+  if (access.write)
+    statistics_.posted_writes += 1, arrived(window, offset, value, issued, path.bus->at(clock));
+  else
+    statistics_.bus_reads += 1;
+  return true;
+}
+
 // An access that was not answered at once, or before which the chip has to stop: while its DMA is active.
 bool Dsp::window_access(const c40::ExternalAccess& access) {
   const bool asked = std::exchange(refused_, -1) == access.cycle;
@@ -66,7 +94,7 @@ bool Dsp::window_access(const c40::ExternalAccess& access) {
           fmt::format("a write that nothing on bus {} takes from a DSP (PCI master abort)", bus));
     return false;
   }
-  if (!asked) {  // its DMA is active, or was
+  if (!asked && !instant_) {  // its DMA is active, or was
     if (c40::WindowAnswer answer; answer_at_once(access, answer)) {
       if (access.write)
         chip_.complete_write(answer.arbitration, answer.transfer);
@@ -83,14 +111,19 @@ bool Dsp::window_access(const c40::ExternalAccess& access) {
   return false;
 }
 
+void Dsp::issue_write(const c40::ExternalAccess& access, Time issued) {
+  const Window window = window_of(access.address);
+  const Offset offset = offset_of(access.address);
+  if (context_.observer == nullptr || !context_.observer->wants_issues_at(window, offset)) return;
+  chip_.catch_up();
+  context_.observer->dsp_issue(slot_, window, offset, access.value, issued);
+}
+
 void Dsp::post(const Path& path, const c40::ExternalAccess& access, Time issued) {
   const Window window = window_of(access.address);
   const Offset offset = offset_of(access.address);
   statistics_.posted_writes += 1;
-  if (context_.observer != nullptr && context_.observer->wants_issues_at(window, offset)) {
-    chip_.catch_up();
-    context_.observer->dsp_issue(slot_, window, offset, access.value, issued);
-  }
+  issue_write(access, issued);
   const Mark mark{.window = window, .direct = path.route.direct, .offset = offset};
   path.bridge->write({.address = offset + path.route.shift,
                       .value = access.value,
@@ -100,8 +133,15 @@ void Dsp::post(const Path& path, const c40::ExternalAccess& access, Time issued)
 }
 
 void Dsp::begin_access(Time horizon) {
-  const Path& path = path_of(access_.address);
   const Time issued = clock_.at(access_.cycle);
+  if (Word value = 0; instant_ && access_instantly(access_, issued, value)) {
+    if (access_.write)
+      chip_.complete_write(0, 0);
+    else
+      chip_.complete_read(value, 0, 0);
+    return run(horizon);
+  }
+  const Path& path = path_of(access_.address);
   if (!access_.write) return begin_read(path, issued);
   if (path.bridge->has_room()) {
     post(path, access_, issued);
@@ -171,7 +211,10 @@ void Dsp::complete(Time horizon) {
 // The word has left the board's bridge: it has reached its target, or is in a bridge between buses.
 void Dsp::landed(const Side& side, const pci::Posted& posted, pci::Clocks clock) {
   const Mark mark = std::bit_cast<Mark>(posted.mark);
-  if (mark.direct) return arrived(mark.window, mark.offset, posted, context_.bus_clocks[side.bus].at(clock));
+  if (mark.direct) {
+    const Time now = context_.bus_clocks[side.bus].at(clock);
+    return arrived(mark.window, mark.offset, posted.value, Time{posted.stamp}, now);
+  }
   const std::vector<BusRoute>& routes = mark.window == Window::a ? context_.window_a : context_.window_b;
   const auto route = std::ranges::find_if(routes, [&](const BusRoute& one) { return one.holds(mark.offset); });
   underway_.push_back({route->bus, mark.window, mark.offset, posted});
@@ -183,21 +226,24 @@ void Dsp::delivered(unsigned bus, pci::Address address, pci::Clocks clock, pci::
   if (first == underway_.end()) return;
   const Underway word = *first;
   underway_.erase(first);
-  if (result == pci::Result::done) arrived(word.window, word.offset, word.posted, context_.bus_clocks[bus].at(clock));
+  if (result == pci::Result::done) {
+    const Time now = context_.bus_clocks[bus].at(clock);
+    arrived(word.window, word.offset, word.posted.value, Time{word.posted.stamp}, now);
+  }
 }
 
-void Dsp::arrived(Window window, Offset offset, const pci::Posted& posted, Time now) {
+void Dsp::arrived(Window window, Offset offset, Word value, Time issued, Time now) {
   const auto refused = window == Window::a && context_.guard != nullptr
-                           ? context_.guard->take_refusal(slot_, offset, posted.value)
+                           ? context_.guard->take_refusal(slot_, offset, value)
                            : std::nullopt;
   const bool dropped = refused || context_.fence.closed(slot_);
   statistics_.dropped_writes += dropped;
   if (context_.observer == nullptr) return;
-  if (refused) context_.observer->dsp_write_refused(slot_, offset, posted.value, *refused, now);
+  if (refused) context_.observer->dsp_write_refused(slot_, offset, value, *refused, now);
   if (dropped)
-    context_.observer->dsp_write_dropped(slot_, window, offset, posted.value, Time{posted.stamp}, now);
+    context_.observer->dsp_write_dropped(slot_, window, offset, value, issued, now);
   else
-    context_.observer->dsp_write(slot_, window, offset, posted.value, Time{posted.stamp}, now);
+    context_.observer->dsp_write(slot_, window, offset, value, issued, now);
 }
 
 }  // namespace machine

@@ -80,6 +80,8 @@ class Scheduler {
   /// While an actor acts: its event.
   Time earliest() const { return acting_ != nullptr ? now_ : calendar_.earliest().time; }
   Time earliest_of_others(const Actor& than) const { return calendar_.earliest_of_others(than.place_); }
+  /// `actor` acts, and the others have no event up to and with `time`.
+  bool is_first_until(Time time, const Actor& actor) const { return acting_ == &actor && time < others_; }
   bool shuffles() const { return shuffle_.active(); }
 
  private:
