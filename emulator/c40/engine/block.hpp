@@ -50,7 +50,8 @@ struct CodeBlockKeyHash {
   }
 };
 
-/// An access of an instruction in a block through a window: the board answers each time.
+/// An access of an instruction in a block through a window, which the board answers each time, or to a linked port,
+/// before which the chip stops each time.
 struct WindowAccess {
   std::size_t at = 0;  ///< the instruction
   std::uint8_t access = 0;

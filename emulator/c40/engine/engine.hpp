@@ -161,6 +161,7 @@ class Engine {
 
   // engine_access.cpp: accesses whose region is not known yet, and faults
   Stepped resolve(Step& step);
+  bool is_linked(Address address) const;
   Stepped access_port(const Step& step, std::size_t k, Word& cell);
   Cycles access_start(const Step& step, std::size_t access, PipelineId before);
   Cycles access_cycle(const Step& step, std::size_t access);
@@ -168,13 +169,15 @@ class Engine {
   bool answers_at_once(const ExternalAccess& access) {
     if (window_listener == nullptr || peripherals_.dma_active() || state_.dma.answered_until > access.cycle)
       return false;
-    opened_.answer = {};
+    opened_.answer = {}, opened_.comm_port = 0;
     return window_listener->answer_at_once(access, opened_.answer);
   }
-  void settle_answer(const WindowAnswer& answer) {
+  /// \param comm_port how long the access waited for a port
+  void settle_answer(const WindowAnswer& answer, Cycles comm_port) {
     add(state_.causes, Cause::bus_arbitration, answer.arbitration);
     add(state_.causes, Cause::bus_transfer, answer.transfer);
-    state_.cycle += answer.arbitration + answer.transfer;
+    add(state_.causes, Cause::comm_port, comm_port);
+    state_.cycle += answer.arbitration + answer.transfer + comm_port;
   }
   void settle_answers();
   Stepped fail(Fault::Kind kind, std::string message, Address address = 0);
@@ -210,6 +213,11 @@ class Engine {
   const WindowAccess* open_window(const CodeBlock& block, std::size_t at) const;
   bool opens_answer(const CodeBlock& block, std::size_t at);
   bool reach_window(CodeBlock& block, InBlock& in, const Outcome& outcome);
+  bool reach_port(CodeBlock& block, InBlock& in, std::size_t at, const WindowAccess& window);
+  /// Why a block was left: an access, or nothing.
+  Stepped before_access() const {
+    return access_.at_window() ? Stepped::external : access_.at_port() ? Stepped::port : Stepped::done;
+  }
   Outcome pass_window(CodeBlock& block, std::size_t at, Cycles limit);
   void leave(CodeBlock& block, InBlock in, std::size_t at);
   void left_block(CodeBlock& block, InBlock in, const Outcome& outcome);
@@ -238,14 +246,15 @@ class Engine {
   struct Scratch {
     std::array<Word, 2> cell{};
   };
-  /// The present instruction's access through a window that is answered.
+  /// The present instruction's access through a window or to a port that is answered.
   struct Opened {
     const WindowAccess* window = nullptr;  ///< in a block
     Address address = 0;                   ///< in a block
     bool write = false;                    ///< in a block
     WindowAnswer answer;
+    Cycles comm_port = 0;
     Answer given(bool writes, Address at) const {
-      return {true, writes, at, answer.value, answer.arbitration, answer.transfer, 0};
+      return {true, writes, at, answer.value, answer.arbitration, answer.transfer, comm_port};
     }
   } opened_;
   Passed passed_;                     ///< while a window's listener is asked: what the state does not have yet

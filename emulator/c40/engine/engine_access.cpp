@@ -96,11 +96,14 @@ Engine::Stepped Engine::resolve(Step& step) {
     return Stepped::done;
   }
   step.plain = false;
-  step.repeatable &= area->kind == Region::Kind::external_window && decoded.area[k] != nullptr && step.windows == 0;
+  const bool at_link = area->kind == Region::Kind::registers && is_linked(address);
+  step.repeatable &= (area->kind == Region::Kind::external_window || at_link) && decoded.area[k] != nullptr &&
+                     step.windows == 0;
   auto& cell = scratch_[k].cell;
   cell = {};
   if (area->kind == Region::Kind::registers && is_port_register(address)) {
     if (const Stepped why = access_port(step, k, cell[0]); why != Stepped::done) return why;
+    if (at_link) step.windows |= static_cast<std::uint8_t>(1u << k);
   } else if (area->kind == Region::Kind::registers) {
     step.register_cycle[k] = access_cycle(step, k);
     if (!peripherals_.read(address, step.register_cycle[k], cell[0]))
@@ -130,6 +133,11 @@ Engine::Stepped Engine::resolve(Step& step) {
   }
   if (trace != nullptr) events_.push_back({address, write ? core.miss_value : cell[0], write});
   return Stepped::done;
+}
+
+// Whether a register belongs to a port with a link.
+bool Engine::is_linked(Address address) const {
+  return is_port_register(address) && ports_.listener(port_access(address, false, 0, 0).port) != nullptr;
 }
 
 // Does the access to a port. If the port has a link, or the access has to wait, the chip stops first.
@@ -168,9 +176,7 @@ void Engine::complete_port(Cycles at) {
 void Engine::settle_answers() {
   for (Answer& answer : state_.answers) {
     if (!answer.given) continue;
-    settle_answer({answer.value, answer.arbitration, answer.transfer});
-    add(state_.causes, Cause::comm_port, answer.comm_port);
-    state_.cycle += answer.comm_port;
+    settle_answer({answer.value, answer.arbitration, answer.transfer}, answer.comm_port);
     answer = {};
   }
 }

@@ -121,7 +121,8 @@ inline bool Engine::opens_answer(const CodeBlock& block, std::size_t at) {
   if (window == nullptr) return false;
   const Answer& given = state_.answers[window->access];
   if (!given.given || !window->area->contains(given.address)) return false;
-  opened_ = {window, given.address, given.write, {given.value, given.arbitration, given.transfer}};
+  opened_ = {
+      window, given.address, given.write, {given.value, given.arbitration, given.transfer}, given.comm_port};
   access_.forget_answer(window->access);
   return true;
 }
@@ -135,6 +136,7 @@ inline bool Engine::opens_answer(const CodeBlock& block, std::size_t at) {
   if (window == nullptr || window->access != core.miss_access || !window->area->contains(core.miss_address) ||
       access_.is_answered())
     return false;
+  if (window->area->kind == Region::Kind::registers) return reach_port(block, in, at, *window);
   const bool write = core.miss_write;
   opened_.window = window;
   opened_.address = core.miss_address;
@@ -160,6 +162,18 @@ inline bool Engine::opens_answer(const CodeBlock& block, std::size_t at) {
   return true;
 }
 
+// The chip stops before the access to a linked port. False: the register belongs to no such port.
+[[gnu::noinline]] bool Engine::reach_port(CodeBlock& block, InBlock& in, std::size_t at, const WindowAccess& window) {
+  const Core& core = state_.core;
+  if (!is_linked(core.miss_address)) return false;
+  const Word value = core.miss_write ? core.miss_value : 0;
+  leave(block, in, at);
+  in = {at, at};
+  access_.begin(window.access, port_access(core.miss_address, core.miss_write, value, state_.cycle + window.start));
+  onward_.inside(block, at);
+  return true;
+}
+
 void Engine::catch_up() {
   if (passed_.block == nullptr) return;
   leave(*passed_.block, passed_.in, passed_.at);
@@ -174,7 +188,8 @@ void Engine::catch_up() {
   auto& cell = scratch_[k].cell;
   cell = {opened_.answer.value};
   op.access[k] = {cell.data(), opened_.address, 1};
-  const Cycles waited = opened_.answer.arbitration + opened_.answer.transfer, here = block.start[at];
+  const Cycles waited = opened_.answer.arbitration + opened_.answer.transfer + opened_.comm_port,
+               here = block.start[at];
   const Outcome outcome = run_ops(block, at, std::max(limit - state_.cycle - waited, Cycles{1}) + here);
   op.access[k] = {};
   if (outcome.at == &op && outcome.exit > Exit::taken && outcome.exit != Exit::left_after) {
@@ -182,7 +197,7 @@ void Engine::catch_up() {
         opened_.given(opened_.write, opened_.address);  // another access of the instruction failed its guard
   } else {
     if (window->lock) state_.locked[window->area->resource == Resource::global] = *window->lock;
-    settle_answer(opened_.answer);
+    settle_answer(opened_.answer, opened_.comm_port);
   }
   return outcome;
 }
@@ -223,7 +238,7 @@ Engine::Stepped Engine::run_blocks(CodeBlock* block, std::size_t at, Cycles limi
   if (access_.is_answered() && opens_answer(*block, at)) {
     const Outcome ended = pass_window(*block, at, limit);
     exit = ended.exit <= Exit::taken ? &end_part(*block, in, ended) : pass_windows(*block, in, ended, limit);
-    if (exit == nullptr) return access_.any() ? Stepped::external : Stepped::done;
+    if (exit == nullptr) return before_access();
     cycle = state_.cycle;
     in = {};
     on = leads_on();
@@ -259,7 +274,7 @@ Engine::Stepped Engine::run_blocks(CodeBlock* block, std::size_t at, Cycles limi
     }
     if (exit == nullptr) [[unlikely]] {
       exit = pass_windows(*block, in, outcome, limit);
-      if (exit == nullptr) return access_.any() ? Stepped::external : Stepped::done;
+      if (exit == nullptr) return before_access();
       cycle = state_.cycle;
     }
     in = {};

@@ -21,7 +21,6 @@
 /// Inaccuracies: a word takes whole cycles of the sending side, a token exchange whole cycles of the side that gets the
 /// token, both from its next cycle on. The handshake of the bytes is not modelled. A side with a halted input channel
 /// does not give the token away. A word does not begin while the other side's input FIFO is full.
-/// away. A word is not begun while the other side's input FIFO has no room.
 #include <array>
 #include <deque>
 #include <optional>
