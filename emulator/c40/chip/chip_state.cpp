@@ -245,6 +245,7 @@ void Link::list_state(state::Visitor& list) {
   list("begins", begins_);
   list("ends_at", ends_at_);
   list("ends", ends_);
+  if (list.loads()) plan();
 }
 
 }  // namespace c40

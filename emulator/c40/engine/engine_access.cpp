@@ -96,9 +96,10 @@ Engine::Stepped Engine::resolve(Step& step) {
     return Stepped::done;
   }
   step.plain = false;
-  const bool at_link = area->kind == Region::Kind::registers && is_linked(address);
-  step.repeatable &= (area->kind == Region::Kind::external_window || at_link) && decoded.area[k] != nullptr &&
-                     step.windows == 0;
+  // Where a DMA is active, an access to a port may let it go on.
+  const bool at_link = area->kind == Region::Kind::registers && is_linked(address) && !peripherals_.dma_active();
+  step.repeatable &=
+      (area->kind == Region::Kind::external_window || at_link) && decoded.area[k] != nullptr && step.windows == 0;
   auto& cell = scratch_[k].cell;
   cell = {};
   if (area->kind == Region::Kind::registers && is_port_register(address)) {

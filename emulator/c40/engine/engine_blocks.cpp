@@ -18,12 +18,14 @@ constexpr std::uint32_t seldom_left = 8;
 void Engine::leave(CodeBlock& block, InBlock in, std::size_t at) {
   Core& core = state_.core;
   state_.cycle += block.start[at] - block.start[in.from];
-  block.add_causes(state_.causes, in.seen, at);
-  state_.instructions += at - in.seen;
+  if (at != in.seen) {
+    block.add_causes(state_.causes, in.seen, at);
+    state_.instructions += at - in.seen;
+    cache_.fetch(block, in.seen, at);
+  }
   core.pc = block.key.pc + static_cast<Address>(at);
   core.delay_slots = at < block.size ? block.delay_slots[at] : 0;
   pipeline_.set(block.pipelines[at]);
-  cache_.fetch(block, in.seen, at);
 }
 
 // `passes` passes of a repeated block are done: updates the state of the loop hardware.
@@ -121,8 +123,7 @@ inline bool Engine::opens_answer(const CodeBlock& block, std::size_t at) {
   if (window == nullptr) return false;
   const Answer& given = state_.answers[window->access];
   if (!given.given || !window->area->contains(given.address)) return false;
-  opened_ = {
-      window, given.address, given.write, {given.value, given.arbitration, given.transfer}, given.comm_port};
+  opened_ = {window, given.address, given.write, {given.value, given.arbitration, given.transfer}, given.comm_port};
   access_.forget_answer(window->access);
   return true;
 }
@@ -165,11 +166,14 @@ inline bool Engine::opens_answer(const CodeBlock& block, std::size_t at) {
 // The chip stops before the access to a linked port. False: the register belongs to no such port.
 [[gnu::noinline]] bool Engine::reach_port(CodeBlock& block, InBlock& in, std::size_t at, const WindowAccess& window) {
   const Core& core = state_.core;
-  if (!is_linked(core.miss_address)) return false;
+  if (!is_port_register(core.miss_address)) return false;
   const Word value = core.miss_write ? core.miss_value : 0;
+  PortAccess access = port_access(core.miss_address, core.miss_write, value, 0);
+  if (ports_.listener(access.port) == nullptr) return false;
   leave(block, in, at);
   in = {at, at};
-  access_.begin(window.access, port_access(core.miss_address, core.miss_write, value, state_.cycle + window.start));
+  access.cycle = state_.cycle + window.start;
+  access_.begin(window.access, access);
   onward_.inside(block, at);
   return true;
 }

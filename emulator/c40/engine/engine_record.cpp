@@ -55,7 +55,9 @@ CodeBlock* Engine::find_or_record(Cycles limit, Stepped& why) {
 CodeBlock* Engine::find_or_record_other(CodeBlock& left, Cycles limit, Stepped& why) {
   const Core& core = state_.core;
   const Memory::Area* const area = std::as_const(memory_).find(core.miss_address);
-  if (area == nullptr || area->kind == Region::Kind::registers || core.delay_slots != 0 || exact_addresses_.contains(core.pc) || !by_blocks()) return nullptr;
+  if (area == nullptr || area->kind == Region::Kind::registers || core.delay_slots != 0 ||
+      exact_addresses_.contains(core.pc) || !by_blocks())
+    return nullptr;
   CodeBlockKey k = key();
   k.left_for = area->base;
   if (CodeBlock* const block = blocks_.find(k); block != nullptr) {

@@ -50,7 +50,7 @@ class InstructionCache {
   void load(Address pc, Word word) { fetch_words(pc, {&word, 1}); }
   /// The effect on the cache of fetching instructions [from, to) of a block.
   [[gnu::noinline]] void fetch(CodeBlock& block, std::size_t from, std::size_t to) {
-    if (block.changes_cache && from != to)
+    if (block.changes_cache)
       block.cache_step = fetch_words(block.key.pc + static_cast<Address>(from), {block.words.data() + from, to - from});
   }
   /// The effect of fetching all of them.

@@ -54,7 +54,9 @@ void Link::End::changed(const CommPort& now, Cycles at) {
   const View view{clock.at(at + link->parameters_.enter_cycles), now.traffic.written, now.traffic.read,
                   now.input_halted, now.output_halted};
   const View& last = views.empty() ? seen : views.back();
-  if (!last.shows_the_same(view)) views.push_back(view);  // reads of the control register do not matter to the link
+  if (last.shows_the_same(view)) return;  // reads of the control register do not matter to the link
+  views.push_back(view);
+  if (link->action_ != Action::word) link->plan();
 }
 
 void Link::End::about_to_reset(Cycles at) { link->advance_to(clock.at(at)); }
@@ -76,27 +78,28 @@ void Link::End::was_reset(const CommPort& now, Cycles at) {
   has_sent = false;
   if (link->is_dead()) link->tell(LinkEvent::Kind::dead, time, side);
   link->decide(time);
+  link->plan();
 }
 
 // As the link sees it, later than the chip does it. What a reset discarded is neither sent nor waiting.
-bool Link::End::wants() const {
+inline bool Link::End::wants() const {
   const PortTraffic& t = port->traffic;
   return !seen.output_halted && seen.written > t.sent + t.discarded_output;
 }
 
-bool Link::can_send(const End& owner, const End& other) const {
+[[gnu::always_inline]] inline bool Link::can_send(const End& owner, const End& other) const {
   const PortTraffic& t = other.port->traffic;
   const std::uint64_t held = t.received + owner.arriving.size() - t.discarded_input - other.seen.read;
   return owner.wants() && !other.seen.input_halted && held < Fifo::depth;
 }
 
-Time Link::next_of_what_moves() const {
-  Time next = action_ == Action::none ? never : ends_at_;
+// To be called after every change. What the link sees while a word is under way matters only at the end of the word.
+void Link::plan() {
+  next_ = action_ == Action::none ? never : ends_at_;
   for (const End& end : ends_) {
-    if (!end.views.empty()) next = std::min(next, end.views.front().from);
-    if (!end.arriving.empty()) next = std::min(next, end.arriving.front().time);
+    if (!end.views.empty() && action_ != Action::word) next_ = std::min(next_, end.views.front().from);
+    if (!end.arriving.empty()) next_ = std::min(next_, end.arriving.front().time);
   }
-  return next;
 }
 
 bool Link::only_exchanges_token() const {
@@ -105,8 +108,22 @@ bool Link::only_exchanges_token() const {
          !can_send(ends_[1], ends_[0]);
 }
 
+// What the side has done up to `time`, as the link sees it.
+[[gnu::always_inline]] inline void Link::End::see(Time time) {
+  while (!views.empty() && views.front().from <= time) {
+    seen = views.front();
+    views.pop_front();
+    if (!wants())
+      requested = never;
+    else if (requested == never)
+      requested = seen.from;
+  }
+}
+
 void Link::advance_to(Time time) {
-  for (Time next = next_event(); next <= time; next = next_event()) happen(next);
+  while (next_ <= time) happen(next_);
+  if (action_ == Action::word)
+    for (End& end : ends_) end.see(time);
 }
 
 Time Link::lookahead() const {
@@ -126,14 +143,7 @@ void Link::happen(Time time) {
       ++end.counters.arrived;
       end.arriving.pop_front();
     }
-    while (!end.views.empty() && end.views.front().from <= time) {
-      end.seen = end.views.front();
-      end.views.pop_front();
-    }
-    if (!end.wants())
-      end.requested = never;
-    else if (end.requested == never)
-      end.requested = time;
+    end.see(time);
   }
   if (action_ != Action::none && ends_at_ <= time) {
     if (action_ == Action::word) {
@@ -149,6 +159,7 @@ void Link::happen(Time time) {
     }
   }
   decide(time);
+  plan();
 }
 
 void Link::finish_word(Time time) {
@@ -183,7 +194,7 @@ void Link::lose_word(Time time) {
   tell(LinkEvent::Kind::lost, time, from.side, word, bytes);
 }
 
-void Link::begin(Action action, int side, int cycles, Time time) {
+[[gnu::always_inline]] inline void Link::begin(Action action, int side, int cycles, Time time) {
   const PacedClock& clock = ends_[static_cast<std::size_t>(side)].clock;
   const Ticks first = clock.tick_at_or_after(time);
   action_ = action;
@@ -213,6 +224,7 @@ void Link::cut(Time time) {
   tell(LinkEvent::Kind::cut, time, 0);
   if (action_ == Action::word) lose_word(time);
   action_ = Action::none;
+  plan();
 }
 
 void Link::restore(Time time) {
@@ -221,6 +233,7 @@ void Link::restore(Time time) {
   cut_ = false;
   tell(LinkEvent::Kind::restored, time, 0);
   decide(time);
+  plan();
 }
 
 std::optional<std::string> Link::unbalanced() const {

@@ -89,7 +89,7 @@ class Link {
   PortListener& listener(int side) { return ends_.at(static_cast<std::size_t>(side)); }
 
   /// The next instant at which the link changes by itself; `never` if only an access can change anything.
-  Time next_event() const { return at_rest() ? never : next_of_what_moves(); }
+  Time next_event() const { return next_; }
   /// Only the token can move by itself: neither side can send a word, whichever has the token.
   bool only_exchanges_token() const;
   /// Executes everything up to and including `time`. Time never goes back.
@@ -159,16 +159,12 @@ class Link {
     void about_to_reset(Cycles at) override;
     void was_reset(const CommPort& side, Cycles at) override;
     bool wants() const;
+    void see(Time time);
     void list_state(state::Visitor& list);
   };
   enum class Action : std::uint8_t { none, word, token };
 
-  /// The usual state of most links.
-  bool at_rest() const {
-    const auto quiet = [](const End& end) { return end.views.empty() && end.arriving.empty(); };
-    return action_ == Action::none && quiet(ends_[0]) && quiet(ends_[1]);
-  }
-  Time next_of_what_moves() const;
+  void plan();
   void happen(Time time);
   void decide(Time time);
   void begin(Action action, int side, int cycles, Time time);
@@ -183,6 +179,7 @@ class Link {
   Action action_ = Action::none;
   int action_side_ = 0;  ///< the side that sends, or gets the token
   Time begins_{}, ends_at_{};
+  Time next_ = never;  ///< the next event; kept by plan()
 };
 
 }  // namespace c40

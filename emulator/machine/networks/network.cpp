@@ -228,7 +228,7 @@ Time Network::effective(const NetworkAction& action) const {
 }
 
 /// The cycle before which the chip's own next action cannot be.
-Cycles Network::next_action_on(const Node& node) const {
+Cycles Network::find_next_action_on(const Node& node) const {
   Cycles next = never_cycle;
   for (const NetworkAction& a : actions_)
     if (a.target == node.number && target_of(a.kind) == ActionTarget::chip)
@@ -281,17 +281,19 @@ NetworkStop Network::run_slice(Time limit) {
   for (auto& node : nodes_) node->note_device_event();  // its user may have typed
   scheduler_.all_changed();
   for (;;) {
-    if (const auto stop = stop_if_quiet(limit)) return *stop;
+    if (quiet())
+      if (const auto stop = stop_at_rest(limit)) return *stop;
     if (scheduler_.shuffles()) {
       scheduler_.run_some_ahead(limit);
-      if (const auto stop = stop_if_quiet(limit)) return *stop;
+      if (quiet())
+        if (const auto stop = stop_at_rest(limit)) return *stop;
     }
     if (!scheduler_.step(limit)) return finish(NetworkStop::Reason::limit, limit);
   }
 }
 
-std::optional<NetworkStop> Network::stop_if_quiet(Time limit) {
-  if (!quiet()) return {};
+// Of a quiet network, unless it comes to rest after the limit.
+std::optional<NetworkStop> Network::stop_at_rest(Time limit) {
   const Time end = at_rest_since();
   if (end >= limit) return {};
   const auto reason = waits_for_ever() ? NetworkStop::Reason::deadlock : NetworkStop::Reason::ended;

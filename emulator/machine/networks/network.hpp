@@ -315,7 +315,7 @@ class Network {
   struct DeviceTurn;
 
   NetworkStop run_slice(Time limit);
-  std::optional<NetworkStop> stop_if_quiet(Time limit);
+  std::optional<NetworkStop> stop_at_rest(Time limit);
   void join_links();
   void add_memories();
   void add_devices();
@@ -329,7 +329,10 @@ class Network {
   void ready_to_start(Node& node);
   Time effective(const NetworkAction& action) const;
   Time next_action() const;
-  c40::Cycles next_action_on(const Node& node) const;
+  c40::Cycles next_action_on(const Node& node) const {
+    return actions_.empty() ? never_cycle : find_next_action_on(node);
+  }
+  c40::Cycles find_next_action_on(const Node& node) const;
   bool quiet();
   bool waits_for_ever() const;
   bool polls(const Node& node) const;

@@ -24,10 +24,8 @@ void Network::Node::run_to(Time until, Cycles last) {
   run_chip(chip);
 }
 
-/// To be called before something outside changes, at `time`, what the chip follows. Returns whether the chip has to
-/// follow.
-bool Network::Node::come_to(Time time) {
-  if (status == ChipStatus::waiting && !chip.dma_active()) return false;
+/// Of a chip that does not only wait for a port.
+bool Network::Node::follow_to(Time time) {
   const bool goes_on = follows() || (status == ChipStatus::waiting && dma_waits());
   if (status != ChipStatus::sleeping && !goes_on) return false;
   if (goes_on)
@@ -40,30 +38,33 @@ bool Network::Node::come_to(Time time) {
 std::optional<ChipRunner::Span> Network::Node::span() {
   if (std::exchange(over_breakpoint_, false))
     return Span{.limit = chip.cycle() + 1, .known = std::min(span_.known, chip.cycle() + 1)};
-  cycle_before_ = chip.cycle(), settled_before_ = chip.settled(), ended_before_ = !chip.dma_ends_by(never_cycle);
+  const bool with_dma = chip.dma_active();
+  cycle_before_ = chip.cycle(), settled_before_ = with_dma ? chip.settled() : cycle_before_;
+  ended_before_ = !with_dma || !chip.dma_ends_by(never_cycle);
   return passing_ ? span_ : span_of_runner();
 }
 
 std::optional<ChipRunner::Span> Network::Node::span_of_runner() {
-  const bool waits = status == ChipStatus::waiting, idles = chip.idle();
-  const Cycles known = std::min(ends_, std::max(chip.cycle(), action_));
+  const bool waits = status == ChipStatus::waiting, idles = chip.idle(), with_dma = chip.dma_active();
+  const Cycles cycle = chip.cycle(), settled = with_dma ? chip.settled() : cycle;
+  const Cycles known = std::min(ends_, std::max(cycle, action_));
   // Only here it is known whether the chip still follows its ports.
-  const bool begins_last = chip.cycle() >= ends_ && ends_ <= last_ && !waits && !idles && watches();
+  const bool begins_last = cycle >= ends_ && ends_ <= last_ && !waits && !idles && watches();
   Cycles limit = std::min(ends_ + (begins_last ? 1 : 0), action_);
-  const bool timers_behind = chip.dma_active() && chip.next_event() <= std::min(known, chip.settled());
-  if (chip.settled() >= known && !timers_behind && !chip.dma_ends_by(known) && (waits || chip.cycle() >= limit)) {
+  const bool dma_goes_on = with_dma && (chip.dma_ends_by(known) || chip.next_event() <= std::min(known, settled));
+  if (settled >= known && !dma_goes_on && (waits || cycle >= limit)) {
     note_idle();
     return {};
   }
-  if (!waits && chip.cycle() >= action_)
+  if (!waits && cycle >= action_)
     return span_ = Span{.limit = 0, .known = known};  // the processor waits for the action
   // An idle processor may have ended when its DMA is done, or when a timer's event was not for it: in that cycle. The
   // DMA may be behind: then it first comes to the present cycle, in which the processor may have ended.
   const bool looks = status == ChipStatus::running && idles;
   if (looks && chip.dma_busy())
-    limit = std::min(limit, chip.cycle() + (dma_is_behind() ? 0 : 1));
+    limit = std::min(limit, cycle + (dma_is_behind() ? 0 : 1));
   else if (looks && awaits_timer(chip))
-    limit = std::min(limit, std::max(chip.cycle() + 1, next_timer_interrupt(chip)));
+    limit = std::min(limit, std::max(cycle + 1, next_timer_interrupt(chip)));
   return span_ = Span{.limit = limit, .known = std::min(known, limit)};
 }
 
@@ -111,9 +112,10 @@ bool Network::Node::waits(StopInfo::Reason why, const c40::PortAccess& access) {
   if (passing_) return passes_on();
   if (waits_for_port()) return false;  // no change
   status = ChipStatus::waiting;
-  stop = {};
   stop.reason = why;
   stop.port = access;
+  stop.fault.reset();
+  awaited = &chip.port(access.port);
   was_ready = false;
   note_ready(Time{0});
   return false;

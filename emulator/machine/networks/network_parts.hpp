@@ -59,8 +59,9 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   c40::Chip chip;
   IgnoredAccesses ignored;
   ChipStatus status = ChipStatus::running;
-  c40::StopInfo stop;      ///< of a waiting chip, or why it ended
-  bool was_ready = false;  ///< whether the port or memory was ready at the last check
+  c40::StopInfo stop;                      ///< of a waiting chip, or why it ended
+  const c40::CommPort* awaited = nullptr;  ///< the port for which it waits, if it does
+  bool was_ready = false;                  ///< whether the port or memory was ready at the last check
   Time ready_since{0};
   c40::Cycles asleep_since = 0;  ///< for a chip that sleeps in a branch to itself
   std::vector<std::size_t> links;
@@ -141,18 +142,33 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
 
   // How it continues.
   void run_to(Time until, c40::Cycles last = std::numeric_limits<c40::Cycles>::max());
-  bool come_to(Time time);
+  /// To be called before something outside changes, at `time`, what the chip follows. Returns whether the chip has to
+  /// follow.
+  bool come_to(Time time) {
+    const bool only_waits = status == ChipStatus::waiting && !chip.dma_active();
+    return !only_waits && follow_to(time);
+  }
+  bool follow_to(Time time);
   void bring_to(Time time, bool fully);
   void look_for_loop();
   void begin_patience();
   void note_idle();
-  /// Updates whether the port for which it waits is ready.
-  bool note_ready(Time time);
+  /// Updates whether the port for which it waits is ready. Returns whether this has changed.
+  bool note_ready(Time time) {
+    if (!waits_for_port()) return false;
+    const bool now = port_is_ready(), changes = now != was_ready;
+    if (now && changes) ready_since = time;
+    was_ready = now;
+    return changes;
+  }
   void forget_port();
   void wake_up();
 
   // Its status.
+  bool port_is_ready() const { return stop.reason == c40::StopInfo::Reason::port_access && stop.port.ready(*awaited); }
   bool ready() const;
+  /// The same. Nothing but a link, or its own DMA, makes a port ready.
+  bool is_ready() const { return waits_for_port() && !chip.dma_active() ? was_ready : ready(); }
   bool wakes() const;
   Time access_time() const;
   c40::Cycles own_event_cycle() const;

@@ -16,9 +16,11 @@ bool Network::Node::is_shared(Address address) const {
 
 void Network::Node::begin_patience() {
   Patience& p = patience;
-  p.looking.reset();
+  if (p.happenings == network.happenings_ && p.length == Patience::first && !p.loop && !p.looking) return;
   p.loop.reset();
   p.since = first_cycle(network.happened_), p.length = Patience::first, p.happenings = network.happenings_;
+  if (!p.looking) return;
+  p.looking.reset();
   chip.set_trace(trace);
 }
 
@@ -26,12 +28,13 @@ void Network::Node::begin_patience() {
 void Network::Node::look_for_loop() {
   Patience& p = patience;
   if (p.is_private) return;
-  const bool alone = status == ChipStatus::running || (status == ChipStatus::waiting && ready());
-  if (p.happenings != network.happenings_ || !alone) {
+  const auto alone = [&] { return status == ChipStatus::running || (status == ChipStatus::waiting && is_ready()); };
+  if (p.happenings != network.happenings_ || !alone()) {
     begin_patience();
   } else if (!p.loop && chip.cycle() >= p.next_look()) {
     if (!p.looking) {
       p.looking.emplace(chip, trace);
+      chip.set_trace(&*p.looking);
     } else {
       if (!chip.dma_busy() && chip.next_event() == never_cycle) p.loop = p.looking->loop();
       const auto at_device = [&](Address a) { return devices != nullptr && devices->has(a); };
@@ -41,10 +44,10 @@ void Network::Node::look_for_loop() {
       p.is_private = p.loop && !follows() &&
                      std::none_of(p.loop->reads.begin(), p.loop->reads.end(), [&](Address a) { return is_shared(a); });
       p.looking.reset();
+      chip.set_trace(trace);
       p.length *= Patience::growth;
     }
   }
-  chip.set_trace(p.looking ? &*p.looking : trace);
 }
 
 }  // namespace machine

@@ -15,26 +15,15 @@ using c40::Word;
 bool Network::Node::wakes() const { return chip.dma_busy() || chip.interrupt_pending(); }
 
 bool Network::Node::ready() const {
-  if (waits_for_port())
-    return stop.reason == StopInfo::Reason::port_access && stop.port.ready(chip.port(stop.port.port));
+  if (waits_for_port()) return port_is_ready();
   if (waits_for_device()) return true;
   const Memory& memory = *network.memory_of(*this, stop.access.address);
   return !memory.owner || *memory.owner == number;
 }
 
-bool Network::Node::note_ready(Time time) {
-  if (!waits_for_port()) return false;
-  const bool now = ready(), changes = now != was_ready;
-  if (now && changes) ready_since = time;
-  was_ready = now;
-  return changes;
-}
-
 /// When the access that it waits for takes place, as far as can be said.
 Time Network::Node::access_time() const {
-  if (status != ChipStatus::waiting) return never;
-  // Nothing but a link, or its own DMA, makes a port ready.
-  if (waits_for_port() && !chip.dma_active() ? !was_ready : !ready()) return never;
+  if (status != ChipStatus::waiting || !is_ready()) return never;
   const Time free = waits_for_port() ? ready_since
                     : waits_for_device()
                         ? Time{0}

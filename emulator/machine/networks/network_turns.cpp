@@ -95,6 +95,8 @@ void Network::Node::act(Time now) {
 
 /// It waits, or follows its ports: as far as they are known, or its access.
 void Network::Node::go_on_with_others(Time now) {
+  // Without a DMA, nothing else gives it a turn, and a port that is ready stays so.
+  const bool for_port = waits_for_port() && !chip.dma_active() && nets_out.empty();
   if (status != ChipStatus::waiting || chip.dma_active()) {
     const auto stands = std::tuple{chip.settled(), chip.cycle(), status};
     if (own_event() == now || (chip.dma_active() && next_pin_event() == now))
@@ -104,7 +106,7 @@ void Network::Node::go_on_with_others(Time now) {
     if (stands != std::tuple{chip.settled(), chip.cycle(), status}) return;
   }
   if (next_pin_event() <= now) return;
-  if (access_time() == now)
+  if (for_port || access_time() == now)
     waits_for_port()     ? network.perform_port(*this)
     : waits_for_device() ? network.perform_device(*this)
                          : network.perform_memory(*this);

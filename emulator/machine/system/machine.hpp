@@ -180,7 +180,7 @@ struct Config {
   pci::TargetConfig devices = pci::TargetConfig::drive_card();
   pci::Clocks interrupt_clocks =
       2;  ///< 1 to 3 clocks from the end of a doorbell or reset write to the edge on IIOF0 or the reset
-  pci::Clocks host_write_clocks = 2;                ///< time of the host's processor to post a word
+  pci::Clocks host_write_clocks = 2;  ///< time of the host's processor to post a word
   bool instant_access = false;  ///< accesses of boards take no time where the target takes them: no bus carries them
   std::int64_t prefetch_hit_cycles = 1;             ///< cycles of a DSP's read that its bridge's line answers
   Time reset_time = std::chrono::microseconds{10};  ///< time for which RESET is low

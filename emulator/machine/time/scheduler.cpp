@@ -49,7 +49,7 @@ inline bool Scheduler::turn(Time limit, Length length) {
   Time next = turn.time;
   {
     const Acting acting{*this, actor};
-    others_ = calendar_.earliest_of_others(turn.who);
+    others_ = length == Length::until_another ? calendar_.earliest_of_others(turn.who) : Time{0};
     do {
       now_ = next;
       actor.act(now_);

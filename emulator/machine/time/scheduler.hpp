@@ -80,7 +80,7 @@ class Scheduler {
   /// While an actor acts: its event.
   Time earliest() const { return acting_ != nullptr ? now_ : calendar_.earliest().time; }
   Time earliest_of_others(const Actor& than) const { return calendar_.earliest_of_others(than.place_); }
-  /// `actor` acts, and the others have no event up to and with `time`.
+  /// `actor` acts, and as far as known without a search, the others have no event up to and with `time`.
   bool is_first_until(Time time, const Actor& actor) const { return acting_ == &actor && time < others_; }
   bool shuffles() const { return shuffle_.active(); }
 
@@ -120,7 +120,7 @@ class Scheduler {
   Time limit_{0};
   Time now_{0};
   const Actor* acting_ = nullptr;
-  Time others_{0};  ///< while an actor acts: no other actor has an earlier event
+  Time others_{0};  ///< while an actor has its events in a row: no other actor has an earlier event
   Shuffle shuffle_;
 };
 
