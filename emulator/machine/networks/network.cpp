@@ -333,7 +333,7 @@ void Network::link_happens(std::size_t number, Time time) {
   for (Node* node : nodes) {
     if (!moved && node->status == ChipStatus::running) continue;  // the chip does not look at its ports
     const bool became_ready = node->note_ready(time);
-    node->wake_up();
+    if (node->status == ChipStatus::sleeping) node->wake_up();
     if (!moved && !became_ready && node->status == ChipStatus::waiting && !node->chip.dma_active())
       continue;  // no change
     node->changed();
@@ -341,8 +341,8 @@ void Network::link_happens(std::size_t number, Time time) {
   }
 }
 
-void Network::perform_port(Node& node) {
-  node.chip.complete_port(node.first_cycle(now_));
+void Network::perform_port(Node& node, Cycles cycle) {
+  node.chip.complete_port(cycle);
   node.status = ChipStatus::running;
   node.forget_port();
 }

@@ -343,7 +343,7 @@ class Network {
   void link_happens(std::size_t number, Time time);
   void actions_happen(Time time);
   void perform(const NetworkAction& action);
-  void perform_port(Node& node);
+  void perform_port(Node& node, c40::Cycles cycle);
   void perform_memory(Node& node);
   void perform_device(Node& node);
   void devices_acted();

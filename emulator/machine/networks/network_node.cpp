@@ -22,6 +22,7 @@ void Network::Node::run_to(Time until, Cycles last) {
   ends_ = first_cycle(until);
   action_ = network.next_action_on(*this);
   run_chip(chip);
+  if (was_ready && waits_for_port() && !port_is_ready()) forget_port();  // its DMA was at the port before
 }
 
 /// Of a chip that does not only wait for a port.
@@ -112,10 +113,10 @@ bool Network::Node::waits(StopInfo::Reason why, const c40::PortAccess& access) {
   if (passing_) return passes_on();
   if (waits_for_port()) return false;  // no change
   status = ChipStatus::waiting;
+  await(access.port);
   stop.reason = why;
   stop.port = access;
   stop.fault.reset();
-  awaited = &chip.port(access.port);
   was_ready = false;
   note_ready(Time{0});
   return false;

@@ -60,7 +60,8 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   IgnoredAccesses ignored;
   ChipStatus status = ChipStatus::running;
   c40::StopInfo stop;                      ///< of a waiting chip, or why it ended
-  const c40::CommPort* awaited = nullptr;  ///< the port for which it waits, if it does
+  const c40::CommPort* awaited = nullptr;  ///< the port for which it waits or waited last
+  int awaited_number = -1;                 ///< its number
   bool was_ready = false;                  ///< whether the port or memory was ready at the last check
   Time ready_since{0};
   c40::Cycles asleep_since = 0;  ///< for a chip that sleeps in a branch to itself
@@ -165,6 +166,9 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   void wake_up();
 
   // Its status.
+  void await(int port) {
+    if (port != awaited_number) awaited = &chip.port(port), awaited_number = port;
+  }
   bool port_is_ready() const { return stop.reason == c40::StopInfo::Reason::port_access && stop.port.ready(*awaited); }
   bool ready() const;
   /// The same. Nothing but a link, or its own DMA, makes a port ready.

@@ -16,7 +16,6 @@ bool Network::Node::is_shared(Address address) const {
 
 void Network::Node::begin_patience() {
   Patience& p = patience;
-  if (p.happenings == network.happenings_ && p.length == Patience::first && !p.loop && !p.looking) return;
   p.loop.reset();
   p.since = first_cycle(network.happened_), p.length = Patience::first, p.happenings = network.happenings_;
   if (!p.looking) return;

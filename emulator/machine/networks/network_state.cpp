@@ -88,7 +88,7 @@ void Network::Node::list_state(state::Visitor& list) {
   if (!ignored.empty()) list("ignored", ignored);
   list("status", status);
   list("stop", stop);
-  if (list.loads()) awaited = waits_for_port() ? &chip.port(stop.port.port) : nullptr;
+  if (list.loads() && waits_for_port()) await(stop.port.port);
   list("was_ready", was_ready);
   list("ready_since", ready_since);
   list("asleep_since", asleep_since);

@@ -95,8 +95,6 @@ void Network::Node::act(Time now) {
 
 /// It waits, or follows its ports: as far as they are known, or its access.
 void Network::Node::go_on_with_others(Time now) {
-  // Without a DMA, nothing else gives it a turn, and a port that is ready stays so.
-  const bool for_port = waits_for_port() && !chip.dma_active() && nets_out.empty();
   if (status != ChipStatus::waiting || chip.dma_active()) {
     const auto stands = std::tuple{chip.settled(), chip.cycle(), status};
     if (own_event() == now || (chip.dma_active() && next_pin_event() == now))
@@ -106,12 +104,13 @@ void Network::Node::go_on_with_others(Time now) {
     if (stands != std::tuple{chip.settled(), chip.cycle(), status}) return;
   }
   if (next_pin_event() <= now) return;
-  if (for_port || access_time() == now)
-    waits_for_port()     ? network.perform_port(*this)
-    : waits_for_device() ? network.perform_device(*this)
-                         : network.perform_memory(*this);
-  else
-    assert(next() > now && "a turn that changes nothing");
+  if (waits_for_port() && is_ready()) {
+    const Cycles cycle = std::max(stop.port.cycle, first_cycle(now));
+    if (clock.at(cycle) == now) return network.perform_port(*this, cycle);
+  } else if (access_time() == now) {
+    return waits_for_device() ? network.perform_device(*this) : network.perform_memory(*this);
+  }
+  assert(next() > now && "a turn that changes nothing");
 }
 
 void Network::Node::run_ahead(Time until) {
