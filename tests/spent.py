@@ -1,10 +1,11 @@
-"""Processor time of each test, its subprocesses and new fixtures included: `pytest --spent FILE`.
+"""Processor time of each test, its subprocesses, a browser and new fixtures included: `pytest --spent FILE`.
 
 FILE gets a line for each test. `python tests/spent.py FILE` sums them by files of tests, dearest first; with a part of
 a file's name behind, it lists the tests of those files. `python tests/spent.py FILE --slow SECONDS` prints the
 functions of tests that take so long or longer: tests/slow_tests.txt, all that `pytest -m fast` leaves out.
 """
 
+import os
 import resource
 import sys
 from collections import Counter
@@ -15,9 +16,25 @@ import pytest
 
 
 def seconds() -> float:
-    """Processor time of this process and of those that it started and waited for, in s."""
+    """Processor time of this process, of those that it started and waited for, and of those that still run, in s."""
     used = (resource.getrusage(resource.RUSAGE_SELF), resource.getrusage(resource.RUSAGE_CHILDREN))
-    return sum(each.ru_utime + each.ru_stime for each in used)
+    return sum(each.ru_utime + each.ru_stime for each in used) + seconds_of_those_that_run()
+
+
+def seconds_of_those_that_run() -> float:
+    """Processor time of the processes below this one, and of those below them that have ended, in s."""
+    parents: dict[int, int] = {}
+    ticks: dict[int, int] = {}
+    for process in Path("/proc").glob("[0-9]*"):
+        try:  # after the name: state, parent; from the twelfth on user and system time, its own and its children's
+            after = (process / "stat").read_text().rpartition(")")[2].split()
+        except OSError:
+            continue  # it has ended
+        parents[int(process.name)], ticks[int(process.name)] = int(after[1]), sum(map(int, after[11:15]))
+    ours = {os.getpid()}
+    while below := {one for one, parent in parents.items() if parent in ours} - ours:
+        ours |= below
+    return sum(ticks[one] for one in ours - {os.getpid()}) / os.sysconf("SC_CLK_TCK")
 
 
 class Spent:
