@@ -1,12 +1,13 @@
 """Accesses that take no time, as in the ideal run: the targets get the same words in the same order, and no bus carries
 anything."""
 
+from itertools import pairwise
 from typing import Any
 
 import pytest
-from cmrc._core import plant
+from cmrc._core import plant, toolchain
 from cmrc_test import machine
-from programs import MS, ON_CHIP, US, assemble, config
+from programs import HEAD, INCLUDE, MS, ON_CHIP, TAIL, US, assemble, config
 
 CLOCK = 30_000  # a target sees bus clocks: the first one at or after the access
 
@@ -72,6 +73,40 @@ sleep:  idle
     m = run(body, 300 * US, [(100 * US, 0x10100, [0], 0)])
     edges = [time for time, what, _ in m.events if what == "interrupt"]
     assert len(edges) == 1 and 2 * CLOCK <= edges[0] - 100 * US < 5 * CLOCK
+
+
+def test_a_doorbell_interrupts_a_program_that_uses_nothing_outside() -> None:
+    """It must not have run past the doorbell. The count of its loop at each interrupt is that of a run in pieces."""
+    body = """
+        ldhi    002Fh, ar5
+        or      0FA00h, ar5
+        ldpe    ar5, ivtp
+        ldhi    0030h, ar6
+        or      0F010h, ar6
+        sti     ar6, *+ar5(3)
+        ldi     9, iif
+        or      2000h, st               ; GIE
+again:  addi    1, r5
+        b       again
+        .sect   ".handlers"
+        sti     r5, *ar3++
+        reti
+        .text
+"""
+    sections = {".text": 0x300000, ".parameters": 0x30F000, ".handlers": 0x30F010}
+    program = toolchain.assemble(
+        HEAD + body + TAIL, "count.asm", include_dirs=[INCLUDE], sections=sections, entry="_start"
+    )
+    rings = [(20 * US + 4_123_000 * n + 7_000 * n * n, 0x10100, [0], 0) for n in range(20)]
+    found = []
+    for step in (400 * US, 40_000, 330_000):
+        m = machine.Machine(program, config(dsps=1, instant_access=True), host=rings)
+        for end in range(step, 400 * US + 1, step):
+            m.run_until(end)
+        found.append([m.chip_word(0, ON_CHIP + n) for n in range(20)])
+    assert found[0] == found[1] == found[2]
+    between = [after - before for before, after in pairwise(found[0])]
+    assert 15 < min(between) <= max(between) < 25  # of 5 cycles each: 4 us less the interrupt
 
 
 @pytest.mark.parametrize(
