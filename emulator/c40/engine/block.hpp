@@ -112,7 +112,13 @@ struct CodeBlock {
   CacheStep cache_step;                    ///< its last one
   std::vector<Word> words;                 ///< if it uses the cache
   std::uint32_t times_left = 0;            ///< because of an access
-  std::uint32_t others = 0;                ///< blocks that were recorded for this reason
+  /// A block that begins in this one, with an instruction whose access reaches another area.
+  struct Other {
+    const Memory::Area* area = nullptr;
+    CodeBlock* block = nullptr;
+  };
+  /// An access that reaches many areas seldom comes back to one.
+  std::array<Other, 3> others{};
 
   const WindowAccess* window(std::size_t instruction) const {
     const auto found = std::ranges::find(windows, instruction, &WindowAccess::at);

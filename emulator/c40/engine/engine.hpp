@@ -191,9 +191,11 @@ class Engine {
   void complete_dma(bool write, Word value, Cycles waited);
 
   // engine_record.cpp: recording blocks
+  CodeBlockKey plain_key();
   CodeBlockKey key();
   CodeBlock* find_or_record(Cycles limit, Stepped& why);
   CodeBlock* find_or_record_other(CodeBlock& left, Cycles limit, Stepped& why);
+  CodeBlock* other_block(const CodeBlock& left);
   void record(const CodeBlockKey& key, Cycles limit, Stepped& why);
   bool recordable(const BoundInstruction& bound) const;
 
@@ -209,6 +211,7 @@ class Engine {
     std::size_t at = 0;
   };
   Stepped run_blocks(CodeBlock* block, std::size_t at, Cycles limit);
+  CodeBlock* continues_beside(Cycles limit);
   CodeBlock::Exit* pass_windows(CodeBlock& block, InBlock in, Outcome outcome, Cycles limit);
   const WindowAccess* open_window(const CodeBlock& block, std::size_t at) const;
   bool opens_answer(const CodeBlock& block, std::size_t at);

@@ -278,7 +278,12 @@ Engine::Stepped Engine::run_blocks(CodeBlock* block, std::size_t at, Cycles limi
     }
     if (exit == nullptr) [[unlikely]] {
       exit = pass_windows(*block, in, outcome, limit);
-      if (exit == nullptr) return before_access();
+      if (exit == nullptr) {
+        CodeBlock* const other = continues_beside(limit);
+        if (other == nullptr) return before_access();
+        block = other, cycle = state_.cycle, in = {};
+        continue;
+      }
       cycle = state_.cycle;
     }
     in = {};
@@ -288,6 +293,17 @@ Engine::Stepped Engine::run_blocks(CodeBlock* block, std::size_t at, Cycles limi
   pipeline_.set(exit->pipeline);
   if (!core.attention) onward_.after(*exit);
   return Stepped::done;
+}
+
+// The block with which to continue after another one was left, if that happens often. Null: none, or something has to
+// be looked at first.
+[[gnu::noinline]] CodeBlock* Engine::continues_beside(Cycles limit) {
+  CodeBlock* const left = onward_.often_missed();
+  if (left == nullptr || state_.core.attention || state_.cycle >= limit || !breakpoints.empty() || probe_.on_code())
+    return nullptr;
+  CodeBlock* const other = other_block(*left);
+  if (other != nullptr) onward_.clear();
+  return other;
 }
 
 // Runs a block that repeats or comes from the cache, from its middle, or with a budget that does not cover it. Null:

@@ -1,18 +1,13 @@
 // Records blocks: the exact engine executes, and its actions are kept.
+#include <algorithm>
 #include <utility>
 
 #include "c40/engine/block_recording.hpp"
 #include "c40/engine/engine.hpp"
 
 namespace c40 {
-namespace {
-
-// A block has no more of them: an access that reaches many areas seldom comes back to one.
-constexpr std::uint32_t most_others = 3;
-
-}  // namespace
-
-CodeBlockKey Engine::key() {
+// Without what depends on the cache's contents.
+CodeBlockKey Engine::plain_key() {
   const Core& core = state_.core;
   CodeBlockKey key;
   key.pc = core.pc;
@@ -23,9 +18,14 @@ CodeBlockKey Engine::key() {
   key.mode |= ((core.modes & st::SETCOND) != 0 ? CodeBlockKey::set_condition : 0u) |
               (repeat ? CodeBlockKey::repeat : 0u) |
               static_cast<std::uint32_t>(core.repeat_single) << CodeBlockKey::repeat_single;
+  return key;
+}
+
+CodeBlockKey Engine::key() {
+  CodeBlockKey key = plain_key();
   if (caching()) {
     key.mode |= CodeBlockKey::cached | (cache_.frozen() ? CodeBlockKey::frozen : 0u);
-    key.hits = cache_.hits_from(core.pc);
+    key.hits = cache_.hits_from(key.pc);
   }
   return key;
 }
@@ -53,6 +53,10 @@ CodeBlock* Engine::find_or_record(Cycles limit, Stepped& why) {
 // subroutine copies from memory to a window, and from the window to memory. So there is a block for each area. Null,
 // and onward_ as it was: the exact engine executes the instruction.
 CodeBlock* Engine::find_or_record_other(CodeBlock& left, Cycles limit, Stepped& why) {
+  if (CodeBlock* const block = other_block(left); block != nullptr) {
+    onward_.clear();
+    return block;
+  }
   const Core& core = state_.core;
   const Memory::Area* const area = std::as_const(memory_).find(core.miss_address);
   if (area == nullptr || area->kind == Region::Kind::registers || core.delay_slots != 0 ||
@@ -60,15 +64,31 @@ CodeBlock* Engine::find_or_record_other(CodeBlock& left, Cycles limit, Stepped& 
     return nullptr;
   CodeBlockKey k = key();
   k.left_for = area->base;
-  if (CodeBlock* const block = blocks_.find(k); block != nullptr) {
+  CodeBlock* block = blocks_.find(k);
+  if (block == nullptr) {
+    const bool has_room = left.others.back().block == nullptr;
+    if (!has_room || blocks_.full()) return nullptr;
     onward_.clear();
-    cache_.note_fit(*block);
-    return block;
+    record(k, limit, why);
+    const auto room = std::ranges::find(left.others, nullptr, &CodeBlock::Other::block);
+    if (CodeBlock* const recorded = blocks_.find(k); recorded != nullptr) *room = {area, recorded};
+    return nullptr;
   }
-  if (left.others == most_others || blocks_.full()) return nullptr;
   onward_.clear();
-  record(k, limit, why);
-  left.others += blocks_.find(k) != nullptr;
+  cache_.note_fit(*block);
+  return block;
+}
+
+// The block that was recorded beside `left`, and continues from PC.
+CodeBlock* Engine::other_block(const CodeBlock& left) {
+  const Core& core = state_.core;
+  for (const CodeBlock::Other& other : left.others) {
+    if (other.block == nullptr) return nullptr;
+    CodeBlock& block = *other.block;
+    if (block.key.pc != core.pc || !other.area->contains(core.miss_address)) continue;
+    const bool fits = !block.uses_cache || (!cache_.stale() && cache_.fits(block));
+    if (fits && core.delay_slots == 0 && plain_key().is_elsewhere(block.key)) return &block;
+  }
   return nullptr;
 }
 

@@ -111,7 +111,7 @@ bool Dsp::window_access(const c40::ExternalAccess& access) {
   return false;
 }
 
-void Dsp::issue_write(const c40::ExternalAccess& access, Time issued) {
+[[gnu::always_inline]] inline void Dsp::issue_write(const c40::ExternalAccess& access, Time issued) {
   const Window window = window_of(access.address);
   const Offset offset = offset_of(access.address);
   if (context_.observer == nullptr || !context_.observer->wants_issues_at(window, offset)) return;
