@@ -43,6 +43,15 @@ def test_whatever_happens_in_a_dock_its_accounts_hold_and_it_is_one_run(
             pytest.fail(f"seed {seed}: {found[:3]}\n{small}")
 
 
+def test_an_ideal_run_is_one_run_too(programs: Path, tmp_path: Path) -> None:
+    """Where accesses take no time, with the boards, buses and tasks of any dock. Events would mostly not happen."""
+    for seed in range(500, 504):
+        dock = Generator(seed, programs, longest_s=0.06).dock()
+        ideal = replace(dock, settings={**dock.settings, "run.ideal": True}, events=())
+        assert random_docks.holds(ideal)
+        assert dock_checks.faults_of(ideal, seed, tmp_path) == []
+
+
 DOCK = Dock(
     None,
     {
