@@ -37,6 +37,18 @@ pause_count: .word 0
 """
 
 
+# IIOF0 interrupts: the vectors are in on-chip RAM, and the handler, section .handlers, is at 30F010h.
+DOORBELL = """
+        ldhi    002Fh, ar5
+        or      0FA00h, ar5
+        ldpe    ar5, ivtp
+        ldhi    0030h, ar6
+        or      0F010h, ar6
+        sti     ar6, *+ar5(3)
+        ldi     9, iif
+"""
+
+
 @cache
 def assemble(body: str) -> toolchain.Image:
     """A program whose registers are set up as HEAD says and that ends in an endless loop."""

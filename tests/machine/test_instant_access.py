@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from cmrc._core import plant, toolchain
 from cmrc_test import machine
-from programs import HEAD, INCLUDE, MS, ON_CHIP, TAIL, US, assemble, config
+from programs import DOORBELL, HEAD, INCLUDE, MS, ON_CHIP, TAIL, US, assemble, config
 
 CLOCK = 30_000  # a target sees bus clocks: the first one at or after the access
 
@@ -57,19 +57,15 @@ def test_a_write_is_seen_at_its_own_instant() -> None:
 
 
 def test_a_doorbell_reaches_the_dsp_after_its_line_and_nothing_else() -> None:
-    body = """
-        ldhi    002Fh, ar5
-        or      0FA00h, ar5
-        ldpe    ar5, ivtp
-        ldhi    0030h, ar6
-        or      0F010h, ar6
-        sti     ar6, *+ar5(3)
-        ldi     9, iif
+    body = (
+        DOORBELL
+        + """
 sleep:  idle
         addi    1, r5
         sti     r5, *+ar0(32)
         b       sleep
     """
+    )
     m = run(body, 300 * US, [(100 * US, 0x10100, [0], 0)])
     edges = [time for time, what, _ in m.events if what == "interrupt"]
     assert len(edges) == 1 and 2 * CLOCK <= edges[0] - 100 * US < 5 * CLOCK
@@ -77,14 +73,9 @@ sleep:  idle
 
 def test_a_doorbell_interrupts_a_program_that_uses_nothing_outside() -> None:
     """It must not have run past the doorbell. The count of its loop at each interrupt is that of a run in pieces."""
-    body = """
-        ldhi    002Fh, ar5
-        or      0FA00h, ar5
-        ldpe    ar5, ivtp
-        ldhi    0030h, ar6
-        or      0F010h, ar6
-        sti     ar6, *+ar5(3)
-        ldi     9, iif
+    body = (
+        DOORBELL
+        + """
         or      2000h, st               ; GIE
 again:  addi    1, r5
         b       again
@@ -93,6 +84,7 @@ again:  addi    1, r5
         reti
         .text
 """
+    )
     sections = {".text": 0x300000, ".parameters": 0x30F000, ".handlers": 0x30F010}
     program = toolchain.assemble(
         HEAD + body + TAIL, "count.asm", include_dirs=[INCLUDE], sections=sections, entry="_start"

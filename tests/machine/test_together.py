@@ -7,7 +7,7 @@ from itertools import pairwise
 import pytest
 from cmrc._core import plant
 from cmrc_test import machine
-from programs import MS, US, assemble, config
+from programs import DOORBELL, MS, US, assemble, config
 
 ROUNDS = 60
 
@@ -205,14 +205,7 @@ def test_a_program_hangs_wherever_it_is(repeat: str, body: str) -> None:
 
 
 # A mixture: counting under the semaphore, posted bursts, reads from the line, devices, sleeping, ringing.
-MIXTURE = f"""
-        ldhi    002Fh, ar5
-        or      0FA00h, ar5
-        ldpe    ar5, ivtp
-        ldhi    0030h, ar6
-        or      0F010h, ar6
-        sti     ar6, *+ar5(3)
-        ldi     9, iif
+MIXTURE = f"""{DOORBELL}
 outer:  ldi     {ROUNDS // 6}, ar5
 again:  ldi     *ar1, r0
         bnz     again
