@@ -34,6 +34,40 @@ std::int64_t bin_of(std::int64_t value) {
   return value < 0 ? -kept : kept;
 }
 
+/// Samples by rank. Counts them once in groups of equal width, so that only the group of a rank needs an order.
+class Ranked {
+ public:
+  Ranked(const std::vector<std::int64_t>& samples, const Summary& range)
+      : samples_(samples),
+        best_(range.best),
+        shift_(std::max(0, static_cast<int>(std::bit_width(above_best(range.worst))) - bin_bits)) {
+    for (const std::int64_t sample : samples_) ++counts_[group(sample)];
+  }
+
+  /// \param rank counted from 1
+  std::int64_t at(std::uint64_t rank) const {
+    std::size_t here = 0;
+    while (rank > counts_[here]) rank -= counts_[here++];
+    std::vector<std::int64_t> chosen;
+    chosen.reserve(counts_[here]);
+    std::ranges::copy_if(samples_, std::back_inserter(chosen), [&](std::int64_t some) { return group(some) == here; });
+    const auto at = chosen.begin() + static_cast<std::ptrdiff_t>(rank - 1);
+    std::ranges::nth_element(chosen, at);
+    return *at;
+  }
+
+ private:
+  std::uint64_t above_best(std::int64_t sample) const {
+    return static_cast<std::uint64_t>(sample) - static_cast<std::uint64_t>(best_);
+  }
+  std::size_t group(std::int64_t sample) const { return static_cast<std::size_t>(above_best(sample) >> shift_); }
+
+  const std::vector<std::int64_t>& samples_;
+  std::int64_t best_;
+  int shift_;
+  std::array<std::uint64_t, std::size_t{1} << bin_bits> counts_{};
+};
+
 }  // namespace
 
 void Distribution::add(std::int64_t sample) {
@@ -70,18 +104,16 @@ Summary Distribution::summary() const {
   if (result.count == 0) return result;
   result.mean = static_cast<double>(sum_) / static_cast<double>(result.count);
   result.exact_percentiles = bins_.empty();
-  std::vector<std::int64_t> samples = samples_;
-  auto from = samples.begin();  // what comes before is smaller than the percentile that was asked for last
-  const auto percentile = [&](std::uint64_t per_mille) {
-    if (!bins_.empty()) return percentile_of_bins(per_mille);
-    const auto at = samples.begin() + static_cast<std::ptrdiff_t>(rank(samples.size(), per_mille) - 1);
-    std::ranges::nth_element(from, at, samples.end());
-    from = at;
-    return *at;
-  };
-  result.p50 = percentile(500);
-  result.p99 = percentile(990);
-  result.p99_9 = percentile(999);
+  if (!result.exact_percentiles) {
+    result.p50 = percentile_of_bins(500);
+    result.p99 = percentile_of_bins(990);
+    result.p99_9 = percentile_of_bins(999);
+    return result;
+  }
+  const Ranked sorted(samples_, counted_);
+  result.p50 = sorted.at(rank(result.count, 500));
+  result.p99 = sorted.at(rank(result.count, 990));
+  result.p99_9 = sorted.at(rank(result.count, 999));
   return result;
 }
 
