@@ -282,8 +282,15 @@ void bind_simulation(py::module_& m) {
             return report::to_json(r.moment("report_so_far", [](Simulation& s) { return s.report_so_far(); }));
           },
           "The report of a run that does not continue.")
-      .def("report_text",
-           [](Run& r) { return r.waiting("result", [](const Simulation& s) { return report::to_text(s.report()); }); })
+      .def(
+          "report_json_and_text",
+          [](Run& r) {
+            return r.waiting("result", [](const Simulation& s) {
+              const report::RunReport report = s.report();
+              return std::pair(report::to_json(report), report::to_text(report));
+            });
+          },
+          "The same report as JSON and as text.")
       .def("keep_text_of_events", &Run::keep_text_of_events, "Keeps the event trace; before the run.")
       .def("events_text", &Run::events_text,
            "The event trace (docs/trace.md) of what a report has been asked of; None where it is not kept.")

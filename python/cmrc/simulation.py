@@ -257,8 +257,8 @@ class Simulation:
     def result(self) -> Result:
         """The report and the signals so far; ``under_way`` if the run has not ended."""
         profile = Profile(json.loads(self._core.profile_json()), self._core.profile_text()) if self._profiled else None
-        report, text = json.loads(self._core.report_json()), self._core.report_text()
-        return Result(report, text, Table(self._core.signals()), profile, self._core.events_text())
+        report, text = self._core.report_json_and_text()
+        return Result(json.loads(report), text, Table(self._core.signals()), profile, self._core.events_text())
 
     def tasks(self) -> dict[str, Any]:
         """The jobs so far, as in the report's ``tasks``: cheaper than ``result``."""

@@ -44,6 +44,11 @@ CodeBlock* Engine::find_or_record(Cycles limit, Stepped& why) {
     cache_.note_fit(*block);
     return block;
   }
+  if (!blocks_.may_record(k.pc)) {
+    Step step;
+    why = exact_step(step, false);
+    return nullptr;
+  }
   if (blocks_.full()) flush_blocks();
   record(k, limit, why);
   return nullptr;
@@ -115,7 +120,7 @@ void Engine::record(const CodeBlockKey& k, Cycles limit, Stepped& why) {
     }
     if (recording.full() && core.delay_slots == 0) break;
     if (n != 0 && ends_blocks(core.pc)) {
-      if (core.delay_slots != 0) return;
+      if (core.delay_slots != 0) return blocks_.gave_up(k.pc);
       break;
     }
     Step look;
@@ -129,7 +134,7 @@ void Engine::record(const CodeBlockKey& k, Cycles limit, Stepped& why) {
         return;
       }
       fault_.reset();
-      if (core.delay_slots != 0) return;
+      if (core.delay_slots != 0) return blocks_.gave_up(k.pc);
       break;
     }
     BlockRecording::StepContext context{.before = pipeline_.id(), .slots = static_cast<std::uint8_t>(core.delay_slots)};
@@ -137,12 +142,14 @@ void Engine::record(const CodeBlockKey& k, Cycles limit, Stepped& why) {
     if (why != Stepped::done || !step.repeatable) {
       if (n == 0 && k.left_for == CodeBlockKey::none)
         why == Stepped::done ? exact_addresses_.add(k.pc, true) : exact_addresses_.remove(k.pc);
-      if (n == 0 || context.slots != 0) return;
+      if (n == 0) return;
+      if (context.slots != 0) return blocks_.gave_up(k.pc);
       break;
     }
     if (step.windows != 0) context.window_start = access_start(step, step.windows >> 1, context.before);
     for (std::size_t i = 0; i < step.decoded->demand.count; ++i)
-      if (step.decoded->demand.data[i].write && step.address[i] - k.pc <= n) return;  // the block changes its own code
+      if (step.decoded->demand.data[i].write && step.address[i] - k.pc <= n)  // the block changes its own code
+        return blocks_.gave_up(k.pc);
     context.after = pipeline_.id();
     context.delay_taken = core.delay_taken;
     recording.append(step, context);

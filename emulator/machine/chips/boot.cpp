@@ -23,7 +23,7 @@ constexpr std::array<Address, 7> sources{0,           0xC0000000u, 0xA0000000u, 
                                          0x60000000u, 0x40000000u, 0x00300000u};
 
 c40::Board with_rom(c40::Board board, Word code) {
-  const toolchain::Image rom = toolchain::read_coff(c40_programs::built_in_boot_rom());
+  static const toolchain::Image rom = toolchain::read_coff(c40_programs::built_in_boot_rom());
   board.rom = rom.sections.at(0).words;
   board.pins = {0, code << 1 | 1};
   return board;

@@ -407,7 +407,10 @@ Word Machine::symbol(std::string_view name) const { return parts_->program.symbo
 
 std::vector<Word> Machine::boot_stream(unsigned slot) const {
   const Config& config = parts_->config;
-  toolchain::Image program = parts_->program;
+  toolchain::Image program;  // without names and lines
+  program.cpu = parts_->program.cpu;
+  program.sections = parts_->program.sections;
+  program.entry = parts_->program.entry;
   for (const auto& [address, value] : start_words(parts_->symbols, config, slot)) {
     Word* word = program.word_at(address);
     if (word == nullptr)
