@@ -8,7 +8,8 @@ from cmrc._core import plant
 
 LATCH = 125_000_000
 SERVO = 8 * LATCH
-COORDINATES = (0, 1, 2, 3, 6)
+COORDINATES = [0, 1, 2, 3, 6]
+AMONG_THEM = np.ix_(COORDINATES, COORDINATES)
 
 
 class Crane:
@@ -18,10 +19,15 @@ class Crane:
         self.dock, self.t = dock, t
         config = dock.config
         self.parameters = config.crane
+        self.drives = list(config.crane.drives)
         self.model = plant.Crane(config.crane)
         self.reference = np.array(dock.signal.q)
         self.integral = np.zeros(5)
         dock.enable_drives(0x1F, t)
+
+    def gravity(self, full, mass):
+        forces = self.model.gravity(full, mass)
+        return [forces[k] for k in COORDINATES]
 
     def tick(self, q_ref, qd_ref, qdd_ref):
         s = self.dock.signal
@@ -32,13 +38,13 @@ class Crane:
         error, rate = q_ref - q, qd_ref - qd
         self.integral += error * 1e-3
         wish = qdd_ref + 9.0 * error + 6.0 * rate + 4.0 * self.integral
-        full[list(COORDINATES)] = q
-        force = np.array(self.model.mass_matrix(full, mass, inertia))[np.ix_(COORDINATES, COORDINATES)] @ wish
-        hold = np.array(self.model.gravity(full, mass))[list(COORDINATES)]
+        full[COORDINATES] = q
+        force = np.array(self.model.mass_matrix(full, mass, inertia))[AMONG_THEM] @ wish
+        hold = self.gravity(full, mass)
         if s.contact:  # what the ground carries, the rope does not
             hold[3] = max(hold[3], -s.tension)
-            hold[2] = np.array(self.model.gravity(full, max(s.tension, 0.0) / 9.81))[2]
-        for j, drive in enumerate(self.parameters.drives):
+            hold[2] = self.gravity(full, max(s.tension, 0.0) / 9.81)[2]
+        for j, drive in enumerate(self.drives):
             torque = (force[j] + hold[j] + self.model.friction(j, qd_ref[j])) / (drive.gear * drive.efficiency)
             code = round(torque / drive.maximum_torque * 2047)
             self.dock.set_torque_code(j, max(-2047, min(2047, code)), self.t)

@@ -7,7 +7,6 @@
 /// and neither segments nor words.
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -107,7 +106,7 @@ class InstructionCache {
   State& state_;
   std::uint32_t number_ = unnumbered;  ///< of the present contents; unnumbered: they are in state_.cache
   std::uint32_t first_number_ = 1;     ///< of numbered_[0]; no number is used again
-  std::deque<Cache> numbered_;
+  std::vector<Cache> numbered_;
   std::unordered_map<std::size_t, std::uint32_t> numbers_;  ///< by hash of the contents
   std::vector<CacheStep> steps_;                            ///< by hash of what is before, and of the words
   Cycles numbers_since_ = 0;
