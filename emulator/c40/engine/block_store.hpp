@@ -26,19 +26,19 @@ class BlockStore {
   /// A recording from `pc` on is cut by the end of a run. Where this happens each time, a short block is better than
   /// none; elsewhere the next recording is a longer one.
   bool is_cut_again_and_again(Address pc) {
-    Cut& cut = cuts_[pc % cuts_.size()];
+    Recordings& cut = cuts_[pc % cuts_.size()];
     if (cut.pc != pc) cut = {pc, 0};
     return ++cut.times > most_cuts;
   }
   /// A recording from `pc` on came to nothing: no block may end there, or a delay slot waited for a word.
   void gave_up(Address pc) {
-    InVain& recordings = in_vain_[pc % in_vain_.size()];
+    Recordings& recordings = in_vain_[pc % in_vain_.size()];
     if (recordings.pc != pc) recordings = {pc, 0};
     ++recordings.times;
   }
   /// Where recordings have come to nothing again and again, one arrival in 64 is recorded.
   bool may_record(Address pc) {
-    InVain& recordings = in_vain_[pc % in_vain_.size()];
+    Recordings& recordings = in_vain_[pc % in_vain_.size()];
     return recordings.pc != pc || recordings.times < most_in_vain || ++recordings.times % 64 == 0;
   }
   /// Adds a block and marks its words as code in `memory`.
@@ -59,16 +59,11 @@ class BlockStore {
 
  private:
   static constexpr unsigned most_cuts = 8, most_in_vain = 8;
-  struct Cut {
+  struct Recordings {
     Address pc = 0;
     unsigned times = 0;
   };
-  struct InVain {
-    Address pc = 0;
-    unsigned times = 0;  ///< recordings; later arrivals
-  };
-  std::array<Cut, 256> cuts_{};
-  std::array<InVain, 256> in_vain_{};
+  std::array<Recordings, 256> cuts_{}, in_vain_{};  ///< by address
   std::vector<std::unique_ptr<CodeBlock>> blocks_;
   std::unordered_map<CodeBlockKey, CodeBlock*, CodeBlockKeyHash> by_key_;
   std::array<CodeBlock*, 256> recent_{};  ///< by address
