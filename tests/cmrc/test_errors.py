@@ -111,7 +111,8 @@ def test_a_repaired_and_cleared_drive_continues_and_the_status_is_0_but_not_with
     assert error["cleared_s"] == pytest.approx(8, abs=0.001) and not error["stands"] and simulation.exit_status == 0
     assert rates(simulation, 7.9)["phi"] == 0  # repaired, and off until the operator says so
     assert rates(simulation, 13.5)["phi"] > 2e-4 and rates(simulation, 13.5)["l"] > 0.02
-    assert "Errors: 1" in simulation.report_text() and "cleared by the operator at 8.0" in simulation.report_text()
+    text = simulation.report_json_and_text()[1]
+    assert "Errors: 1" in text and "cleared by the operator at 8.0" in text
     # The joint comes back smoothly: the drive never needs its full torque.
     assert np.abs(simulation.signals()["phi_code"][simulation.signals()["time_s"] > 8]).max() < 2047
     _, strict = run(

@@ -94,7 +94,7 @@ def test_no_lift_begins_in_too_much_wind_and_work_continues_when_it_falls(tmp_pa
     assert wind_report["waits"] >= 1 and falls - 1.0 < wind_report["waited_s"] <= wind_report["above_s"]
     assert (
         f"Wind above 20 m/s for {wind_report['above_s']:.1f} s, {100 * wind_report['above_share']:.1f} % of the time"
-        in simulation.report_text()
+        in simulation.report_json_and_text()[1]
     )
 
 
@@ -108,7 +108,7 @@ def test_the_limit_is_a_setting(tmp_path: Path) -> None:
     working = simulate(5.0, tmp_path, OVER_A_CONTAINER, **{**settings, "dock__wind_limit_m_s": 14.1})
     report = json.loads(working.report_json())["wind"]
     assert (report["above_s"], report["waited_s"], report["waits"]) == (0.0, 0.0, 0)
-    assert "Wind above" not in working.report_text() and working.signals()["payload_z_m"][-1] < 7.1
+    assert "Wind above" not in working.report_json_and_text()[1] and working.signals()["payload_z_m"][-1] < 7.1
 
 
 def test_the_servo_holds_in_28_metres_per_second() -> None:
