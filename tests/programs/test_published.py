@@ -1,21 +1,13 @@
 """The routines after TI's published structures compute what they claim, against NumPy, and take as long as their loops
 say."""
 
-import importlib.machinery
-import importlib.util
 import random
-import sys
 
 import numpy as np
 import pytest
-from locations import ROOT
+from script_modules import script
 
-loader = importlib.machinery.SourceFileLoader("published_counts", str(ROOT / "scripts" / "published_counts"))
-spec = importlib.util.spec_from_loader("published_counts", loader)
-assert spec is not None
-published = importlib.util.module_from_spec(spec)
-sys.modules["published_counts"] = published
-loader.exec_module(published)
+published = script("published_counts")
 
 
 def read(chip, address: int, count: int) -> np.ndarray:
