@@ -306,6 +306,38 @@ far:    ldi @sub_is,r9
     assert fast.causes["cache_miss"] > 0
 
 
+def test_two_subroutines_return_to_one_place_and_only_one_has_kept_a_bus_busy(tmp_path: Path) -> None:
+    """The one writes to slow memory before its end, and the read at the return address waits for the bus. The other
+    does not; it also returns to another place in between, so that the block after its end is looked for again."""
+    text = """
+main:   ldi @slow_at,ar0
+        ldi @busy_is,r10
+        ldi @busy_is,r11
+        xor @idle_is,r11
+again:  callu r10
+        ldi *ar0,r2
+        call idle
+        addi 3,r1
+        xor r11,r10
+        bu again
+busy:   addi 2,r1
+        sti r1,*ar0
+        rets
+idle:   addi 1,r0
+        rets
+slow_at: .word 40000000h
+busy_is: .word busy
+idle_is: .word idle
+"""
+    board = tmp_path / "board.toml"
+    board.write_text('[[region]]\nname = "slow"\nbase = 0x40000000\nwords = 0x100\nbus = "local"\nwaits = 12\n')
+    fast, exact = (small_programs.load(text, str(board))[0] for _ in range(2))
+    for processor in (fast, exact):
+        processor.set("DP", small_programs.CODE >> 16)
+    agree(fast, exact, 1)
+    assert fast.get("R0") > 1000
+
+
 @pytest.mark.parametrize(("pause", "cycles"), [(0, 150_000), (260, 800_000)])
 def test_contents_of_the_cache_that_hardly_ever_come_again(pause: int, cycles: int) -> None:
     """Sixteen subroutines in a segment each, called in random order: 43,680 contents, of which the engine knows a part
