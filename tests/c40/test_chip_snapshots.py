@@ -3,10 +3,12 @@
 import random
 
 import pytest
+from cmrc._core import c40
 from nasty_programs import CYCLES, generate
 from nasty_runs import Bench, assembled, made, state
 
 SEEDS = range(60)
+PAGE = 0x40000000  # the default board has memory there
 
 
 def same(chip, other):
@@ -97,3 +99,19 @@ def test_every_value_that_is_saved_is_loaded(tmp_path):
         assert differing == [path], path
         seen += 1
     assert seen > 500
+
+
+@pytest.mark.parametrize(("word", "words"), [(0x55555555, 1024), (0, 1023), (0xFFFFFFFF, 1)])
+def test_a_page_of_equal_words_is_saved_and_only_one_of_zeros_is_left_out(word, words):
+    """Pages of 1024 words; those of zeros are not saved (chip_state.cpp)."""
+    page = [word] * words + [7] * (1024 - words)
+    chip, other = c40.Processor("default"), c40.Processor("default")
+    empty = len(chip.save_state())
+    chip.load_words(PAGE, page)
+    other.load_words(PAGE + 1024, [1])
+    saved = chip.save_state()
+    assert len(saved) > empty + 4 * 1024
+    other.load_state(saved)
+    assert list(other.read(PAGE, 2048)) == [*page, *[0] * 1024]
+    chip.load_words(PAGE, [0] * 1024)
+    assert len(chip.save_state()) == empty
