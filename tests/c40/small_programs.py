@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from typing import Any
 
 from cmrc._core import c40, toolchain
@@ -34,3 +35,16 @@ def state(processor: Any) -> dict[str, Any]:
     out |= processor.causes
     out["ram"] = processor.read(*RAM)
     return out
+
+
+def agree(fast: Any, exact: Any, seed: int) -> None:
+    """Runs both, the second one by the exact engine, in pieces that `seed` draws: the same at the end of each."""
+    exact.set_exact(True)
+    rng = random.Random(seed)
+    for _ in range(60):
+        cycles = rng.choice([1, 5, 30, 100, 400, 1500])
+        stops = fast.run(cycles), exact.run(cycles)
+        assert stops[0] == stops[1]
+        assert state(fast) == state(exact)
+        assert consistent(fast)
+    assert fast.instructions > 500
