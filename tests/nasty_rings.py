@@ -48,23 +48,30 @@ def ring(seed: int) -> list[Program]:
     return out
 
 
+END_US = CYCLES * 2 / 33
+
+
+def ring_network(programs: list[Program], bench: Bench, turn_order: int = 0) -> Network:
+    """The chips with their programs, at their start; words and peripherals are recorded."""
+    images = [assembled(program) for program in programs]
+    links = [f"{n}.0:{(n + 1) % len(images)}.3" for n in range(len(images))]
+    boards, clocks = [bench.board(program) for program in programs], [program.clocks[0] for program in programs]
+    network = Network(images, links=links, boards=boards, clocks_mhz=clocks, turn_order=turn_order, record_words=True, record_peripherals=True)  # fmt: skip
+    for program, chip, image in zip(programs, network.chips, images, strict=True):
+        prepare(chip._core, program, image.symbols)
+    return network
+
+
 def ring_disagreement(programs: list[Program], bench: Bench) -> str | None:
     """Whole, in slices, and with the chips advanced in another order: the same words, events and states."""
     seed = programs[0].seed
-    images = [assembled(program) for program in programs]
-    clocks = [program.clocks[0] for program in programs]
-    end = CYCLES * 2 / 33
     found: list[Any] = []
     for way in ("whole", "slices", "another order", "slices in another order"):
         rng = random.Random(seed)
-        links = [f"{n}.0:{(n + 1) % len(images)}.3" for n in range(len(images))]
-        network = Network(images, links=links, boards=[bench.board(program) for program in programs], clocks_mhz=clocks, turn_order=seed + 1 if "order" in way else 0,
-                          record_words=True, record_peripherals=True)  # fmt: skip
-        for program, chip, image in zip(programs, network.chips, images, strict=True):
-            prepare(chip._core, program, image.symbols)
+        network = ring_network(programs, bench, turn_order=seed + 1 if "order" in way else 0)
         now, reason = 0.0, "limit"
-        while now < end and reason == "limit":
-            now = min(end, now + rng.uniform(0.05, 8)) if "slices" in way else end
+        while now < END_US and reason == "limit":
+            now = min(END_US, now + rng.uniform(0.05, 8)) if "slices" in way else END_US
             reason = network.run(until_us=now).reason
         # The state of a chip at its last branch shows only when the chip continues.
         statuses = [

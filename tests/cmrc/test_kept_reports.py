@@ -1,13 +1,12 @@
 """Short scenes, each with its hash and a digest of each part of its report: a change of the emulator that changes a run
 or what the report says of it shows here, by scene and part."""
 
-import hashlib
-import json
 from collections.abc import Callable
 from typing import Any
 
 import cmrc
 import pytest
+from digests import digest
 
 HOST_ONLY = ("elapsed_s", "reference_elapsed_s", "emulator_version")
 
@@ -32,10 +31,6 @@ SCENES: dict[str, dict[str, Any]] = {
     "drive fails": {"dsps": 2, "duration_s": 0.3, "events": [event(0.2, "fail_drive", joint="slew")]},
     "real drives": {"dsps": 2, "duration_s": 0.08, "settings": {"dock.stiction": True, "dock.gear_losses": True, "dock.sway_sensors": 2, "dock.drive_delay_us": 250}},
 }  # fmt: skip
-
-
-def digest(part: Any) -> str:
-    return hashlib.sha256(json.dumps(part, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def digests_of(scene: str) -> str:

@@ -10,25 +10,30 @@ from script_modules import script
 
 COSTS = [sys.executable, ROOT / "scripts" / "host_costs"]
 ROWS = script("host_costs").ROWS
+SAME_RUNS = {"event of the dock": "dock, 4 DSPs", "window access, spin": "dock, 4 DSPs, spin"}
+"""Rows that divide another row's host instructions by something else: counted with it."""
 needs_valgrind = pytest.mark.skipif(
     shutil.which("valgrind") is None, reason="valgrind is missing (apt-get install valgrind)"
 )
+
+
+def check(*rows: str) -> None:
+    done = subprocess.run([*COSTS, *rows, "--check"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 @needs_valgrind
 @pytest.mark.unsanitized
 @pytest.mark.parametrize("row", [row.name for row in ROWS if row.quick])
 def test_it_costs_no_more_than_before(row: str) -> None:
-    done = subprocess.run([*COSTS, row, "--check"], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
+    check(row)
 
 
 @needs_valgrind
 @pytest.mark.campaign
-def test_the_dock_and_the_crane_cost_no_more_than_before() -> None:
-    names = [row.name for row in ROWS if not row.quick]
-    done = subprocess.run([*COSTS, "--check", *names], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
+@pytest.mark.parametrize("row", [row.name for row in ROWS if not row.quick and row.name not in SAME_RUNS])
+def test_the_dock_and_the_crane_cost_no_more_than_before(row: str) -> None:
+    check(row, *(other for other, same in SAME_RUNS.items() if same == row))
 
 
 def test_a_name_of_no_row_is_an_error_that_lists_the_rows() -> None:

@@ -1,0 +1,28 @@
+"""Random docks end as they once did (kept_docks.py): a change of the emulator that all ways to run a dock share shows
+here, by dock and part of its report. test_random_docks.py compares the ways with one another."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import kept_docks
+import pytest
+import random_docks
+
+DOCKS = kept_docks.kept()
+PER_FILE = 12
+
+
+@pytest.fixture(scope="module")
+def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return random_docks.programs_of_users(tmp_path_factory.mktemp("programs"))
+
+
+@pytest.mark.golden
+@pytest.mark.parametrize("first", range(0, len(DOCKS), PER_FILE))
+def test_random_docks_end_as_the_kept_ones(golden: Callable[[str, str], None], first: int, programs: Path) -> None:
+    lines = [
+        f"{number}: {kept_docks.digests_of(DOCKS[number], programs)}\n" for number in range(first, first + PER_FILE)
+    ]
+    golden(f"docks-{first}.digests", "".join(lines))
