@@ -89,7 +89,6 @@ void bind_config(py::module_& m) {
       .def_readonly("bus_reads", &SlotStatistics::bus_reads)
       .def_readonly("prefetch_hits", &SlotStatistics::prefetch_hits)
       .def_readonly("dropped_writes", &SlotStatistics::dropped_writes)
-      .def_readonly("interrupts", &SlotStatistics::interrupts)
       .def_readonly("boots", &SlotStatistics::boots)
       .def_readonly("words_to_dsp", &SlotStatistics::words_to_dsp)
       .def_readonly("words_from_dsp", &SlotStatistics::words_from_dsp)

@@ -6,6 +6,7 @@ from typing import Any
 
 import cmrc
 import pytest
+from cmrc import _core
 from digests import digest
 
 HOST_ONLY = ("elapsed_s", "reference_elapsed_s", "emulator_version")
@@ -13,6 +14,20 @@ HOST_ONLY = ("elapsed_s", "reference_elapsed_s", "emulator_version")
 
 def event(at_s: float, action: str, **more: Any) -> dict[str, Any]:
     return {"at_s": at_s, "action": action, **more}
+
+
+def changes() -> list[dict[str, Any]]:
+    """Every live key another value, one after the other while the dock works."""
+    live = [key for key in _core.cmrc.config_keys() if key["live"]]
+    return [event(round(0.02 + 0.003 * n, 3), "set", key=key["name"], value=another(key)) for n, key in enumerate(live)]
+
+
+def another(key: dict[str, Any]) -> Any:
+    if key["type"] in ("boolean", "choice"):
+        return key["choices"][-1] if key["choices"] else not key["default"]
+    if key["name"] == "scheduling.agv_interval_refreshes":  # no less than N_a = 160
+        return 200
+    return key["default"] + 1 if key["type"] == "integer" else key["default"] * 0.9 or 0.9
 
 
 SCENES: dict[str, dict[str, Any]] = {
@@ -28,6 +43,7 @@ SCENES: dict[str, dict[str, Any]] = {
         "dsps": 3, "duration_s": 0.2,
         "events": [event(0.06, "fail", dsp=0), event(0.08, "hang", dsp=1), event(0.09, "stall_bus", bus="A", lasts_ms=2), event(0.12, "slow", dsp=2, factor=0.25)],
     },
+    "changes": {"dsps": 2, "duration_s": 0.3, "events": changes()},
     "drive fails": {"dsps": 2, "duration_s": 0.3, "events": [event(0.2, "fail_drive", joint="slew")]},
     "real drives": {"dsps": 2, "duration_s": 0.08, "settings": {"dock.stiction": True, "dock.gear_losses": True, "dock.sway_sensors": 2, "dock.drive_delay_us": 250}},
 }  # fmt: skip

@@ -203,7 +203,6 @@ void Dsp::deliver_edge(Time now) {
     case State::faulting:
     case State::dead: return;
   }
-  statistics_.interrupts += 1;
   if (context_.observer != nullptr) context_.observer->interrupt(slot_, 0, now);
 }
 

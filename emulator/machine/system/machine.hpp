@@ -195,7 +195,6 @@ struct SlotStatistics {
   std::uint64_t bus_reads = 0;
   std::uint64_t prefetch_hits = 0;
   std::uint64_t dropped_writes = 0;  ///< fenced
-  std::uint64_t interrupts = 0;
   std::uint64_t boots = 0;
   std::uint64_t words_to_dsp = 0;  ///< over the link, in both directions
   std::uint64_t words_from_dsp = 0;
