@@ -1,6 +1,7 @@
 """Saved states, value by value: every listed value is loaded, and a comparison names it."""
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterable
 from typing import Any
 
 TOGETHER = 64  # values that are changed in one load
@@ -46,6 +47,13 @@ def check_that_every_value_is_loaded(
     for first in range(0, len(numbers), TOGETHER):
         check(numbers[first : first + TOGETHER])
     return len(numbers)
+
+
+def fields(objects: Iterable[Any]) -> str:
+    """The fields that these objects' states list, a line each, with * for numbers, sorted. A golden file of them shows
+    a field that is left out of both saving and loading, which may matter in one run of a thousand."""
+    paths = (path for one in objects for path, _, _ in one._state_leaves())
+    return "".join(sorted({re.sub(r"(?<![^. ])\d+(?![^.])", "*", path) + "\n" for path in paths}))
 
 
 def check_that_other_bytes_are_refused(make: Callable[[], Any], state: bytes) -> None:

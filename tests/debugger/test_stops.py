@@ -220,3 +220,23 @@ def test_the_last_writer_is_that_of_the_full_trace(seed: int, tmp_path: Path) ->
         assert (None if writer is None else (writer.time_ps // CYCLE_PS, writer.pc, writer.value)) == (
             writes[-1] if writes else None
         ), (seed, hex(address))
+
+
+def test_words_that_are_watched_in_two_memories_are_where_they_were(tmp_path: Path) -> None:
+    """Watched words lie apart in the emulator; the memory that a program and a snapshot see is one."""
+    program = program_without_pins(4)
+    board, image = Bench(tmp_path).board(program), assembled(program)
+    plain, watched = made(program, board, image), made(program, board, image)
+    for chip in (plain, watched):
+        for place in DATA.values():
+            chip.load_words(place, [place + n for n in range(256)])
+    beside, debugger = debugger_of(plain, image), debugger_of(watched, image)
+    numbers = [debugger.watch(place + 100, 7) for place in DATA.values()]
+    for end in (CYCLES // 2, CYCLES):
+        beside.go(end * CYCLE_PS * 1e-12)
+        while debugger.go(end * CYCLE_PS * 1e-12).hits:
+            pass
+        assert state(watched) == state(plain)
+        for number in numbers if end < CYCLES else ():
+            debugger.remove(number)
+    assert [watched.peek(DATA["slow"] + 100 + n) for n in range(7)] == [DATA["slow"] + 100 + n for n in range(7)]

@@ -7,18 +7,8 @@ from cmrc.c40 import assemble
 from cmrc.network import Network, SharedMemory
 from leaves import check_that_every_value_is_loaded
 from nasty_programs import CYCLES
-from nasty_rings import ring
-from nasty_runs import Bench, assembled, prepare
-
-
-def network_of(programs, bench, turn_order=0):
-    images = [assembled(program) for program in programs]
-    links = [f"{n}.0:{(n + 1) % len(images)}.3" for n in range(len(images))]
-    network = Network(images, links=links, boards=[bench.board(program) for program in programs], clocks_mhz=[program.clocks[0] for program in programs],
-                      turn_order=turn_order, record_words=True, record_peripherals=True)  # fmt: skip
-    for program, chip, image in zip(programs, network.chips, images, strict=True):
-        prepare(chip._core, program, image.symbols)
-    return network
+from nasty_rings import ring, ring_network
+from nasty_runs import Bench
 
 
 def seen(network):
@@ -33,7 +23,7 @@ def seen(network):
 def test_a_ring_of_nasty_programs_continues_in_another_network(seed, tmp_path):
     programs, bench = ring(seed), Bench(tmp_path)
     rng = random.Random(seed)
-    network, other = network_of(programs, bench), network_of(programs, bench, turn_order=seed + 1)
+    network, other = ring_network(programs, bench), ring_network(programs, bench, turn_order=seed + 1)
     other.run(until_us=rng.uniform(0, 20))
     now, end, reason = 0.0, CYCLES * 2 / 33, "limit"
     while now < end and reason == "limit":
@@ -91,7 +81,7 @@ end:    b end
 def test_a_ring_of_nasty_programs_has_one_state_at_an_instant(seed, tmp_path):
     programs, bench = ring(seed), Bench(tmp_path)
     rng = random.Random(seed)
-    whole, cut = network_of(programs, bench), network_of(programs, bench, turn_order=seed + 1)
+    whole, cut = ring_network(programs, bench), ring_network(programs, bench, turn_order=seed + 1)
     instant = rng.randrange(100_000, 40_000_000)
     stop = whole._core.run_until(instant)
     time, stop_of_cut = 0, ("limit", 0)
@@ -121,10 +111,12 @@ NO_NUMBERS = (
 
 def test_every_value_of_a_network_is_loaded_and_named_by_a_comparison(tmp_path):
     programs, bench = ring(3), Bench(tmp_path)
-    network = network_of(programs, bench)
+    network = ring_network(programs, bench)
     network.run(until_us=3)
     checked = check_that_every_value_is_loaded(
-        lambda: network_of(programs, bench)._core, network._core, lambda path: any(name in path for name in NO_NUMBERS)
+        lambda: ring_network(programs, bench)._core,
+        network._core,
+        lambda path: any(name in path for name in NO_NUMBERS),
     )
     assert checked > 1500
 
