@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <istream>
 #include <ostream>
+#include <span>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -80,10 +81,18 @@ class Reader {
   std::size_t number_ = 0;
 };
 
-const std::string* find_field(const TraceLine& line, std::string_view name) {
-  const auto found =
-      std::ranges::find(line.fields, name, [](const auto& field) { return std::string_view(field.first); });
-  return found == line.fields.end() ? nullptr : &found->second;
+/// The value of the nth field with this name.
+const std::string* find_field(const TraceLine& line, std::string_view name, std::size_t nth) {
+  for (const auto& [each, value] : line.fields)
+    if (each == name && nth-- == 0) return &value;
+  return nullptr;
+}
+
+/// How many fields before the one at `place` have its name.
+std::size_t namesakes(const TraceLine& line, std::size_t place) {
+  const auto fields = std::span{line.fields};
+  return static_cast<std::size_t>(
+      std::ranges::count(fields.first(place), fields[place].first, &TraceLine::Field::first));
 }
 
 TraceDifference differing(TraceLine left, TraceLine right, std::string field, std::string left_value,
@@ -96,13 +105,16 @@ std::optional<TraceDifference> compare_lines(const TraceLine& left, const TraceL
   if (left.when != right.when)
     return differing(left, right, left.when.find('.') == std::string::npos ? "cycle" : "time", left.when, right.when);
   if (left.who != right.who) return differing(left, right, "component", left.who, right.who);
-  for (const auto& [name, value] : left.fields) {
-    const std::string* other = find_field(right, name);
+  for (std::size_t place = 0; place < left.fields.size(); ++place) {
+    const auto& [name, value] = left.fields[place];
+    const std::string* other = find_field(right, name, namesakes(left, place));
     if (!other) return differing(left, right, name, value, "-");
     if (*other != value) return differing(left, right, name, value, *other);
   }
-  for (const auto& [name, value] : right.fields)
-    if (!find_field(left, name)) return differing(left, right, name, "-", value);
+  for (std::size_t place = 0; place < right.fields.size(); ++place) {
+    const auto& [name, value] = right.fields[place];
+    if (!find_field(left, name, namesakes(right, place))) return differing(left, right, name, "-", value);
+  }
   return std::nullopt;  // the lines differ only in blanks
 }
 

@@ -40,7 +40,8 @@ struct TraceLine {
   std::size_t number = 0;  ///< in its file, from 1
   std::string when;        ///< time in s or cycle, as written
   std::string who;         ///< "dsp 3"
-  std::vector<std::pair<std::string, std::string>> fields;
+  using Field = std::pair<std::string, std::string>;
+  std::vector<Field> fields;  ///< name and value; a name may come again
   std::string text;
 
   /// \throws std::invalid_argument with the line's number if it is not a line of a trace.

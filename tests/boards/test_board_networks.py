@@ -81,6 +81,28 @@ def test_classes_of_ones_own_interrupt_and_are_saved(tmp_path: Path) -> None:
         assert [(chip.cycles, low(chip, "R3")) for chip in each.chips] == [(alone.cycles, 3)] * 2
 
 
+class Pulls:
+    """Pulls its pin until it is written: it is asked after the first access."""
+
+    words, pin, rings = 1, "IIOF0", True
+
+    def read(self, offset: int, cycle: int) -> int:
+        return 0
+
+    def write(self, offset: int, value: int, cycle: int) -> None:
+        self.rings = False
+
+    def interrupts(self) -> bool:
+        return self.rings
+
+
+def test_a_pin_that_is_low_from_the_first_access_on_interrupts_once(tmp_path: Path) -> None:
+    isr = "isr:    addi 1,r2\n        sti r2,*ar2\n        reti\n"
+    program = assembled(vector(3) + enabled(0, 0xB) + "        ldi *ar2,r0\n        rpts 99\n        nop\n" + END + isr)
+    alone = Processor(program, board=board(tmp_path), devices={PLACE: Pulls()})
+    assert alone.run(until="done").reason == "until" and low(alone, "R2") == 1
+
+
 def test_what_has_no_state_is_refused_by_name(tmp_path: Path) -> None:
     network = Network([assembled(ALARM)], boards=str(board(tmp_path)), devices={0: {PLACE: Alarm(state=False)}})
     for refused in (network.snapshot, network.fork, network.debug):

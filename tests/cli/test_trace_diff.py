@@ -65,6 +65,23 @@ def test_the_first_difference_is_named(diff, trace: str, old: str, new: str, mes
     assert result.stdout.splitlines()[0] == f"first difference: {message}"
 
 
+def test_a_word_that_is_written_twice_is_compared_twice(diff) -> None:
+    """Both halves of STI || STI may go to one address. A fuzz target found that only the first counted, one way
+    round."""
+    once = INSTRUCTIONS.replace("@00310000=00000005", "@00310000=00000005 @00310000=00000005")
+    other = INSTRUCTIONS.replace("@00310000=00000005", "@00310000=00000005 @00310000=00000007")
+    where = "first difference: cycle 16, dsp 0, field @00310000: "
+    assert diff(once, once).stdout == "no difference\n"
+    for left, right, values in (
+        (once, other, "00000005 (line 3) and 00000007 (line 3)"),
+        (other, once, "00000007 (line 3) and 00000005 (line 3)"),
+        (INSTRUCTIONS, other, "- (line 3) and 00000007 (line 3)"),
+        (other, INSTRUCTIONS, "00000007 (line 3) and - (line 3)"),
+    ):
+        result = diff(left, right)
+        assert result.returncode == 1 and result.stdout.splitlines()[0] == where + values
+
+
 def test_a_trace_that_ends_early(diff) -> None:
     result = diff(EVENTS, EVENTS.rsplit("\n", 2)[0] + "\n")
     assert result.returncode == 1

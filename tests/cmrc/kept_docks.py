@@ -6,31 +6,87 @@ PYTHONPATH=build/python:tests .venv/bin/python tests/cmrc/kept_docks.py     # dr
 from __future__ import annotations
 
 import json
+import random
+import sys
 import tempfile
+from collections.abc import Iterator
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from cmrc import _core
+import dock_checks
+import random_docks
 from digests import digest
 from random_docks import Dock, Generator, programs_of_users
 
 FILE = Path(__file__).parent / "data" / "kept_docks.json"
 PROGRAMS = "machine.programs"
-SHORT, LONG = range(1000, 1060), range(2000, 2012)
-cmrc = _core.cmrc
+SHORT, LONG = range(1000, 1061), range(2000, 2013)
 
 
 def drawn() -> list[Dock]:
-    """Sixty of 0.1 s at the most, in which something goes wrong mostly, and twelve of 0.5 s, in which the plant moves.
+    """Sixty of 0.1 s at the most, in which something goes wrong mostly, with every key
+    of the schema in one of them, and twelve of 0.5 s, in which the plant moves.
     The place of the programs is left out."""
     with tempfile.TemporaryDirectory() as place:
         programs = programs_of_users(Path(place))
-        docks = [Generator(seed, programs, longest_s=0.1).dock() for seed in SHORT]
-        docks += [longer(Generator(seed, programs, longest_s=0.1).dock()) for seed in LONG]
+        docks = with_every_key([dock for dock in drawn_from(SHORT, programs) if runs(dock)])
+        docks += [dock for dock in map(longer, drawn_from(LONG, programs)) if runs(dock)]
     return [
         replace(dock, settings={**dock.settings, PROGRAMS: ""}) if PROGRAMS in dock.settings else dock for dock in docks
     ]
+
+
+def drawn_from(seeds: range, programs: Path) -> Iterator[Dock]:
+    return (Generator(seed, programs, longest_s=0.1).dock() for seed in seeds)
+
+
+def runs(dock: Dock) -> bool:
+    """Whether the emulator takes it, and can integrate its plant to the end."""
+    if not random_docks.holds(dock):
+        return False
+    try:
+        dock_checks.uncut(dock.config())
+    except RuntimeError:
+        return False
+    return True
+
+
+def has_use_for(dock: Dock, key: str) -> bool:
+    """One crane's parameters are nothing to the other one."""
+    gantry = dock.settings.get("dock.crane") == "gantry"
+    return not key.startswith("slewing." if gantry else "gantry.")
+
+
+def another_value(draw: random.Random, name: str) -> Any:
+    key = random_docks.KEYS[name]
+    while (chosen := random_docks.value(draw, key)) == key["default"]:
+        pass
+    return chosen
+
+
+def with_every_key(docks: list[Dock]) -> list[Dock]:
+    """Each key of the schema gets another value in one of the docks; a dock that refuses it leaves it to the next."""
+    draw = random.Random(1)
+    deck = [
+        name for name, key in random_docks.KEYS.items() if key["type"] != "string" and not name.startswith(random_docks.APART)
+    ]
+    draw.shuffle(deck)
+    for _ in range(20):
+        refused = []
+        for place, name in enumerate(deck):
+            able = [n for n, dock in enumerate(docks) if has_use_for(dock, name)]
+            which = able[place % len(able)]
+            chosen = another_value(draw, name)
+            candidate = replace(docks[which], settings={**docks[which].settings, name: chosen})
+            if runs(candidate):
+                docks[which] = candidate
+            else:
+                refused.append(name)
+        deck = refused
+    if deck:
+        print(f"no dock takes {', '.join(deck)}", file=sys.stderr)
+    return docks
 
 
 def longer(dock: Dock) -> Dock:
@@ -57,11 +113,7 @@ LEFT_OUT = ("elapsed_s", "reference_elapsed_s", "emulator_version", "configurati
 
 def digests_of(dock: Dock, programs: Path) -> str:
     settings = {PROGRAMS: str(programs)} if PROGRAMS in dock.settings else {}
-    simulation = cmrc.Simulation(dock.config(**settings))
-    try:
-        simulation.run()
-    except RuntimeError as error:  # a plant that cannot be integrated
-        return f"refused {digest(str(error))}"
+    simulation = dock_checks.uncut(dock.config(**settings))
     report = json.loads(simulation.report_json())
     named = {name for names in PARTS.values() for name in names}
     parts = {part: {name: report[name] for name in names} for part, names in PARTS.items()}

@@ -58,6 +58,12 @@ table:  .word   table
     assert got == [0x1FE88012, 0x10683456, 0x1F708012, 0x1F708012, 0x1F708012, 0x1F708012, 0x1F700030, 0x07203456]
 
 
+def test_halves_of_constants_are_numbers_like_any_other() -> None:
+    """Of an address that is not assigned yet, a half stands alone; of a constant, the whole shift and mask count."""
+    source = ".word (12345678h >> 16) + 1, (0FFFFFFFFh + 1) >> 16, (12345678h & 0FFFFh) + 1, -65537 >> 16"
+    assert words(source) == [0x1235, 0x10000, 0x5679, 0xFFFFFFFE]
+
+
 def test_constants_may_be_used_before_they_are_defined_and_repeated_unchanged() -> None:
     assert words("\tldi N,r0\nN\t.set M+1\nM\t.equ 41\nM .set 41\n\t.set K,7\n\tldi K,r1\n") == [0x0860002A, 0x08610007]
     assert errors("M .set 41\nM .set 42\n")[0] == (2, 1, "'M' is defined already at <text>:1")
