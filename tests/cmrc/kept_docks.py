@@ -69,7 +69,9 @@ def with_every_key(docks: list[Dock]) -> list[Dock]:
     """Each key of the schema gets another value in one of the docks; a dock that refuses it leaves it to the next."""
     draw = random.Random(1)
     deck = [
-        name for name, key in random_docks.KEYS.items() if key["type"] != "string" and not name.startswith(random_docks.APART)
+        name
+        for name, key in random_docks.KEYS.items()
+        if key["type"] != "string" and not name.startswith(random_docks.APART)
     ]
     draw.shuffle(deck)
     for _ in range(20):

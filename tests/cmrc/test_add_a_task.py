@@ -38,10 +38,14 @@ def test_the_page_works_as_it_stands(desk: Path) -> None:
     exec(compile(reference, "add-a-task.md: a reference test", "exec"), {})  # noqa: S102
 
 
-def report_of(toml: str, **settings: Any) -> dict[str, Any]:
+def run_of(toml: str, **settings: Any) -> Any:
     simulation = cmrc.Simulation(cmrc.config(toml=toml, settings={**AT_ONCE, "report.reference": "none", **settings}))
     simulation.run()
-    report: dict[str, Any] = json.loads(simulation.report_json())
+    return simulation
+
+
+def report_of(toml: str, **settings: Any) -> dict[str, Any]:
+    report: dict[str, Any] = json.loads(run_of(toml, **settings).report_json())
     return report
 
 
@@ -162,6 +166,15 @@ def test_a_task_can_be_a_step(desk: Path) -> None:
     steps = '[[processes]]\nnumber = 9\nname = "look"\nrobot = "none"\nsteps = ["task user.sway_watch", "task user.sway_watch"]\nloaded = true\n'
     row = report_of(tasks + steps, duration_s=0.05)["tasks"]["user.sway_watch"]
     assert (row["released"], row["on_time"]) == (2, 2)
+    # With another task before it, its area is the second one; SW_RUNS is word 9.
+    head, second = tasks.split("[[tasks]]")
+    first = (
+        second.replace("sway_watch", "before", 1).replace("kind = 14", "kind = 15").replace("_ms = 0", "_ms = 10", 1)
+    )
+    both = f"{head}[[tasks]]{first}\n[[tasks]]{second}"
+    simulation = run_of(both + steps, duration_s=0.05)
+    areas = [simulation.symbol("US_BASE") + task * simulation.symbol("US_WORDS") for task in (0, 1)]
+    assert [simulation.peek(area + 9) for area in areas] == [4, 2]
 
 
 # ---- tasks that do what they must not: contained, reported, survived by the rest

@@ -77,6 +77,16 @@ def test_labels_and_constants_end_up_in_the_symbols() -> None:
     assert image.symbols == {"base": 0x10, "rate": 0xFF000000, "here": 0x300000, "there": 0x300001, "size": 1, "N": 3}
 
 
+def test_a_label_may_be_a_directive() -> None:
+    image = toolchain.assemble("\tnop\n\t.label there\nx:\t.word there, x\n")
+    assert (image.symbols["there"], list(image.sections[0].words)[1:]) == (0x300001, [0x300001, 0x300001])
+
+
+def test_a_section_that_is_placed_askew_is_an_error_of_no_line() -> None:
+    message = "the section '.text' at 300001h must be aligned to 4 words"
+    assert errors("\tnop\n\t.align 4\n", sections={".text": 0x300001}) == [(0, 1, message)]
+
+
 def test_the_entry_is_the_start_symbol_or_the_one_asked_for() -> None:
     source = "\tnop\n_start: nop\nother: nop\n"
     assert toolchain.assemble(source).entry == 0x300001
