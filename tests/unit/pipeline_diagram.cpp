@@ -9,11 +9,12 @@
 
 namespace {
 
-/// The cells of cycles 0 to 14: the instruction is fetched in cycle 2; it executes so many cycles later.
-std::string cells(std::int16_t execute, std::initializer_list<std::pair<c40::Cause, c40::Cycles>> causes) {
-  c40::PipelineDiagram diagram(0, 14, [](c40::Address, c40::Word) { return std::string("nop"); });
+/// The 15 cells from `first` on: the instruction is fetched two cycles later; it executes so many cycles later.
+std::string cells(std::int16_t execute, std::initializer_list<std::pair<c40::Cause, c40::Cycles>> causes,
+                  c40::Cycles first = 0) {
+  c40::PipelineDiagram diagram(first, first + 14, [](c40::Address, c40::Word) { return std::string("nop"); });
   c40::TraceRecord record;
-  record.cycle = 2;
+  record.cycle = first + 2;
   record.stages = {0, 1, 1, 2, execute};
   for (const auto& [cause, cycles] : causes) record.causes[static_cast<std::size_t>(cause)] = cycles;
   diagram.instruction(record);
@@ -27,6 +28,7 @@ std::string cells(std::int16_t execute, std::initializer_list<std::pair<c40::Cau
 TEST_CASE("waits stand where they are: for what is outside before the execution, for the DMA within the stages") {
   using enum c40::Cause;
   CHECK(cells(3, {}) == "  FDRE         ");
+  CHECK(cells(3, {}, 1000) == "  FDRE         ");
   CHECK(cells(5, {{register_conflict, 2}}) == "  FDRRRE       ");
   CHECK(cells(3, {{comm_port, 3}}) == "  FDRpppE      ");
   CHECK(cells(3, {{bus_arbitration, 1}, {bus_transfer, 2}, {comm_port, 1}}) == "  FDRpbbbE     ");
