@@ -25,9 +25,8 @@ SHORT, LONG = range(1000, 1061), range(2000, 2013)
 
 
 def drawn() -> list[Dock]:
-    """Sixty of 0.1 s at the most, in which something goes wrong mostly, with every key
-    of the schema in one of them, and twelve of 0.5 s, in which the plant moves.
-    The place of the programs is left out."""
+    """Sixty of 0.1 s at the most, with every key of the schema in one of them; twelve of 0.5 s, in which the plant
+    moves. In most of them something goes wrong. The place of the programs is left out."""
     with tempfile.TemporaryDirectory() as place:
         programs = programs_of_users(Path(place))
         docks = with_every_key([dock for dock in drawn_from(SHORT, programs) if runs(dock)])

@@ -22,7 +22,6 @@ def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.golden
 @pytest.mark.parametrize("first", range(0, len(DOCKS), PER_FILE))
 def test_random_docks_end_as_the_kept_ones(golden: Callable[[str, str], None], first: int, programs: Path) -> None:
-    lines = [
-        f"{number}: {kept_docks.digests_of(DOCKS[number], programs)}\n" for number in range(first, first + PER_FILE)
-    ]
+    docks = enumerate(DOCKS[first : first + PER_FILE], start=first)
+    lines = [f"{number}: {kept_docks.digests_of(dock, programs)}\n" for number, dock in docks]
     golden(f"docks-{first}.digests", "".join(lines))
