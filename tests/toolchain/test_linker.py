@@ -181,6 +181,14 @@ def test_what_tis_linker_defines_by_itself() -> None:
     assert contents(link("\t.ref cinit\n\t.word cinit\n"))[".text"][1] == [0xFFFFFFFF]
 
 
+def test_a_symbol_of_the_linkers_own_is_in_the_image_if_an_object_refers_to_it() -> None:
+    """One that the map or an object defines always is."""
+    plain = link("\tnop\n")
+    referring = link("\t.ref etext\nx:\t.word etext\n", map=MAP + "[symbols]\nof_map = 7\n")
+    assert "etext" not in plain.symbols and "end" not in referring.symbols
+    assert (referring.symbols["etext"], referring.symbols["of_map"]) == (referring.symbols["x"] + 1, 7)
+
+
 def test_the_memory_map_gives_places_sizes_symbols_and_the_entry() -> None:
     image = link("\t.ref limit\n\t.def go\n\tnop\ngo: .word limit\n\t.sect \"vectors\"\n\t.word go\n", map="""
 entry = "go"
