@@ -69,7 +69,7 @@ def test_a_live_run_replays_from_its_recording(shout: list[object], tmp_path: Pa
 
 def test_a_script_answers_what_the_program_sends(tmp_path: Path) -> None:
     """Each step of the script waits for its condition, in this order."""
-    (tmp_path / "host").write_text('# a host\non 3Eh "ok\\n"\nafter 3 2 3\nat 2000 4\nwait 100 0x5, 6h\n')
+    (tmp_path / "host").write_text('# a host\non 3Eh "ok\\n"\nafter 3 0x2, 3\nat 2000 4\nafter 3 5\nwait 100 6h\n')
     text = "        ldi 0,r4\n"
     for sent in (0x3E, 1, 2):
         text += f"        ldi {sent},r0\n        sti r0,*ar2\n"

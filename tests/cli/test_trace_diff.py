@@ -53,6 +53,12 @@ def test_equal_traces(diff) -> None:
             "R1=0000000004",
             "cycle 16, dsp 0, field R1: 0000000003 (line 3) and 0000000004 (line 3)",
         ),
+        (
+            INSTRUCTIONS,
+            "bnz 00300000h",
+            "bnz 00300001h",
+            "cycle 12, dsp 0, field instruction: bnz 00300000h (line 2) and bnz 00300001h (line 2)",
+        ),
         (INSTRUCTIONS, "branch=3", "branch=2", "cycle 12, dsp 0, field branch: 3 (line 2) and 2 (line 2)"),
         (INSTRUCTIONS, " @00310000=00000005", "", "cycle 16, dsp 0, field @00310000: 00000005 (line 3) and - (line 3)"),
         (INSTRUCTIONS, "02610001", "02610002", "cycle 16, dsp 0, field word: 02610001 (line 3) and 02610002 (line 3)"),

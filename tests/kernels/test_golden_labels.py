@@ -152,3 +152,19 @@ def test_names_of_the_windows() -> None:
     assert labels.name(s["WINDOW_A"] + 0xF000) == "A+0xF000"  # behind the last table
     assert labels.name(s["WINDOW_B"] + s["ENCODER"] + 2) == "ENCODER+0x2"
     assert labels.name(0x12345678) == "12345678"
+
+
+@pytest.mark.golden
+def test_where_each_name_of_the_windows_begins(golden: Callable[[str, str], None]) -> None:
+    """Every word of both windows and of the RAM on chip: a line where another name begins."""
+    dsp = Dsp()
+    s, labels = dsp.symbols, _core.trace.Labels.of_dock(dsp.image)
+    ranges = [(s["WINDOW_A"], 0x20002), (s["WINDOW_B"], 0x2002), (s["TASK"], 0x300000 - s["TASK"])]
+    lines, last = [], ""
+    for base, words in ranges:
+        for address in range(base, base + words):
+            name = labels.name(address).split("+")[0]
+            if name != last and name != f"{address:08X}":
+                lines.append(f"{address:08X} {labels.name(address)}\n")
+            last = name
+    golden("labels.table", "".join(lines))
