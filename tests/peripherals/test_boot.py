@@ -117,6 +117,12 @@ def test_without_a_boot_rom_the_reset_vector_is_missing() -> None:
         )
 
 
+def test_a_program_begins_in_one_of_its_sections() -> None:
+    behind = toolchain.assemble("        .text\n        nop\nentry:\n", "behind.asm", entry="entry")
+    with pytest.raises(ValueError, match="the program's entry 00300001h is in no section"):
+        c40.boot_stream(behind)
+
+
 def test_a_chip_boots_its_neighbour() -> None:
     stream = c40.boot_stream(image())
     sender = processor(

@@ -130,19 +130,39 @@ def test_every_switch_keeps_its_books(taken):
     assert attached.energy_after - attached.energy_before > middle
 
 
-def spreader_on_a_container(lock_time):
+def spreader_on_a_container(lock_time, beside=0.0):
     """The container is on the vehicle's deck, but not yet the vehicle's load; the spreader rests on it with its locks
     open."""
+    y = 8.0 + beside
     config = plant.default_dock()
-    config.layout.containers = [plant.ContainerPlace(22.0, 8.0, 1.6, 0.0, 20e3)]
-    config.home = plant.CranePose(0.0, 22.0, 8.0, 4.191 + 0.3, 0.0)
+    config.layout.containers = [plant.ContainerPlace(22.0, y, 1.6, 0.0, 20e3)]
+    config.home = plant.CranePose(0.0, 22.0, y, 4.191 + 0.3, 0.0)
     config.landing.lock_time = lock_time
     dock = plant.Dock(config)
     crane = Crane(dock)
     crane.hold(0.2)
-    crane.move(crane.pose(22.0, 8.0, 4.191 - 0.08), 3.0)
+    crane.move(crane.pose(22.0, y, 4.191 - 0.08), 3.0)
     crane.hold(0.5)
     return dock, crane
+
+
+def test_a_load_keeps_its_place_on_a_vehicle_that_turns():
+    dock, crane = spreader_on_a_container(lock_time=0.1, beside=0.02)
+    for command in (1, 0):
+        dock.spreader_command(command, crane.t)
+        crane.hold(0.5)
+    crane.move(crane.pose(22.0, 8.02, 6.0), 3.0)
+    places, headings = [], []
+    dock.agv_period(0, 1_000_000, crane.t)
+    for _ in range(20):
+        dock.agv_push(0, 1500, 500_000, 0, crane.t)
+        crane.hold(0.2)
+        box, agv = dock.containers[0], dock.agv(0)
+        away = complex(box.x - agv.x, box.y - agv.y) * np.exp(-1j * agv.heading)
+        places.append([away.real, away.imag, box.yaw - agv.heading])
+        headings.append(agv.heading)
+    assert dock.containers[0].state == "on_agv" and max(np.abs(headings)) > 0.2
+    assert np.ptp(places, axis=0) == pytest.approx([0, 0, 0], abs=1e-9) and abs(places[0][1] - 0.02) < 0.005
 
 
 def test_a_rolling_vehicle_shares_its_momentum_with_the_container_set_on_it():

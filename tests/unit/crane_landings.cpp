@@ -140,6 +140,9 @@ TEST_CASE("above the ship a container is looked for again; above an AGV its plac
   ship.block(JobKind::identify, 0, ship.w.must_process << 2);
   ship.land(1103, 0);
   CHECK(ship.refresh() == "plan");
+  ship.block(JobKind::error, 0, 0);
+  ship.land(1103, 0);
+  CHECK(ship.refresh().empty());  // another block that ends is not the plan
   ship.host.words.clear();
   ship.block(JobKind::grab_path, 0, 0);
   CHECK(ship.host.take(ship.w.cr_base + ship.w.cr_leg) == 1);

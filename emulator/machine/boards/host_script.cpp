@@ -7,6 +7,8 @@
 #include <charconv>
 #include <optional>
 
+#include "toolchain/objects/written_integer.hpp"
+
 namespace machine {
 namespace {
 
@@ -14,19 +16,6 @@ constexpr std::array<std::pair<std::string_view, HostStep::When>, 4> whens{{{"at
                                                                             {"wait", HostStep::When::wait},
                                                                             {"after", HostStep::When::after},
                                                                             {"on", HostStep::When::on}}};
-
-/// 1Fh, 0x1F or decimal.
-std::optional<std::uint64_t> number_of(std::string_view text) {
-  int base = 10;
-  if (text.starts_with("0x") || text.starts_with("0X"))
-    base = 16, text.remove_prefix(2);
-  else if (text.ends_with('h') || text.ends_with('H'))
-    base = 16, text.remove_suffix(1);
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, base);
-  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 class ScriptReader {
  public:
@@ -97,7 +86,7 @@ class ScriptReader {
       fail(fmt::format("\"{}\": at CYCLE, wait CYCLES, after COUNT or on WORD is expected first", first));
     HostStep step{.when = when->second, .number = 0, .words = {}};
     const std::string_view given = token();
-    const auto number = number_of(given);
+    const auto number = toolchain::written_integer(given);
     const std::uint64_t most = step.when == HostStep::When::on ? 0xFFFFFFFFu : std::uint64_t{1} << 62;
     if (!number || *number > most)
       fail(
@@ -110,7 +99,7 @@ class ScriptReader {
 
   void add(HostStep& step, std::string_view word) const {
     if (word[0] == '"') return add_text(step, word.substr(1, word.size() - 2));
-    const auto value = number_of(word);
+    const auto value = toolchain::written_integer(word);
     if (!value || *value > 0xFFFFFFFF)
       fail(fmt::format("\"{}\" is not a word; 1Fh, 0x1F, decimal or \"text\" is expected", word));
     step.words.push_back(static_cast<c40::Word>(*value));

@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <functional>
+#include <limits>
 
 #include "c40/peripherals/register_map.hpp"
 #include "c40/values/float40.hpp"
 #include "isa/types.hpp"
+#include "toolchain/objects/written_integer.hpp"
 
 namespace machine::debug {
 
@@ -77,6 +80,14 @@ Value apply(std::string_view op, const Value& a, const Value& b) {
   if (op == "*") return of_float(a.number() * b.number());
   if (op == "/") return of_float(a.number() / b.number());
   throw DebugError(fmt::format("{} takes integers, and here is a float", op));
+}
+
+/// A number with a point or an exponent; without either it is a whole one, and too large.
+std::optional<double> fraction(std::string_view token) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), value);
+  const bool read = error == std::errc{} && end == token.data() + token.size();
+  return read && token.find_first_of(".eE") != std::string_view::npos ? std::optional(value) : std::nullopt;
 }
 
 class Parser {
@@ -219,21 +230,14 @@ class Parser {
                                   ((text_[at_] == '-' || text_[at_] == '+') &&
                                    (text_[at_ - 1] == 'e' || text_[at_ - 1] == 'E') && text_.substr(begin, 2) != "0x")))
       ++at_;
-    const std::string token(text_.substr(begin, at_ - begin));
+    const std::string_view token = text_.substr(begin, at_ - begin);
     auto node = std::make_unique<Expression::Node>();
-    if (const auto word = toolchain::find_address(token, nullptr)) {
-      node->value = [value = of(*word)] { return value; };
-      return node;
-    }
-    std::size_t used = 0;
-    double real = 0;
-    try {
-      real = std::stod(token, &used);
-    } catch (const std::exception&) {
-    }
-    if (used != token.size())
-      at_ = begin, refuse(fmt::format("{} is not a number; 12, 0Ch, 0xC or 1.5 is expected", token));
-    node->value = [value = of_float(real)] { return value; };
+    const auto integer = toolchain::written_integer(token);
+    const auto real = integer ? std::nullopt : fraction(token);
+    if ((!integer && !real) || (integer && *integer > std::numeric_limits<std::int64_t>::max()))
+      at_ = begin, refuse(fmt::format("{} is not a number of 64 bits; 12, 0Ch, 0xC or 1.5 is expected", token));
+    const Value written = integer ? of(static_cast<std::int64_t>(*integer)) : of_float(*real);
+    node->value = [written] { return written; };
     return node;
   }
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <stdexcept>
 #include <vector>
 
@@ -11,6 +10,7 @@
 #include "io/print.hpp"
 #include "isa/types.hpp"
 #include "toolchain/objects/missing_symbol.hpp"
+#include "toolchain/objects/written_integer.hpp"
 
 namespace toolchain {
 
@@ -27,27 +27,10 @@ Word* Image::word_at(Address address) {
   return nullptr;
 }
 
-namespace {
-std::optional<std::uint64_t> parse_number(std::string_view text, int base) {
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, base);
-  if (error != std::errc{} || end != text.data() + text.size() || text.empty()) return std::nullopt;
-  return value;
-}
-
-std::optional<std::uint64_t> parse_integer(std::string_view text) {
-  if (text.starts_with("0x") || text.starts_with("0X")) return parse_number(text.substr(2), 16);
-  if (!text.empty() && (text.back() == 'h' || text.back() == 'H'))
-    return parse_number(text.substr(0, text.size() - 1), 16);
-  return parse_number(text, 10);
-}
-
-}  // namespace
-
 std::optional<Address> find_address(std::string_view text, const Image* image) {
   if (image != nullptr)
     if (const auto symbol = image->symbols.find(text); symbol != image->symbols.end()) return symbol->second;
-  const auto value = parse_integer(text);
+  const auto value = written_integer(text);
   return value && *value <= 0xFFFF'FFFF ? std::optional(static_cast<Address>(*value)) : std::nullopt;
 }
 
