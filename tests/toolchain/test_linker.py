@@ -178,15 +178,8 @@ def test_what_tis_linker_defines_by_itself() -> None:
     (at, text), (cinit_at, cinit) = contents(image)[".text"], contents(image)[".cinit"]
     assert text == [cinit_at, at + 3, image.symbols["x"] + 1]
     assert cinit == [1, image.symbols["x"], 5, 0]  # closed by a count of 0
+    assert image.symbols["etext"] == at + 3 and "edata" not in image.symbols  # nobody refers to edata
     assert contents(link("\t.ref cinit\n\t.word cinit\n"))[".text"][1] == [0xFFFFFFFF]
-
-
-def test_a_symbol_of_the_linkers_own_is_in_the_image_if_an_object_refers_to_it() -> None:
-    """One that the map or an object defines always is."""
-    plain = link("\tnop\n")
-    referring = link("\t.ref etext\nx:\t.word etext\n", map=MAP + "[symbols]\nof_map = 7\n")
-    assert "etext" not in plain.symbols and "end" not in referring.symbols
-    assert (referring.symbols["etext"], referring.symbols["of_map"]) == (referring.symbols["x"] + 1, 7)
 
 
 def test_the_memory_map_gives_places_sizes_symbols_and_the_entry() -> None:
@@ -340,6 +333,8 @@ def test_an_aligned_section_stays_where_its_alignment_is_met() -> None:
         source = f"\t.space {words}\n\t.data\n\t.word 1\n"
         image = link(source, map=MEMORY.format(length=0x100, sections=both))
         assert contents(image)[".data"][0] == start
+    last = link("\t.data\n\t.word 1\n", map=MAP.replace("0x300100", "0xFFFFFFFF"))
+    assert contents(last)[".data"] == (0xFFFFFFFF, [1])
 
 
 def test_a_blocked_section_of_a_whole_page_and_one_that_just_fits_before_its_end() -> None:
