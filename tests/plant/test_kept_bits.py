@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 from cmrc import _core
+from cmrc import plant as public
 
 plant, core = _core.plant, _core.cmrc
 SECOND = 10**12
@@ -60,10 +61,24 @@ def differential(config: Any) -> None:
     config.agv.drive = plant.AgvDrive.differential
 
 
+def vehicles() -> str:
+    """Vehicles by themselves, faster and slower than the speed between their two models, forward and back."""
+    rows = []
+    for options in ({}, {"drive": "differential"}, {"load_mass": 20e3, "load_inertia": 2.6e5}):
+        agv = public.Agv(**options)
+        for n in range(60):
+            speed, front = abs(n % 32 - 16) / 10 - 0.8, abs(n % 20 - 10) / 16 - 0.3
+            agv.step(speed, front, -0.4 * front, 0.1, turn=0.5 * front if "drive" in options else 0.0)
+            if n % 3 == 0:
+                rows.append(f"{n}: {agv.state}")
+    return "\n".join(rows) + "\n"
+
+
 MADE: dict[str, Callable[[], str]] = {
     **{name: lambda settings=settings: bits(settings) for name, settings in DOCKS.items()},
     "rated sensors": lambda: bits({}, rated_sensors),
     "differential": lambda: bits({}, differential),
+    "vehicles": vehicles,
 }
 
 

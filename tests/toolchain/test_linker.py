@@ -176,8 +176,8 @@ def test_local_symbols_of_several_objects_do_not_clash_and_global_ones_do() -> N
 def test_what_tis_linker_defines_by_itself() -> None:
     image = link('\t.ref cinit,etext,end\n\t.word cinit,etext,end\n\t.sect ".cinit"\n\t.word 1,x,5\n\t.bss x,1\n')
     (at, text), (cinit_at, cinit) = contents(image)[".text"], contents(image)[".cinit"]
-    assert text == [cinit_at, at + 3, image.symbols["x"] + 1]
-    assert cinit == [1, image.symbols["x"], 5, 0]  # closed by a count of 0
+    x = image.symbols["x"]
+    assert (text, cinit) == ([cinit_at, at + 3, x + 1], [1, x, 5, 0])  # closed by a count of 0
     assert image.symbols["etext"] == at + 3 and "edata" not in image.symbols  # nobody refers to edata
     assert contents(link("\t.ref cinit\n\t.word cinit\n"))[".text"][1] == [0xFFFFFFFF]
 
@@ -331,10 +331,8 @@ def test_an_aligned_section_stays_where_its_alignment_is_met() -> None:
     both = '".data" = { memory = "m", align = 16 }\n".text" = { address = 0x1000 }'
     for words, start in ((16, 0x1010), (17, 0x1020), (15, 0x1010)):
         source = f"\t.space {words}\n\t.data\n\t.word 1\n"
-        image = link(source, map=MEMORY.format(length=0x100, sections=both))
-        assert contents(image)[".data"][0] == start
-    last = link("\t.data\n\t.word 1\n", map=MAP.replace("0x300100", "0xFFFFFFFF"))
-    assert contents(last)[".data"] == (0xFFFFFFFF, [1])
+        assert contents(link(source, map=MEMORY.format(length=0x100, sections=both)))[".data"][0] == start
+    assert contents(link("\t.data\n\tnop\n", map=MAP.replace("0x300100", "0xFFFFFFFF")))[".data"][0] == 0xFFFFFFFF
 
 
 def test_a_blocked_section_of_a_whole_page_and_one_that_just_fits_before_its_end() -> None:
