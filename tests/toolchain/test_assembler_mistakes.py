@@ -36,6 +36,11 @@ def test_a_missing_file_is_an_error_with_its_name(tmp_path: Path) -> None:
     [
         ("\tadi r0,r1", 2, "did you mean 'addi'"),
         ("\tldi r0", 2, "takes 2 operands, not 1"),
+        ("\tsti r0 || sti r1,*ar1", 2, "'sti' takes 2 operands, not 1"),
+        ("\tsti r0,*ar0 || sti r1", 17, "'sti' takes 2 operands, not 1"),
+        ("\tldi *ar0 || ldi *ar1,r1", 2, "'ldi' takes 2 operands, not 1"),
+        ("\tldi *ar0,r0 || ldi *ar1", 17, "'ldi' takes 2 operands, not 1"),
+        ("\tabsi *ar0 || sti r1,*ar1", 2, "'absi' takes 2 operands, not 1"),
         ("\taddi 5,r0,r1,r2", 12, "operands, not 4"),
         ("\tldf ar0,r0", 6, "only R0 to R11"),
         ("\tldi 70000,r0", 6, "-32768 to 32767"),
