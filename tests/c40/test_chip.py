@@ -205,7 +205,9 @@ def test_interface_control_registers_can_be_read_and_written() -> None:
 def test_a_held_chip_only_counts() -> None:
     processor, _ = small_programs.load("stop:   bu stop\n")
     processor.hold(True)
-    processor.run(10**12)
+    processor.step()
+    assert (processor.cycle, processor.instructions) == (1, 0)
+    processor.run(10**12 - 1)
     assert (processor.cycle, processor.instructions, processor.causes["halted"]) == (10**12, 0, 10**12)
 
 

@@ -22,6 +22,7 @@ ACROSS = {
         "comm_port": "B",
         "bridges": "A-B, B-C",
     },
+    "a bus with two bridges": {"buses": "A B C", "boards": "B", "drives": "C", "bridges": "A-B, A-C"},
     "two bridges in a row": {"buses": "A B C", "boards": "C", "drives": "C", "bridges": "A-B, B-C"},
 }
 
