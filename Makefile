@@ -41,7 +41,7 @@ bench: build
 	scripts/bench_scene
 	$(PYTHON) scripts/host_costs
 
-# The rows of docs/speed.md that the suite has no time for: fails when one has risen by 3 % (three minutes on two cores).
+# The rows of docs/speed.md, in host instructions: fails when one has risen by 3 % (three minutes on two cores).
 costs: build
 	$(PYTHON) -m pytest -q -n auto -m campaign tests/scripts/test_host_costs.py
 

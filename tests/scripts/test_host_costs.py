@@ -17,23 +17,13 @@ needs_valgrind = pytest.mark.skipif(
 )
 
 
-def check(*rows: str) -> None:
-    done = subprocess.run([*COSTS, *rows, "--check"], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
-
-
-@needs_valgrind
-@pytest.mark.unsanitized
-@pytest.mark.parametrize("row", [row.name for row in ROWS if row.quick])
-def test_it_costs_no_more_than_before(row: str) -> None:
-    check(row)
-
-
 @needs_valgrind
 @pytest.mark.campaign
-@pytest.mark.parametrize("row", [row.name for row in ROWS if not row.quick and row.name not in SAME_RUNS])
-def test_the_dock_and_the_crane_cost_no_more_than_before(row: str) -> None:
-    check(row, *(other for other, same in SAME_RUNS.items() if same == row))
+@pytest.mark.parametrize("row", [row.name for row in ROWS if row.name not in SAME_RUNS])
+def test_it_costs_no_more_than_before(row: str) -> None:
+    rows = [row, *(other for other, same in SAME_RUNS.items() if same == row)]
+    done = subprocess.run([*COSTS, *rows, "--check"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_a_name_of_no_row_is_an_error_that_lists_the_rows() -> None:
