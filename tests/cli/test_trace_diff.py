@@ -72,8 +72,8 @@ def test_the_first_difference_is_named(diff, trace: str, old: str, new: str, mes
 
 
 def test_a_word_that_is_written_twice_is_compared_twice(diff) -> None:
-    """Both halves of STI || STI may go to one address. A fuzz target found that only the first counted, one way
-    round."""
+    """Both halves of STI || STI may go to one address. A fuzz target found that a second one was passed over
+    if only the second trace had it."""
     once = INSTRUCTIONS.replace("@00310000=00000005", "@00310000=00000005 @00310000=00000005")
     other = INSTRUCTIONS.replace("@00310000=00000005", "@00310000=00000005 @00310000=00000007")
     where = "first difference: cycle 16, dsp 0, field @00310000: "

@@ -235,7 +235,8 @@ class Parser {
     const auto integer = toolchain::written_integer(token);
     const auto real = integer ? std::nullopt : fraction(token);
     if ((!integer && !real) || (integer && *integer > std::numeric_limits<std::int64_t>::max()))
-      at_ = begin, refuse(fmt::format("{} is not a number of 64 bits; 12, 0Ch, 0xC or 1.5 is expected", token));
+      at_ = begin,
+      refuse(fmt::format("{} is not a number; 12, 0Ch, 0xC, of 64 bits at the most, or 1.5 is expected", token));
     const Value written = integer ? of(static_cast<std::int64_t>(*integer)) : of_float(*real);
     node->value = [written] { return written; };
     return node;
