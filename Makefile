@@ -3,7 +3,7 @@ SHELL := /bin/bash
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 
-.PHONY: demo test build configured setup clean page golden lint vectors arithmetic oracles bench costs results coverage mutants fuzz trust docs docs-test check tidy wheels
+.PHONY: demo test build configured setup clean page golden lint vectors arithmetic oracles bench costs results coverage mutants fuzz fuzz-quick build-fuzz build-fuzz-quick trust docs docs-test check tidy wheels
 
 # Without what only tests and developers need: a seventh of the compilation.
 demo: configured
@@ -57,14 +57,18 @@ arithmetic: build
 	PYTHONPATH=tests $(PYTHON) -m spec.campaign --cases 1000000 --jobs 2
 	build/bin/word_sweep
 
-# Every fuzz target for T seconds (docs/fuzzing.md): `make fuzz T=60`. Needs clang, which is installed.
+# Every fuzz target for T seconds (docs/fuzzing.md): `make fuzz T=60`. Needs clang, which is installed. fuzz-quick runs
+# the targets without sanitizers, and what they learn under sanitizers afterwards.
 T := 60
-fuzz:
-	@scripts/setup fuzz
-	@cmake --preset fuzz -DPython_EXECUTABLE=$(CURDIR)/$(PYTHON) > build-configure.log 2>&1 || (cat build-configure.log; exit 1)
-	@rm -f build-configure.log
-	cmake --build --preset fuzz
+fuzz: build-fuzz
 	scripts/fuzz $(T)
+fuzz-quick: build-fuzz build-fuzz-quick
+	scripts/fuzz --quick $(T)
+build-fuzz build-fuzz-quick:
+	@scripts/setup fuzz
+	@cmake --preset $(@:build-%=%) -DPython_EXECUTABLE=$(CURDIR)/$(PYTHON) > build-configure.log 2>&1 || (cat build-configure.log; exit 1)
+	@rm -f build-configure.log
+	cmake --build --preset $(@:build-%=%)
 
 # The suite under the address and undefined-behaviour sanitizers, threads under the thread sanitizer (docs/fuzzing.md).
 trust: setup
