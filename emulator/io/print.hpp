@@ -12,6 +12,7 @@ namespace io {
 /// Text that a terminal shows but does not obey: control characters (C0 except newline and tab, DEL, C1) and bytes that
 /// are not UTF-8 become \xNN.
 std::string printable(std::string_view text);
+bool is_utf8(std::string_view text);
 
 /// Writes printable text. flush_output() reports losses.
 void say(std::FILE* to, std::string_view text);

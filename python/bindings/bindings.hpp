@@ -10,6 +10,7 @@ void bind_report(py::module_& core);
 void bind_isa(py::module_& core);
 void bind_c40(py::module_& core);
 void bind_toolchain(py::module_& core);
+void bind_programs(py::module_& toolchain);
 void bind_plant(py::module_& core);
 void bind_network(py::module_& core);
 void bind_debug(py::module_& core);

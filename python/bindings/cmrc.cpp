@@ -44,7 +44,7 @@ cmrc::Value to_value(const py::handle& value, const std::string& key) {
 /// Nested dictionaries are tables; a flat dictionary of dotted or unambiguous names works too.
 void add_settings(cmrc::ConfigBuilder& builder, const py::dict& settings, const std::string& prefix) {
   for (const auto& [name, value] : settings) {
-    const std::string key = prefix + std::string(py::str(name));
+    const std::string key = prefix + name.cast<std::string>();
     if (py::isinstance<py::dict>(value)) {
       add_settings(builder, value.cast<py::dict>(), key + ".");
     } else {
@@ -58,7 +58,7 @@ void add_settings(cmrc::ConfigBuilder& builder, const py::dict& settings, const 
 cmrc::TimedEvent event_of(const py::dict& fields) {
   std::map<std::string, cmrc::Field> all;
   for (const auto& [name, value] : fields) {
-    const std::string key = py::str(name);
+    const auto key = name.cast<std::string>();
     all[key] = {to_value(value, key), {}};
   }
   return cmrc::timed_event(all, {});
@@ -116,7 +116,7 @@ void bind_config(py::module_& m) {
       [](const py::object& toml, const std::string& name, const py::object& file, const py::object& preset,
          const py::dict& settings, const std::vector<py::dict>& events) {
         cmrc::ConfigBuilder builder;
-        if (!file.is_none()) builder.file(py::str(file));
+        if (!file.is_none()) builder.file(text_of("file", file));
         if (!toml.is_none()) builder.text(text_of("toml", toml), name);
         if (!preset.is_none()) builder.preset(text_of("preset", preset), {});
         add_settings(builder, settings, "");

@@ -2,6 +2,8 @@
 // Exceptions of the C++ rooms as classes of Python: each derived from cmrc.Error and from the matching built-in class.
 #include <pybind11/pybind11.h>
 
+#include "python/bindings/text.hpp"
+
 namespace python {
 
 inline pybind11::tuple error_bases(PyObject* builtin) {
@@ -10,7 +12,15 @@ inline pybind11::tuple error_bases(PyObject* builtin) {
 
 template <class Exception>
 void register_error(pybind11::module_& m, const char* name, PyObject* builtin) {
-  pybind11::register_exception<Exception>(m, name, error_bases(builtin));
+  // It lives as long as the module, which is never unloaded.
+  static const pybind11::handle type = pybind11::exception<Exception>(m, name, error_bases(builtin)).release();
+  pybind11::register_exception_translator([](std::exception_ptr pointer) {
+    try {
+      if (pointer) std::rethrow_exception(pointer);
+    } catch (const Exception& error) {
+      PyErr_SetObject(type.ptr(), shown(error.what()).ptr());
+    }
+  });
 }
 
 }  // namespace python

@@ -4,10 +4,10 @@
 #include <memory>
 #include <string>
 
+#include "python/bindings/bindings.hpp"
 #include "python/bindings/cpu.hpp"
 #include "python/bindings/ctrl_c.hpp"
 #include "python/bindings/errors.hpp"
-#include "python/bindings/toolchain.hpp"
 #include "toolchain/assembler/assembler.hpp"
 #include "toolchain/linker/linker.hpp"
 #include "toolchain/objects/coff.hpp"
@@ -26,14 +26,14 @@ void raise_assembly_error(const py::handle& type, const toolchain::AssemblyError
     entry["file"] = d.file;
     entry["line"] = d.line;
     entry["column"] = d.column;
-    entry["message"] = as_str(d.message);
-    entry["text"] = as_str(d.text);
+    entry["message"] = python::shown(d.message);
+    entry["text"] = python::shown(d.text);
     py::list notes;
-    for (const std::string& note : d.notes) notes.append(as_str(note));
+    for (const std::string& note : d.notes) notes.append(python::shown(note));
     entry["notes"] = notes;
     diagnostics.append(entry);
   }
-  py::object exception = type(as_str(error.what()));
+  py::object exception = type(python::shown(error.what()));
   exception.attr("diagnostics") = diagnostics;
   PyErr_SetObject(type.ptr(), exception.ptr());
 }
@@ -62,9 +62,9 @@ void bind_toolchain(py::module_& core) {
   py::module_ m = core.def_submodule("toolchain", "Assembler and COFF files of the TMS320C4x.");
   bind_programs(m);
 
-  // The exception types live as long as the module, which is never unloaded.
-  static py::object assembly_error =
-      py::exception<toolchain::AssemblyError>(m, "AssemblyError", python::error_bases(PyExc_ValueError));
+  // It lives as long as the module, which is never unloaded.
+  static const py::handle assembly_error =
+      py::exception<toolchain::AssemblyError>(m, "AssemblyError", python::error_bases(PyExc_ValueError)).release();
   py::register_exception_translator([](std::exception_ptr pointer) {
     try {
       if (pointer) std::rethrow_exception(pointer);

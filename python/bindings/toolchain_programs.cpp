@@ -4,7 +4,7 @@
 #include <string>
 
 #include "isa/types.hpp"
-#include "python/bindings/toolchain.hpp"
+#include "python/bindings/bindings.hpp"
 #include "toolchain/assembler/assembler.hpp"
 #include "toolchain/objects/object.hpp"
 
@@ -23,7 +23,7 @@ void bind_image(py::module_& m) {
       .def_readonly("address", &toolchain::LineRecord::address)
       .def_readonly("file", &toolchain::LineRecord::file, "Index into Image.files.")
       .def_readonly("line", &toolchain::LineRecord::line)
-      .def_property_readonly("text", [](const toolchain::LineRecord& record) { return as_str(record.text); });
+      .def_property_readonly("text", [](const toolchain::LineRecord& record) { return python::shown(record.text); });
   py::class_<Image>(m, "Image", "A program with its addresses settled.")
       .def_readonly("sections", &Image::sections)
       .def_readonly("symbols", &Image::symbols, "Labels and constants by name, as 32-bit words.")
@@ -35,11 +35,11 @@ void bind_image(py::module_& m) {
       .def_property_readonly("warnings",
                              [](const Image& image) {
                                py::list out;
-                               for (const std::string& warning : image.warnings) out.append(as_str(warning));
+                               for (const std::string& warning : image.warnings) out.append(python::shown(warning));
                                return out;
                              })
       .def_readonly("dialects", &Image::dialects, "How the source was read, and why: `ti: the default`.")
-      .def("listing", [](const Image& image) { return as_str(toolchain::listing(image)); });
+      .def("listing", [](const Image& image) { return python::shown(toolchain::listing(image)); });
 }
 
 void bind_object(py::module_& m) {

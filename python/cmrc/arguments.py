@@ -63,7 +63,11 @@ def path(name: str, value: object, right: str = "the path of a file") -> str:
     if not isinstance(value, (str, os.PathLike)):
         refuse(name, value, right)
     found = os.fspath(value)
-    return found if isinstance(found, str) else os.fsdecode(found)
+    if not isinstance(found, str):
+        found = os.fsdecode(found)
+    if "\0" in found:
+        raise ValueError(f"{name}: {found!r} contains a zero byte; {right} is expected")
+    return found
 
 
 def number(name: str, value: object, right: str = "a number", least: float = -math.inf) -> float:

@@ -50,7 +50,7 @@ class Table(dict[str, NDArray[Any]]):
         return made
 
     def __repr__(self) -> str:
-        return f"Table({self.rows} rows: {', '.join(self)})"
+        return f"Table({self.rows} rows: {', '.join(map(str, self))})"
 
 
 def _flatten(row: Mapping[str, Any], prefix: str = "") -> Iterable[tuple[str, Any]]:

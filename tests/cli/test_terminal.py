@@ -149,3 +149,10 @@ def test_the_page_command_prints_nothing_that_is_obeyed(folder: Path) -> None:
         command, check=False, cwd=folder, capture_output=True, env={**os.environ, "PYTHONPATH": str(BUILD / "python")}
     )
     assert result.returncode == 2 and "x1B" in harmless(result.stderr).replace("x1b", "x1B")
+
+
+def test_a_page_has_a_title_in_utf_8(tmp_path: Path) -> None:
+    folder = os.fsencode(tmp_path)
+    Path(os.fsdecode(folder + b"/gr\xfc\xdfe.toml")).write_text("[run]\nduration_s = 0.03\n")
+    assert emulator(tmp_path, "--config", os.fsdecode(b"gr\xfc\xdfe.toml"), "--page", "page.html").returncode == 0
+    assert r"<title>gr\xFC\xDFe: 4 DSPs, 0.03 s</title>" in (tmp_path / "page.html").read_bytes().decode("utf-8")

@@ -95,8 +95,8 @@ void resume(cmrc::Simulation& simulation, const cmrc::Snapshot& snapshot, const 
 std::string page_title(const RunOptions& options, const cmrc::Config& config) {
   const std::string name =
       options.config ? std::filesystem::path(*options.config).stem().string() : options.preset.value_or("base");
-  return fmt::format("{}: {} DSP{}, {:g} s", name, config.machine.dsps, config.machine.dsps == 1 ? "" : "s",
-                     config.run.duration_s);
+  return fmt::format("{}: {} DSP{}, {:g} s", io::printable(name), config.machine.dsps,
+                     config.machine.dsps == 1 ? "" : "s", config.run.duration_s);
 }
 
 /// Runs to each snapshot; returns how many were reached.

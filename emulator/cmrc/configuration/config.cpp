@@ -12,6 +12,7 @@
 #include "cmrc/configuration/config_invariants.hpp"
 #include "cmrc/processes/process_rows.hpp"
 #include "io/nearest.hpp"
+#include "io/print.hpp"
 #include "io/text_form.hpp"
 #include "io/toml.hpp"
 
@@ -120,7 +121,14 @@ Value checked(const Key& key, const Value& value, const Origin& origin) {
   };
   switch (key.type) {
     case Key::Type::boolean: return std::holds_alternative<bool>(value) ? value : ill_typed();
-    case Key::Type::text: return std::holds_alternative<std::string>(value) ? value : ill_typed();
+    case Key::Type::text: {
+      const auto* text = std::get_if<std::string>(&value);
+      if (text == nullptr) return ill_typed();
+      // Reports and snapshots have the configuration as JSON and TOML, which have no other bytes.
+      if (!io::is_utf8(*text))
+        refuse(origin, key.name, fmt::format("{} is not UTF-8", show(value)), "a text in UTF-8 is expected");
+      return value;
+    }
     case Key::Type::choice: {
       const auto* word = std::get_if<std::string>(&value);
       if (word == nullptr) return ill_typed();

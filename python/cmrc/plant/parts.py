@@ -4,9 +4,10 @@ pickled."""
 from __future__ import annotations
 
 import copyreg
+import os
 from typing import Any
 
-from cmrc import _core
+from cmrc import _core, arguments
 from cmrc.core_errors import class_in_our_words, in_our_words, reworded
 
 default_dock = in_our_words("default_dock", _core.plant.default_dock)
@@ -17,8 +18,14 @@ gantry_crane = in_our_words("gantry_crane", _core.plant.gantry_crane)
 """Parameters of a ship-to-shore gantry (plant-and-bus.md 1.4)."""
 apply_layout = in_our_words("apply_layout", _core.plant.apply_layout)
 """``apply_layout(config, text, name)``: a layout in TOML into a DockConfig. Raises LayoutError with line and column."""
-load_layout = in_our_words("load_layout", _core.plant.load_layout)
-"""``load_layout(config, path)``: the same from a file. Raises LayoutError, OSError."""
+_load_layout = in_our_words("load_layout", _core.plant.load_layout)
+
+
+def load_layout(config: DockConfig, path: str | os.PathLike[str]) -> None:
+    """The same from a file. Raises LayoutError, OSError."""
+    _load_layout(config, arguments.path("path", path, "the path of a layout"))
+
+
 LayoutError = _core.plant.LayoutError
 LayoutError.__doc__ = """A layout file that is wrong: where, and what would be right. A ValueError."""
 inverse_kinematics = in_our_words("inverse_kinematics", _core.plant.inverse_kinematics)

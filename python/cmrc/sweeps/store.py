@@ -137,7 +137,8 @@ class Folder:
         while parts:
             part = parts.pop(0)
             try:
-                with parquet.ParquetFile(part) as opened:
+                # A file, not its name: pyarrow takes no name with a byte that is no UTF-8.
+                with open(part, "rb") as file, parquet.ParquetFile(file) as opened:
                     for batch in opened.iter_batches(batch_size=COMPACT_BATCH, columns=names):
                         for row in batch.to_pylist():
                             if row["key"] not in seen:
