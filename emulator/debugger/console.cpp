@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <set>
 
 #include "debugger/console_words.hpp"
 #include "io/nearest.hpp"
+#include "isa/ascii.hpp"
 #include "isa/types.hpp"
 #include "machine/debug/expression.hpp"
 
@@ -353,13 +355,9 @@ Time Console::time_in(Words& words) const {
   const std::string number(words.next());
   const std::string_view unit = words.next();
   words.end();
-  std::size_t used = 0;
   double value = -1;
-  try {
-    value = std::stod(number, &used);
-  } catch (const std::exception&) {
-  }
-  if (used != number.size() || !(value >= 0))
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
+  if (error != std::errc() || end != number.data() + number.size() || !(value >= 0))
     throw DebugError(
         fmt::format("\"{}\" is not an instant; 2.5, 2.5 s, 12 ms, 100 us or 7 cycles is expected", number));
   if (unit == "cycles") return debugger_.debuggee().time_of(chip_, static_cast<c40::Cycles>(std::min(value, 1e15)));
@@ -466,11 +464,8 @@ std::vector<std::string> Console::completions(std::string_view line) const {
   for (const auto& [kind, what] : debugger_.happenings()) offer(kind);
   for (const std::string& name : debugger_.debuggee().value_names()) offer(name);
   for (const std::string& name : debugger_.debuggee().page_names()) offer(name);
-  for (const ShownRegister& reg : machine::debug::registers(debugger_.debuggee().chip(chip_))) {
-    std::string lower = reg.name;
-    for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    offer(lower);
-  }
+  for (const ShownRegister& reg : machine::debug::registers(debugger_.debuggee().chip(chip_)))
+    offer(ascii::lower(reg.name));
   return {found.begin(), found.end()};
 }
 

@@ -6,6 +6,7 @@
 
 #include "debugger/console.hpp"
 #include "debugger/console_words.hpp"
+#include "isa/ascii.hpp"
 #include "machine/debug/expression.hpp"
 
 namespace debugger {
@@ -68,10 +69,7 @@ void Console::show_peripherals(Words& words) {
   words.end();
   bool shown = false;
   for (const ShownRegister& reg : machine::debug::peripherals(debuggee().chip(chip_))) {
-    const auto same = [](char a, char b) {
-      return std::toupper(static_cast<unsigned char>(a)) == std::toupper(static_cast<unsigned char>(b));
-    };
-    if (!std::ranges::equal(wanted, std::string_view(reg.name).substr(0, wanted.size()), same)) continue;
+    if (!ascii::same(wanted, std::string_view(reg.name).substr(0, wanted.size()))) continue;
     std::string parts;
     for (const auto& [name, value] : reg.parts)
       if (value != "0") parts += fmt::format("  {}={}", name, value);

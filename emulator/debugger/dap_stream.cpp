@@ -1,4 +1,5 @@
 #include "debugger/dap_stream.hpp"
+#include "isa/ascii.hpp"
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -16,12 +17,6 @@ namespace {
 
 constexpr std::string_view length_field = "content-length:";
 
-bool same_letters(std::string_view text, std::string_view lower) {
-  return text.size() == lower.size() && std::ranges::equal(text, lower, [](char a, char b) {
-           return std::tolower(static_cast<unsigned char>(a)) == b;
-         });
-}
-
 /// The length in "Content-Length: 119\r\nOther: x".
 std::size_t length_in(std::string_view header) {
   std::optional<std::size_t> length;
@@ -29,7 +24,7 @@ std::size_t length_in(std::string_view header) {
     const std::size_t end = std::min(header.find("\r\n"), header.size());
     std::string_view line = header.substr(0, end);
     header.remove_prefix(std::min(end + 2, header.size()));
-    if (!same_letters(line.substr(0, length_field.size()), length_field)) {
+    if (!ascii::same(line.substr(0, length_field.size()), length_field)) {
       if (line.find(':') == std::string_view::npos)
         throw BrokenStream(
             fmt::format("\"{}\" is not a header; Content-Length: NUMBER is expected", line.substr(0, 40)));

@@ -1,7 +1,7 @@
 #include "isa/types.hpp"
+#include "isa/ascii.hpp"
 
 #include <array>
-#include <cctype>
 
 namespace isa {
 namespace {
@@ -30,13 +30,6 @@ constexpr std::array condition_names{
     ConditionName{"lv", Condition::LV},   ConditionName{"nluf", Condition::NLUF}, ConditionName{"luf", Condition::LUF},
     ConditionName{"zuf", Condition::ZUF},
 };
-
-bool same(std::string_view lower, std::string_view text) {
-  if (lower.size() != text.size()) return false;
-  for (std::size_t i = 0; i < text.size(); ++i)
-    if (lower[i] != std::tolower(static_cast<unsigned char>(text[i]))) return false;
-  return true;
-}
 
 constexpr auto condition_names_only = [] {
   std::array<std::string_view, condition_names.size()> out{};
@@ -75,24 +68,24 @@ std::optional<Register> register_named(std::string_view text, Cpu cpu) {
   for (std::size_t i = 0; i < register_names.size(); ++i) {
     if (!has(cpu, static_cast<Register>(i))) break;
     const auto register_name = name(static_cast<Register>(i), cpu);
-    if (same(register_name, text)) return static_cast<Register>(i);
-    const bool float_synonym = register_name[0] == 'r' && std::isdigit(static_cast<unsigned char>(register_name[1]));
+    if (ascii::same(register_name, text)) return static_cast<Register>(i);
+    const bool float_synonym = register_name[0] == 'r' && ascii::is_digit(register_name[1]);
     if (float_synonym && !text.empty() && (text[0] == 'f' || text[0] == 'F') &&
-        same(register_name.substr(1), text.substr(1)))
+        ascii::same(register_name.substr(1), text.substr(1)))
       return static_cast<Register>(i);
   }
   return std::nullopt;
 }
 
 std::optional<Expansion> expansion_named(std::string_view text) {
-  if (same("ivtp", text)) return Expansion::IVTP;
-  if (same("tvtp", text)) return Expansion::TVTP;
+  if (ascii::same("ivtp", text)) return Expansion::IVTP;
+  if (ascii::same("tvtp", text)) return Expansion::TVTP;
   return std::nullopt;
 }
 
 std::optional<Condition> condition_named(std::string_view text) {
   for (const auto& entry : condition_names)
-    if (same(entry.name, text)) return entry.condition;
+    if (ascii::same(entry.name, text)) return entry.condition;
   return std::nullopt;
 }
 

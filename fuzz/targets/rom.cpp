@@ -1,12 +1,12 @@
 // Images of EPROMs: Intel hex, S-records and bytes as they are read, and those that `emulator image` makes of a
 // program.
 #include <algorithm>
-#include <cctype>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "fuzz/target.hpp"
+#include "isa/ascii.hpp"
 #include "machine/chips/boot.hpp"
 #include "toolchain/objects/rom_file.hpp"
 
@@ -25,7 +25,7 @@ void expect_same_back(const Bytes& bytes) {
   if (bytes.empty()) return;
   for (const RomFormat format : {RomFormat::intel_hex, RomFormat::srec, RomFormat::binary}) {
     const bool looks_like_text =
-        bytes[0] == ':' || (bytes[0] == 'S' && bytes.size() > 1 && std::isdigit(bytes[1]) != 0);
+        bytes[0] == ':' || (bytes[0] == 'S' && bytes.size() > 1 && ascii::is_digit(static_cast<char>(bytes[1])));
     if (format == RomFormat::binary && looks_like_text) continue;
     fuzz::expect(toolchain::read_rom(written(toolchain::rom_file(bytes, format))) == bytes,
                  "an image is read back as another one");

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "c40/peripherals/dma_registers.hpp"
 #include "c40/peripherals/memory_interface.hpp"
 #include "c40/peripherals/timer.hpp"
+#include "isa/ascii.hpp"
 
 namespace c40 {
 namespace {
@@ -90,7 +90,7 @@ std::vector<RegisterInfo> make_map() {
 
 std::string folded(std::string_view text) {
   std::string out(text);
-  for (char& c : out) c = c == ' ' ? '_' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (char& c : out) c = c == ' ' ? '_' : ascii::lower(c);
   return out;
 }
 

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <optional>
 
+#include "isa/ascii.hpp"
 #include "isa/types.hpp"
 
 namespace cli {
@@ -135,8 +135,7 @@ std::string name(Vector::Place place) {
   std::string text = "PC";
   if (place.kind == Kind::primary) text = isa::name(static_cast<isa::Register>(place.code));
   if (place.kind == Kind::expansion) text = isa::name(static_cast<isa::Expansion>(place.code));
-  for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return text;
+  return ascii::upper(text);
 }
 
 }  // namespace cli

@@ -14,6 +14,7 @@
 #include "io/output_file.hpp"
 #include "io/print.hpp"
 #include "io/signals.hpp"
+#include "isa/ascii.hpp"
 #include "isa/types.hpp"
 #include "machine/networks/network.hpp"
 #include "state/archive.hpp"
@@ -158,9 +159,7 @@ Json chip_json(const Network& network, std::size_t n) {
     out["causes"][std::string(name(static_cast<c40::Cause>(cause)))] = chip.causes()[cause];
   for (std::uint8_t code = 0; code < 32; ++code) {
     const auto reg = static_cast<isa::Register>(code);
-    std::string called(isa::name(reg));
-    for (char& c : called) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-    out["registers"][called] = chip.register_value(reg);
+    out["registers"][ascii::upper(isa::name(reg))] = chip.register_value(reg);
   }
   out["waits_for"] = network.waits_for(n) ? Json(*network.waits_for(n)) : Json();
   add_ports(chip, out);

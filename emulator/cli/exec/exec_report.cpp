@@ -8,6 +8,7 @@
 #include "c40/values/float40.hpp"
 #include "cli/arguments/program.hpp"
 #include "io/print.hpp"
+#include "isa/ascii.hpp"
 #include "isa/types.hpp"
 
 namespace cli {
@@ -22,11 +23,7 @@ double microseconds(const c40::Chip& chip, double clock_mhz) {
   return static_cast<double>(chip.cycle()) * 2.0 / clock_mhz;
 }
 
-std::string register_name(Register reg) {
-  std::string name(isa::name(reg));
-  for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return name;
-}
+std::string register_name(Register reg) { return ascii::upper(isa::name(reg)); }
 
 /// Exact, because a register's mantissa fits into a double.
 constexpr std::array<Register, isa::register_count> all_registers() {

@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <numbers>
 #include <stdexcept>
+#include <string>
 
 #include "plant/parameters/check.hpp"
 #include "plant/parameters/holding.hpp"
@@ -105,7 +106,12 @@ DockConfig dock_with(CraneKind machine) {
 }
 
 /// The nearest number with twelve digits: a default converted from other units gets its intended decimal form.
-double written(double value) { return std::strtod(fmt::format("{:.12g}", value).c_str(), nullptr); }
+double written(double value) {
+  const std::string text = fmt::format("{:.12g}", value);
+  double out = 0;
+  std::from_chars(text.data(), text.data() + text.size(), out);
+  return out;
+}
 
 }  // namespace
 

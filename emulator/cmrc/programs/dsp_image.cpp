@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <span>
 #include <string>
 
 #include "c40_programs/image.hpp"
 #include "cmrc/programs/kernels.hpp"
+#include "isa/ascii.hpp"
 #include "toolchain/assembler/assembler.hpp"
 #include "toolchain/objects/coff.hpp"
 #include "toolchain/objects/source_map.hpp"
@@ -55,8 +55,7 @@ namespace {
 void check_idle_policy(const toolchain::Image& image, const Config& config) {
   const auto key = std::ranges::find(keys(), "machine.idle_policy", &Key::name);
   const std::string word = std::get<std::string>(key->read(config));
-  std::string symbol = "IDLE_" + word;
-  std::ranges::transform(symbol, symbol.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  const std::string symbol = "IDLE_" + ascii::upper(word);
   const auto expected = static_cast<toolchain::Word>(config.machine.idle_policy);
   const auto found = image.symbols.find(symbol);
   if (found != image.symbols.end() && found->second == expected) return;

@@ -3,11 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <cctype>
 #include <cmath>
 #include <utility>
 
 #include "c40/values/float40.hpp"
+#include "isa/ascii.hpp"
 #include "isa/types.hpp"
 #include "machine/debug/debugger_shared.hpp"
 #include "machine/debug/expression.hpp"
@@ -58,8 +58,7 @@ void Debugger::set_register(std::size_t chip, std::string_view name, std::string
   require_chip(chip);
   const auto expansion = isa::expansion_named(name);
   const auto reg = isa::register_named(name);
-  std::string lower(name);
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string lower = ascii::lower(name);
   if (!expansion && !reg && lower != "pc")
     throw DebugError(
         fmt::format("{} is not a register; PC, R0 to R11, AR0 to AR7, DP, IR0, IR1, BK, SP, ST, DIE, IIE, IIF, RS, RE, "

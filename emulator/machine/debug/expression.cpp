@@ -10,6 +10,7 @@
 
 #include "c40/peripherals/register_map.hpp"
 #include "c40/values/float40.hpp"
+#include "isa/ascii.hpp"
 #include "isa/types.hpp"
 #include "toolchain/objects/written_integer.hpp"
 
@@ -201,7 +202,7 @@ class Parser {
     if (at_ == text_.size()) refuse("a value is expected: a number, a register, a label, [address]");
     const char c = text_[at_];
     if (c >= '0' && c <= '9') return number();
-    if (std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '$') return named();
+    if (ascii::is_letter(c) || c == '_' || c == '$') return named();
     refuse("a value is expected: a number, a register, a label, [address]");
   }
 
@@ -226,7 +227,7 @@ class Parser {
 
   NodePtr number() {
     const std::size_t begin = at_;
-    while (at_ < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[at_])) != 0 || text_[at_] == '.' ||
+    while (at_ < text_.size() && (ascii::is_letter_or_digit(text_[at_]) || text_[at_] == '.' ||
                                   ((text_[at_] == '-' || text_[at_] == '+') &&
                                    (text_[at_ - 1] == 'e' || text_[at_ - 1] == 'E') && text_.substr(begin, 2) != "0x")))
       ++at_;
@@ -244,8 +245,8 @@ class Parser {
 
   NodePtr named() {
     const std::size_t begin = at_;
-    while (at_ < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[at_])) != 0 || text_[at_] == '_' ||
-                                  text_[at_] == '.' || text_[at_] == '$'))
+    while (at_ < text_.size() &&
+           (ascii::is_letter_or_digit(text_[at_]) || text_[at_] == '_' || text_[at_] == '.' || text_[at_] == '$'))
       ++at_;
     const std::string name(text_.substr(begin, at_ - begin));
     if ((name == "f" || name == "u") && take("(")) return converted(name[0]);
@@ -314,8 +315,7 @@ class Parser {
       node->value = [&chip, e = *expansion] { return of_word(chip.expansion(e)); };
       return node;
     }
-    std::string lower = name;
-    for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const std::string lower = ascii::lower(name);
     if (lower == "pc")
       node->value = [&chip] { return of(chip.pc()); };
     else if (lower == "cycle")

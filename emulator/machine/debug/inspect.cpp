@@ -9,6 +9,7 @@
 
 #include "c40/peripherals/register_map.hpp"
 #include "c40/values/float40.hpp"
+#include "isa/ascii.hpp"
 #include "isa/decode.hpp"
 #include "isa/disassemble.hpp"
 
@@ -243,12 +244,6 @@ constexpr std::array<StatusField, 16> status_fields{{{"C", c40::st::C},
                                                      {"PGIE", c40::st::PGIE},
                                                      {"SET COND", c40::st::SETCOND}}};
 
-std::string upper(std::string_view name) {
-  std::string out(name);
-  for (char& c : out) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return out;
-}
-
 ShownRegister word_register(std::string name, Word value) {
   return {std::move(name), fmt::format("{:08X}h", value), fmt::format("{}", static_cast<std::int32_t>(value)), {}};
 }
@@ -266,7 +261,7 @@ std::vector<ShownRegister> registers(const c40::Chip& chip) {
   all.push_back(word_register("PC", chip.pc()));
   for (const Register reg : order) {
     const std::uint64_t value = chip.register_value(reg);
-    ShownRegister shown = word_register(upper(isa::name(reg)), static_cast<Word>(value));
+    ShownRegister shown = word_register(ascii::upper(isa::name(reg)), static_cast<Word>(value));
     if (isa::is_extended(reg)) {
       const std::string integer = shown.value;
       shown.hex = fmt::format("{:010X}h", value);

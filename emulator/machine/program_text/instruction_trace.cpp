@@ -5,17 +5,11 @@
 #include <algorithm>
 #include <iterator>
 
+#include "isa/ascii.hpp"
 #include "isa/disassemble.hpp"
 
 namespace machine {
 namespace {
-
-std::string upper(std::string_view text) {
-  std::string result(text);
-  std::ranges::transform(result, result.begin(),
-                         [](char c) { return static_cast<char>(c >= 'a' && c <= 'z' ? c - 32 : c); });
-  return result;
-}
 
 std::string line_start(c40::Cycles cycle, unsigned slot) { return fmt::format("{} [dsp {}] ", cycle, slot); }
 
@@ -48,7 +42,7 @@ std::string line_of(const c40::TraceRecord& record, unsigned slot, const Labels*
   const Labels* data_labels = labels != nullptr && gives_floats(record.word) ? nullptr : labels;
   for (const c40::RegisterChange& change : record.registers) {
     const bool extended = isa::is_extended(change.reg);
-    fmt::format_to(out, " {}={}", upper(isa::name(change.reg)),
+    fmt::format_to(out, " {}={}", ascii::upper(isa::name(change.reg)),
                    value_text(change.value, extended, extended ? data_labels : labels));
   }
   for (const c40::MemoryEvent& event : record.memory)

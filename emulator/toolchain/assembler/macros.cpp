@@ -1,9 +1,9 @@
 // Macros and repeats of the assembler's reader.
 #include <fmt/format.h>
 
-#include <cctype>
 #include <utility>
 
+#include "isa/ascii.hpp"
 #include "toolchain/assembler/reader.hpp"
 
 namespace toolchain {
@@ -42,7 +42,7 @@ std::vector<std::string> Reader::macro_arguments(std::string_view text) const {
       continue;
     }
     out.back() += c;
-    const bool scoped = i + 1 < text.size() && std::isdigit(static_cast<unsigned char>(text[i + 1])) != 0;
+    const bool scoped = i + 1 < text.size() && is_digit(text[i + 1]);
     if (!in_quotes && c == '?' && !scoped) out.back() += std::to_string(local_scope_);
   }
   for (std::string& argument : out) {
@@ -174,8 +174,7 @@ void Reader::start_macro(Statement& s) {
         const auto tail = p.rest();
         const auto comma = tail.find(',');
         parameter.fallback = std::string(tail.substr(0, comma));
-        while (!parameter.fallback.empty() && std::isspace(static_cast<unsigned char>(parameter.fallback.back())) != 0)
-          parameter.fallback.pop_back();
+        while (!parameter.fallback.empty() && ascii::is_space(parameter.fallback.back())) parameter.fallback.pop_back();
         p.seek(p.offset() + (comma == std::string_view::npos ? tail.size() : comma));
       }
       collector_->macro.parameters.push_back(std::move(parameter));

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cctype>
 #include <charconv>
 #include <optional>
 #include <vector>
 
+#include "isa/ascii.hpp"
 #include "toolchain/syntax/diagnostics.hpp"
 #include "toolchain/syntax/parser.hpp"
 
@@ -17,7 +17,7 @@ namespace {
 constexpr int deepest = 10;
 constexpr std::size_t longest_line = 1 << 16;
 
-bool is_name(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+bool is_name(char c) { return ascii::is_letter_or_digit(c) || c == '_'; }
 
 std::string_view name_at(std::string_view text, std::size_t start, bool (*is_part)(char)) {
   std::size_t end = start;
@@ -133,7 +133,7 @@ class Functions {
     if (name == "$lastch") return place(a.rfind(character(arguments[1])));
     if (name == "$isdefed") return symbols_.find(arguments[0]) != nullptr ? 1 : 0;
     if (name == "$ismember") return take_member(arguments[0], arguments[1]);
-    if (name == "$iscons") return !a.empty() && std::isdigit(static_cast<unsigned char>(a[0])) != 0 ? 1 : 0;
+    if (name == "$iscons") return !a.empty() && is_digit(a[0]) ? 1 : 0;
     if (name == "$isname") return !a.empty() && is_identifier_start(a[0]) ? 1 : 0;
     if (name == "$isreg") return isa::register_named(a, symbols_.cpu) ? 1 : 0;
     return std::nullopt;

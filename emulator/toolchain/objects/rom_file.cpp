@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <map>
 
 #include "io/input_file.hpp"
+#include "isa/ascii.hpp"
 
 namespace toolchain {
 namespace {
@@ -71,7 +71,7 @@ class Collected {
 Bytes digits(std::string_view text) {
   const auto nibble = [](char c) -> unsigned {
     if (c >= '0' && c <= '9') return static_cast<unsigned>(c - '0');
-    const int lower = std::tolower(static_cast<unsigned char>(c));
+    const char lower = ascii::lower(c);
     if (lower >= 'a' && lower <= 'f') return static_cast<unsigned>(lower - 'a' + 10);
     throw RomError(fmt::format("'{}' is no hexadecimal digit", c));
   };
@@ -154,7 +154,7 @@ class SLines {
 };
 
 std::string_view without_blanks(std::string_view line) {
-  const auto is_blank = [](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0 || c == '\x1A'; };
+  const auto is_blank = [](char c) { return ascii::is_space(c) || c == '\x1A'; };
   while (!line.empty() && is_blank(line.back())) line.remove_suffix(1);
   while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
   return line;
@@ -162,9 +162,7 @@ std::string_view without_blanks(std::string_view line) {
 
 /// Whether the first line that is not blank begins like Intel hex, or like S-records.
 bool begins_with_intel(std::string_view line) { return line.starts_with(':'); }
-bool begins_with_s(std::string_view line) {
-  return line.size() > 1 && line[0] == 'S' && std::isdigit(static_cast<unsigned char>(line[1])) != 0;
-}
+bool begins_with_s(std::string_view line) { return line.size() > 1 && line[0] == 'S' && ascii::is_digit(line[1]); }
 
 template <class Lines>
 Bytes read_lines(std::string_view text, const std::string& name) {

@@ -1,10 +1,10 @@
 #include "toolchain/syntax/float_format.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <string>
 
 namespace toolchain {
@@ -54,9 +54,10 @@ int compare(const Decimal& a, const Decimal& b) {
 
 /// 767 digits hold any double exactly.
 Decimal exact_decimal(double value) {
-  char buffer[800];
-  const int length = std::snprintf(buffer, sizeof buffer, "%.767e", value);
-  return decimal_of({buffer, static_cast<std::size_t>(length)});
+  std::array<char, 800> buffer{};
+  const auto [end, error] =
+      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::scientific, 767);
+  return decimal_of({buffer.data(), end});
 }
 
 /// |value| = significand * 2^(exponent - fraction_bits) with 2^fraction_bits <= significand < 2^(fraction_bits + 1).

@@ -1,9 +1,9 @@
 // Numbers and characters in the source text.
 #include <fmt/format.h>
 
-#include <cctype>
 #include <charconv>
 
+#include "isa/ascii.hpp"
 #include "toolchain/syntax/diagnostics.hpp"
 #include "toolchain/syntax/parser.hpp"
 
@@ -26,7 +26,7 @@ constexpr std::string_view hex_digits = "0123456789abcdefABCDEF";
 
 /// TI's and GNU's forms of integers: 0FFh 101b 17q 0xFF 0b101 255. A leading 0 has no meaning: 017 is 17 (ruling 33).
 std::optional<std::int64_t> integer_literal(std::string_view text) {
-  const char first = text[0], last = static_cast<char>(std::tolower(static_cast<unsigned char>(text.back())));
+  const char first = text[0], last = lower(text.back());
   const auto body = text.substr(0, text.size() - 1);
   if (text.size() > 2 && first == '0' && (text[1] == 'x' || text[1] == 'X')) return integer_in_base(text.substr(2), 16);
   if (last == 'h' && all_of(body, hex_digits)) return integer_in_base(body, 16);
@@ -82,7 +82,7 @@ std::optional<Real> Parser::prefixed_float() {
 Expression Parser::number() {
   const std::size_t at = position_;
   std::size_t end = position_;
-  while (end < text_.size() && std::isalnum(static_cast<unsigned char>(text_[end]))) ++end;
+  while (end < text_.size() && ascii::is_letter_or_digit(text_[end])) ++end;
   const auto word = text_.substr(at, end - at);
   if (const auto value = prefixed_float()) return Expression{Expression::Kind::constant, Value::of(*value), {}, {}, at};
   const bool point = end < text_.size() && text_[end] == '.';

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cctype>
 #include <charconv>
 
+#include "isa/ascii.hpp"
 #include "toolchain/syntax/diagnostics.hpp"
 
 namespace toolchain {
@@ -53,16 +53,8 @@ constexpr std::array<std::array<std::string_view, 4>, 8> operator_levels{{
 
 }  // namespace
 
-bool is_identifier_start(char c) {
-  return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.' || c == '$';
-}
+bool is_identifier_start(char c) { return ascii::is_letter(c) || c == '_' || c == '.' || c == '$'; }
 bool is_identifier(char c) { return is_identifier_start(c) || is_digit(c); }
-
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return out;
-}
 
 Parser::Parser(std::string_view line, ParseContext context)
     : text_(without_comment(line, context.dialect)), context_(std::move(context)) {}

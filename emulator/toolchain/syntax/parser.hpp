@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "isa/ascii.hpp"
 #include "isa/decode.hpp"
 #include "toolchain/syntax/diagnostics.hpp"
 #include "toolchain/syntax/dialect.hpp"
@@ -14,7 +15,8 @@
 
 namespace toolchain {
 
-inline bool is_digit(char c) { return c >= '0' && c <= '9'; }
+using ascii::is_digit;
+using ascii::lower;
 
 /// An operand in the source text. Its meaning depends on the instruction.
 struct OperandSyntax {
@@ -50,7 +52,6 @@ struct ParseContext {
 
 bool is_identifier_start(char c);
 bool is_identifier(char c);
-std::string lower(std::string_view text);
 /// Number of characters of the character constant at the text's beginning, quotes included; 0: there is none.
 std::size_t character_constant(std::string_view text);
 
