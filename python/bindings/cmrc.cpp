@@ -11,6 +11,7 @@
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/cmrc.hpp"
 #include "python/bindings/errors.hpp"
+#include "python/bindings/float_environment.hpp"
 #include "report/version.hpp"
 #include "toolchain/objects/image.hpp"
 
@@ -116,7 +117,7 @@ void bind_config(py::module_& m) {
       [](const py::object& toml, const std::string& name, const py::object& file, const py::object& preset,
          const py::dict& settings, const std::vector<py::dict>& events) {
         cmrc::ConfigBuilder builder;
-        if (!file.is_none()) builder.file(text_of("file", file));
+        if (!file.is_none()) builder.file(py::str(file).cast<std::string>());
         if (!toml.is_none()) builder.text(text_of("toml", toml), name);
         if (!preset.is_none()) builder.preset(text_of("preset", preset), {});
         add_settings(builder, settings, "");
@@ -125,6 +126,7 @@ void bind_config(py::module_& m) {
       },
       py::arg("toml") = py::none(), py::arg("name") = "<toml>", py::arg("file") = py::none(),
       py::arg("preset") = py::none(), py::arg("settings") = py::dict(), py::arg("events") = std::vector<py::dict>{},
+      py::call_guard<UsualFloats>(),
       "Defaults, then the preset, the file, the TOML text, the settings. Raises ConfigError.");
 
   m.def(

@@ -7,6 +7,7 @@
 
 #include "io/stop.hpp"
 #include "python/bindings/bindings.hpp"
+#include "python/bindings/float_environment.hpp"
 
 /// While it lives, Python's signals are looked at whenever this thread's work asks io::stop_asked(). Python does so in
 /// its main thread only.
@@ -37,9 +38,11 @@ class CtrlC {
   io::StopAsker asker_;
 };
 
-/// Does `work` without changing the GIL. Then raises the exception that Ctrl-C has raised during the work.
+/// Does `work` without changing the GIL, and calculates as a new process does. Then raises the exception that Ctrl-C
+/// has raised during the work.
 template <class Work>
 auto interruptible(Work work) {
+  const UsualFloats floats;
   CtrlC ctrl_c;
   try {
     if constexpr (std::is_void_v<decltype(work())>) {

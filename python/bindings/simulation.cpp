@@ -206,9 +206,9 @@ void bind_simulation(py::module_& m) {
   bind_dsp(m);
   bind_run_snapshots(m);
   py::class_<Run, std::shared_ptr<Run>>(m, "Simulation", "One run, used by one thread at a time. Times in seconds.")
-      .def(py::init<const cmrc::Config&>(), py::arg("config"))
+      .def(py::init<const cmrc::Config&>(), py::arg("config"), py::call_guard<UsualFloats>())
       .def(py::init<const cmrc::Config&, std::shared_ptr<const cmrc::Reference>>(), py::arg("config"),
-           py::arg("reference"))
+           py::arg("reference"), py::call_guard<UsualFloats>())
       .def(
           "reference", [](Run& r) { return r.waiting("reference", [](const Simulation& s) { return s.reference(); }); },
           "The ideal run that this run was measured against; None before the end of the run and without a reference.")
