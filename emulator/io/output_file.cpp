@@ -16,8 +16,11 @@ namespace io {
 namespace fs = std::filesystem;
 namespace {
 
+/// A name beside the target. File systems allow names of 255 bytes, so that of a long target is cut.
 std::string beside_name(const fs::path& target, int attempt) {
-  return fmt::format("{}.{}-{}.part", target.string(), ::getpid(), attempt);
+  constexpr std::size_t kept = 200;
+  const std::string name = target.filename().string().substr(0, kept);
+  return (target.parent_path() / fmt::format("{}.{}-{}.part", name, ::getpid(), attempt)).string();
 }
 
 fs::path folder_of(const fs::path& target) { return target.has_parent_path() ? target.parent_path() : fs::path("."); }

@@ -256,3 +256,18 @@ def test_an_output_file_never_gets_what_is_printed(folder: Path) -> None:
         preexec_fn=lambda: os.close(1),
     )
     assert "stop:" not in (folder / "t").read_text()
+
+
+# ---- long names
+
+
+@pytest.mark.parametrize("letter", ["x", "ü"])
+def test_a_name_may_have_as_many_bytes_as_the_file_system_allows(folder: Path, letter: str) -> None:
+    bytes_max = os.pathconf(folder, "PC_NAME_MAX")
+    name = letter * (bytes_max // len(letter.encode()))
+    done = emulator(folder, *RUN, "--report", name)
+    assert done.returncode == 0, done.stderr
+    assert (folder / name).read_text().startswith("{") and not list(folder.glob("*.part"))
+    before = sorted(folder.iterdir())
+    done = emulator(folder, *RUN, "--report", name + letter)
+    assert done.returncode == 2 and "File name too long" in done.stderr and sorted(folder.iterdir()) == before
