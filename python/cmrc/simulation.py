@@ -9,6 +9,8 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from cmrc import _core, arguments, files
 from cmrc.chip_state import ChipState
 from cmrc.debug import Debugger
@@ -34,7 +36,7 @@ Reference = _core.cmrc.Reference
 Snapshot = _core.cmrc.Snapshot
 """The state of a run at an instant. Opaque; it can be pickled, and written by ``write_snapshot``."""
 
-Setting = bool | int | float | str
+Setting = bool | int | float | str | os.PathLike[str]
 Progress = Callable[[float, float], bool | None]
 
 
@@ -50,24 +52,24 @@ def configured(
     name = None if preset is None else arguments.text("preset", preset, "the name of a preset")
     given = arguments.mapping("settings", settings, 'a dictionary of keys and values, {"machine.dsps": 2},')
     given |= keywords
-    for key, value in given.items():
-        _check_kind(key, value)
+    given = {key: _plain(key, value) for key, value in given.items()}
     rows = [
         arguments.mapping(f"events[{n}]", event, "a dictionary with the fields of [[events]]")
         for n, event in enumerate(arguments.items("events", events, "a list of dictionaries"))
     ]
-    for n, row in enumerate(rows):
-        for key, value in row.items():
-            _check_kind(f"events[{n}].{key}", value)
+    rows = [{key: _plain(f"events[{n}].{key}", value) for key, value in row.items()} for n, row in enumerate(rows)]
     return _core.cmrc.config(file=file, preset=name, settings=given, events=rows)
 
 
-def _check_kind(key: str, value: object) -> None:
-    """An array has ``__index__``, as an integer has, but is none; a dictionary is for the settings of a table."""
+def _plain(key: str, value: object) -> object:
+    """The value as the extension module takes it. An array has ``__index__``, as an integer has, but is none; a
+    dictionary is for the settings of a table. Raises ConfigError."""
     if isinstance(value, Mapping) and key not in _names_of_settings():
-        for inner, one in value.items():
-            _check_kind(f"{key}.{inner}", one)
-        return
+        return {inner: _plain(f"{key}.{inner}", one) for inner, one in value.items()}
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, np.bool_):
+        return bool(value)
     try:
         if hasattr(value, "__index__"):
             operator.index(value)
@@ -76,6 +78,7 @@ def _check_kind(key: str, value: object) -> None:
         usable = False
     if not usable:
         raise ConfigError(f"{key}: {type(value)} cannot be used; a bool, int, float or str is expected")
+    return value
 
 
 @cache
@@ -174,9 +177,7 @@ class Simulation:
         value=0x5000)``. Raises ConfigError.
         """
         event = {"at_s": at_s, "action": action, **fields}
-        for key, value in event.items():
-            _check_kind(key, value)
-        self._core.at(event)
+        self._core.at({key: _plain(key, value) for key, value in event.items()})
 
     def run(self, on_progress: Progress | None = None) -> Result:
         """Runs to the end of the duration, without holding the GIL.

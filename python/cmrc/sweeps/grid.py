@@ -328,6 +328,8 @@ def flat(table: Mapping[str, Any], where: str, ranges: bool, prefix: str = "") -
 def _scalar(value: Any, where: str) -> Setting:
     if hasattr(value, "item") and not isinstance(value, (str, bytes)) and getattr(value, "ndim", 1) == 0:
         value = value.item()  # NumPy's numbers
+    if isinstance(value, os.PathLike):
+        value = os.fspath(value)
     if not isinstance(value, (bool, int, float, str)):
         raise GridError(f"{where}: {type(value).__name__} cannot be used; true, false, a number or a text is expected")
     if isinstance(value, int) and not -MOST_WHOLE <= value <= MOST_WHOLE:
