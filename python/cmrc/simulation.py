@@ -36,7 +36,7 @@ Reference = _core.cmrc.Reference
 Snapshot = _core.cmrc.Snapshot
 """The state of a run at an instant. Opaque; it can be pickled, and written by ``write_snapshot``."""
 
-Setting = bool | int | float | str | os.PathLike[str]
+Setting = bool | int | float | str
 Progress = Callable[[float, float], bool | None]
 
 
