@@ -66,3 +66,11 @@ def test_the_version_follows_tags_and_is_known_without_git(tmp_path: Path) -> No
     assert re.fullmatch(r"0\.2\.0\.dev1\+g[0-9a-f]{9,}", asked(source))
     git(tmp_path, "clone", "-q", "--depth", "1", "--no-tags", source.as_uri(), "shallow")
     assert re.fullmatch(r"0\.1\.0\.dev1\+g[0-9a-f]{9,}", asked(tmp_path / "shallow"))
+
+
+def test_a_module_in_the_users_folder_is_not_taken_for_one_of_python(tmp_path: Path) -> None:
+    for name in ("signal", "dis", "select", "cmrc"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('a module of the user')\n")
+    command = [BUILD / "bin" / "cmrc", "limits", "--help"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
