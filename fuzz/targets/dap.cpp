@@ -27,6 +27,8 @@ struct Small {
     machine::NetworkDescription one;
     machine::NetworkChip chip;
     chip.program = program();
+    // Few words: the debugger saves them all again and again.
+    chip.board.board.regions = {{"local", 0x300000, 0x400, 0, 0, c40::Region::Kind::ram, c40::Region::Bus::local}};
     one.chips.push_back(std::move(chip));
     return one;
   }
