@@ -1,6 +1,6 @@
 // Runs a target without libFuzzer: TARGET [--mutations N] [--seed S] FILE|DIRECTORY...: every file, then N mutations of
-// them, which depend on the seed alone. --keep names a file for the present input, so that a crash
-// can be repeated.
+// them, which depend on the seed alone. It says which files end with a documented error. --keep names a file for the
+// present input, so that a crash can be repeated.
 #include <unistd.h>
 
 #include <algorithm>
@@ -98,7 +98,12 @@ int run(int argc, char** argv) {
     LLVMFuzzerTestOneInput(input.data(), input.size());
   };
   std::vector<Bytes> seeds;
-  for (const auto& file : files) give(seeds.emplace_back(read(file)));
+  for (const auto& file : files) {
+    fuzz::refusal.clear();
+    give(seeds.emplace_back(read(file)));
+    if (!fuzz::refusal.empty())
+      std::fprintf(stderr, "%s is refused: %s\n", file.filename().c_str(), fuzz::refusal.c_str());
+  }
   Mutator mutator(seeds, seed);
   for (std::uint64_t n = 0; n < mutations; ++n) give(mutator.next());
   std::fprintf(stderr, "%zu files and %llu mutations\n", files.size(), static_cast<unsigned long long>(mutations));

@@ -8,6 +8,7 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>
@@ -27,6 +28,9 @@ inline void expect(bool kept, const std::string& how) {
   if (!kept) broken(how);
 }
 
+/// The latest documented error with which work ended.
+inline std::string refusal;
+
 /// Does the work. Returns false when the work throws one of its documented errors. Another error is a finding, and so
 /// is an error with an empty message.
 template <class Documented, class... Others, class Work>
@@ -39,6 +43,7 @@ bool done(Work&& work) {
     return true;
   } catch (const Documented& error) {
     expect(!std::string_view(error.what()).empty(), std::string("an error without a message: ") + typeid(error).name());
+    refusal = error.what();
     return false;
   }
 }
@@ -80,12 +85,16 @@ class Input {
 /// The file of one name that this process gives its inputs to, in a directory of its own.
 class InputFile {
  public:
-  /// \param name with the suffix that the reader goes by
-  explicit InputFile(const std::string& name) {
+  /// \param name with the suffix that the reader goes by \param beside names and contents of files that inputs can name
+  explicit InputFile(const std::string& name,
+                     std::initializer_list<std::pair<const char*, std::string_view>> beside = {}) {
     std::string made = (std::filesystem::temp_directory_path() / "cmrc-fuzz-XXXXXX").string();
     expect(::mkdtemp(made.data()) != nullptr, "no directory can be made for the input");
     directory_ = made;
     path_ = (directory_ / name).string();
+    for (const auto& [other, contents] : beside)
+      std::ofstream(directory_ / other, std::ios::binary)
+          .write(contents.data(), static_cast<std::streamsize>(contents.size()));
   }
   ~InputFile() {
     std::error_code ignored;

@@ -1,16 +1,52 @@
-// Network files, of programs that do nothing. A small network that is accepted runs for two microseconds.
+// Network files, whose chips may have the program a.asm and the board b.toml. A small network that is accepted runs for
+// two microseconds.
 #include "machine/networks/network_file.hpp"
 
 #include "fuzz/target.hpp"
 #include "toolchain/assembler/assembler.hpp"
 
+namespace {
+
+// Sends a word to each of two ports, and takes one; then it writes to a shared memory that may be there.
+constexpr std::string_view source = R"(
+        .text
+start:  ldhi 10h,ar0
+        ldi 7,r0
+        sti r0,*+ar0(42h)
+        sti r0,*+ar0(52h)
+        ldhi 0c000h,ar1
+        sti r0,*ar1
+        ldi *+ar0(71h),r1
+end:    bu end
+)";
+constexpr std::string_view board = R"(
+name = "b"
+[[region]]
+name = "RAM"
+base = 0x300000
+words = 0x1000
+bus = "local"
+[[region]]
+name = "window"
+kind = "window"
+base = 0xC0000000
+words = 0x1000
+bus = "global"
+[[device]]
+name = "timer"
+kind = "timer"
+base = 0xC0000800
+pin = "IIOF1"
+)";
+
+}  // namespace
+
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr std::size_t most = 8192, few_chips = 3;
   constexpr std::uint64_t few_words = 1u << 16;
   if (size > most) return 0;
-  static const fuzz::InputFile file("network.toml");
-  static const toolchain::Image program =
-      toolchain::assemble_text("start: ldi 1,r0\n addi r0,r0\nend: bu end\n", "program");
+  static const fuzz::InputFile file("network.toml", {{"a.asm", source}, {"b.toml", board}});
+  static const toolchain::Image program = toolchain::assemble_text(source, "program");
   fuzz::Input input(data, size);
   const std::string& path = file.write(input.text());
   machine::NetworkDescription network;
