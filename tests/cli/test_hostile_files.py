@@ -153,6 +153,27 @@ def test_dots_and_brackets_in_texts_and_comments_are_no_nesting(folder: Path) ->
     refused(emulator(*READERS["exec --board"], folder=folder), "no such key pins.")
 
 
+# ---- names that no file system takes
+
+TOO_LONG = "a" * 300
+NAMING = {
+    "chip.program": ("exec --network file.toml", f'[[chip]]\nprogram = "{TOO_LONG}"\n'),
+    "chip.board": ("exec --network file.toml", f'[[chip]]\nprogram = "s.asm"\nboard = "{TOO_LONG}.toml"\n'),
+    "region.file": ("exec s.asm --board file.toml", f'{REGION}file = "{TOO_LONG}"\n'),
+    "machine.programs": ("--config file.toml", f'[machine]\nprograms = "{TOO_LONG}"\n'),
+    "machine.board": ("--config file.toml", f'[machine]\nboard = "{TOO_LONG}.toml"\n'),
+    "dock.layout": ("--config file.toml", f'[dock]\nlayout = "{TOO_LONG}"\n'),
+}
+
+
+@pytest.mark.parametrize(("command", "text"), NAMING.values(), ids=list(NAMING))
+def test_a_file_with_a_name_that_is_too_long_is_not_there(tmp_path: Path, command: str, text: str) -> None:
+    """The file system's own words, without the place in the file, came through."""
+    (tmp_path / "s.asm").write_text(PROGRAM)
+    (tmp_path / "file.toml").write_text(text)
+    refused(emulator(*command.split(), folder=tmp_path), TOO_LONG)
+
+
 # ---- layouts
 
 

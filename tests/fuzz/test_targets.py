@@ -23,6 +23,7 @@ REFUSED = {
     "dap": {"stream"},
     "host_script": {"answers", "loaded_without_words", "steps", "text", "timer", "words", "wrong"},
     "link": {"member_name_of_zeros"},
+    "network": {"name_too_long"},
     "rom": {"cut_short", "program_c3x"},
 }
 

@@ -109,8 +109,10 @@ def test_actions_on_the_command_line_that_cannot_be(command: Any, action: str, m
     assert done.returncode == 2 and done.stdout == "" and message in done.stderr
 
 
-def test_nets_of_a_file(command: Any) -> None:
-    found = json.loads(command("--network", "net.toml", "--cycles", "2000", "--json").stdout)
+@pytest.mark.parametrize("driver", ["root.TCLK0", "0.TCLK0"])  # a chip with a name has its number, too
+def test_nets_of_a_file(command: Any, driver: str) -> None:
+    file = FILE.replace("root.TCLK0", driver)
+    found = json.loads(command("--network", "net.toml", "--cycles", "2000", "--json", file=file).stdout)
     assert [(net["name"], net["pins"], net["level"], net["edges"]) for net in found["nets"]] == [
         ("sync", "0.TCLK0>1.IIOF1", 1, 10),
         ("line", ">1.IIOF2", 0, 6),

@@ -199,6 +199,14 @@ def test_a_loop_that_reads_nothing_of_others_is_an_end() -> None:
     assert counts.run(max_cycles=200_000).reason == "limit"  # it does not do the same
 
 
+def test_a_network_ends_when_its_last_word_has_arrived() -> None:
+    """Both chips have ended long before that."""
+    network = Network([program(sender(0, 3)), program(STOP)], links=[("0.0:1.3", {"word_cycles": 500})])
+    stop = network.run()
+    assert stop.reason == "ended" and network.links[0].forth.arrived == 3
+    assert 3 * 500 * PERIOD_PS < stop.time_ps < (3 * 500 + 20) * PERIOD_PS
+
+
 def test_chips_that_sleep_are_no_deadlock() -> None:
     network = Network(
         [program(interrupt_program(3, "wait:   idle\n        bu wait\n")), program(STOP)], links=["0.3:1.0"]

@@ -32,7 +32,7 @@ toolchain::Image assembled_program(const Config& config) {
     return with_source(c40_programs::built_in_image(own), c40_programs::built_in_source_map(own));
   const std::filesystem::path directory = config.machine.programs;
   const std::filesystem::path source = directory / "dsp.asm";
-  if (!std::filesystem::is_regular_file(source)) {
+  if (std::error_code error; !std::filesystem::is_regular_file(source, error)) {
     throw ConfigError(
         fmt::format("machine.programs: {} is not there; a directory with dsp.asm is expected", source.string()));
   }

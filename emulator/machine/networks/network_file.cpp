@@ -85,7 +85,8 @@ class NetworkReader {
 
   std::shared_ptr<const toolchain::Image> program(const toml::node& node) {
     const std::string path = toml_.beside(toml_.text(node, "program"));
-    if (!std::filesystem::exists(path)) toml_.fail(node, fmt::format("program: there is no file {}", path));
+    if (std::error_code error; !std::filesystem::exists(path, error))
+      toml_.fail(node, fmt::format("program: there is no file {}", path));
     auto& known = programs_[path];
     if (known == nullptr) known = std::make_shared<toolchain::Image>(read_program_(path));
     return known;
@@ -95,7 +96,8 @@ class NetworkReader {
     const std::string given = toml_.text(node, "board");
     const bool is_file = given.ends_with(".toml");
     const std::string name = is_file ? toml_.beside(given) : given;
-    if (is_file && std::filesystem::exists(name)) return read_board(name);  // its errors name the board file and lines
+    if (std::error_code error; is_file && std::filesystem::exists(name, error))
+      return read_board(name);  // its errors name the board file and lines
     return checked(node, "", [&] { return read_board(name); });
   }
 
