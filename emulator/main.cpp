@@ -7,6 +7,7 @@
 #include "io/file_roles.hpp"
 #include "io/output_file.hpp"
 #include "io/print.hpp"
+#include "io/reason.hpp"
 #include "io/signals.hpp"
 #include "io/standard_streams.hpp"
 #include "machine/boards/board_file.hpp"
@@ -75,7 +76,7 @@ int guarded(const Action& action) {
   } catch (const toolchain::RomError& error) {
     return fail(error.what(), cli::bad_input);
   } catch (const std::exception& error) {
-    return fail(error.what(), cli::run_failed);
+    return fail(io::reason(error), cli::run_failed);
   }
 }
 

@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "io/reason.hpp"
 #include "io/signals.hpp"
 
 namespace io {
@@ -27,7 +28,7 @@ constexpr int look_ms = 100;  // interval between two looks at whether the work 
   try {
     answer = good + work();
   } catch (const std::exception& error) {
-    answer = bad + std::string(error.what());
+    answer = bad + std::string(reason(error));
   }
   for (std::size_t sent = 0; sent < answer.size();) {
     const ssize_t wrote = ::write(pipe, answer.data() + sent, answer.size() - sent);

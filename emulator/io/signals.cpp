@@ -44,6 +44,7 @@ void take_signals() {
     action.sa_flags = SA_RESTART;  // reads and writes under way continue; the work checks for a stop at its slices
     ::sigaction(number, &action, nullptr);
   }
+  ::signal(SIGXFSZ, SIG_IGN);  // a write beyond `ulimit -f` fails, and the error names the file
 }
 
 StopBySignal::StopBySignal() : asker_([] { return noted != 0; }) {

@@ -2,6 +2,8 @@
 vectors`, is RAM."""
 
 import json
+import resource
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -98,3 +100,20 @@ def test_memory_max_is_of_the_flat_board(run, tmp_path: Path) -> None:
         result = run("exec", "p.asm", "--memory-max", 1, *boards)
         assert result.returncode == 2
         assert "--memory-max: board default" in result.stderr
+
+
+def small_address_space() -> None:
+    resource.setrlimit(resource.RLIMIT_AS, (300 << 20, 300 << 20))
+
+
+@pytest.mark.unsanitized
+def test_memory_that_the_system_does_not_give_is_an_error_in_words(emulator: Path, tmp_path: Path) -> None:
+    """`ulimit -v`, or a container that is full: "std::bad_alloc" is no message."""
+    (tmp_path / "p.asm").write_text(
+        "        .text\nstart:  ldhi 40h,ar0\nloop:   sti r0,*ar0\n        addi 4096,ar0\n        b loop\n"
+    )
+    done = subprocess.run(
+        [emulator, "exec", "p.asm", "--board", "flat", "--memory-max", "8000"],
+        cwd=tmp_path, capture_output=True, text=True, check=False, timeout=120, preexec_fn=small_address_space
+    )  # fmt: skip
+    assert (done.returncode, done.stdout, done.stderr) == (1, "", "emulator: no memory is left\n")

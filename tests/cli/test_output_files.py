@@ -112,9 +112,8 @@ def names(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
-def ignore_full_files() -> None:
-    """A write beyond 100 bytes fails, instead of ending the process."""
-    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+def small_files() -> None:
+    """No file may have more than 100 bytes, as after `ulimit -f`."""
     resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
 
 
@@ -129,7 +128,7 @@ def test_after_a_failed_write_nothing_is_left_and_the_old_file_stays(
     if there:
         (folder / "out").write_text("old")
     before = names(folder)
-    done = emulator(folder, *command, "out", preexec_fn=ignore_full_files)
+    done = emulator(folder, *command, "out", preexec_fn=small_files)
     assert done.returncode == 1 and "out: writing failed: File too large" in done.stderr
     assert names(folder) == before
     assert not there or (folder / "out").read_text() == "old"
