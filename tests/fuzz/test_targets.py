@@ -64,7 +64,7 @@ def words_of(target: str) -> set[str]:
 
 
 def test_the_dictionaries_know_what_the_program_knows() -> None:
-    """A fuzzer without a format's words seldom gets behind its reader. Those of the sources are found by a pattern."""
+    """Without a format's words a fuzzer rarely gets behind its reader. Those of the sources are found by a pattern."""
     keys = {part for key in cmrc.config_keys() for part in key["name"].split(".")}
     actions = {action["name"] for action in cmrc.timed_actions()}
     assert (keys | actions) - words_of("configuration") == set()
