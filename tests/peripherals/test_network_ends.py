@@ -207,6 +207,13 @@ def test_a_network_ends_when_its_last_word_has_arrived() -> None:
     assert 3 * 500 * PERIOD_PS < stop.time_ps < (3 * 500 + 20) * PERIOD_PS
 
 
+def test_a_network_ends_when_its_link_is_cut_in_the_middle_of_a_word() -> None:
+    network = Network([program(sender(0, 3)), program(STOP)], links=[("0.0:1.3", {"word_cycles": 500})])
+    network.cut(0, 40)
+    stop = network.run()
+    assert stop.time_ps == 40_000_000 and (network.links[0].forth.arrived, network.links[0].forth.lost) == (1, 1)
+
+
 def test_chips_that_sleep_are_no_deadlock() -> None:
     network = Network(
         [program(interrupt_program(3, "wait:   idle\n        bu wait\n")), program(STOP)], links=["0.3:1.0"]
