@@ -101,6 +101,18 @@ def test_bad_boards_are_refused_before_the_run(tmp_path: Path, old: str, new: st
     assert "b.toml:" in str(error.value) or "board as ruling 26" in str(error.value)
 
 
+def test_a_dsp_hangs_on_a_board_of_less_memory_as_on_the_default_one(tmp_path: Path) -> None:
+    """The loop was in the last word of the default board's memory, which no other board has."""
+    hang = [{"at_s": 0.03, "action": "hang", "dsp": 0}]
+    small = DEFAULT.replace("words = 0x100000", "words = 0x8000", 1)
+    whole, little = (
+        run(tmp_path, board, events=hang, settings={"watchdog.silence_ms": 5}).report for board in (DEFAULT, small)
+    )
+    for part in ("failures", "tasks", "dsps", "buses", "errors"):
+        assert whole[part] == little[part]  # the hash knows the address
+    assert [failure["kind"] for failure in little["failures"]] == ["silent"]
+
+
 @pytest.mark.parametrize("name", ["flat", "third", "nowhere.toml"])
 def test_boards_that_are_none_of_the_dock(name: str) -> None:
     with pytest.raises(cmrc.ConfigError, match="machine.board"):

@@ -164,9 +164,11 @@ def without_the_clock(report: Report) -> Report:
 
 
 def in_pieces(config: Any, draw: random.Random, duration_s: float) -> Report:
-    """The same run cut at random instants, and looked at between them in every way that must change nothing."""
+    """The same run cut at random instants, and looked at between them in every way that must change nothing. One that
+    has no profile may continue from a snapshot there."""
     simulation = cmrc.Simulation(config)
-    if draw.random() < 0.5:
+    profiled = draw.random() < 0.5
+    if profiled:
         simulation.profile()
     for cut in sorted(draw.uniform(0, duration_s) for _ in range(draw.choice([1, 3, 30]))):
         if simulation.ended:
@@ -180,6 +182,10 @@ def in_pieces(config: Any, draw: random.Random, duration_s: float) -> Report:
             simulation.peek(draw.randrange(1024))
         elif look < 0.5:
             simulation.signals()
+        elif look < 0.6 and not profiled:
+            snapshot = simulation.snapshot().to_bytes()
+            simulation = cmrc.Simulation(config)
+            simulation.restore(cmrc.Snapshot.from_bytes(snapshot))
     simulation.run(None, draw.choice([0.02, 0.001, 0.5]))
     return finite(simulation.report_json())
 

@@ -182,6 +182,83 @@ USER_PROGRAMS = [
 ]
 
 
+# Boards and layouts of a user's own, by their files. Pages cost the default board nothing; here they do.
+WINDOWS = """
+[[region]]
+name = "window to bus B"
+kind = "window"
+base = 0x70000000
+words = 0x10000000
+bus = "local"
+[[region]]
+name = "window to bus A"
+kind = "window"
+base = 0xC0000000
+words = 0x40000000
+bus = "global"
+"""
+BOARDS = {
+    "slow.toml": """
+clock_mhz = 33.3
+[[region]]
+name = "local DRAM"
+base = 0x300000
+words = 0x100000
+bus = "local"
+read_waits = 1
+write_waits = 2
+page_waits = 3
+[[region]]
+name = "global SRAM"
+base = 0x80000000
+words = 0x100000
+bus = "global"
+waits = 1
+"""
+    + WINDOWS,
+    "small.toml": """
+clock_mhz = 60
+[[region]]
+name = "local SRAM"
+base = 0x300000
+words = 0x10000
+bus = "local"
+"""
+    + WINDOWS,
+}
+LAYOUTS = {
+    "posts.toml": """
+[[posts]]
+x_m = 30.0
+y_m = 12.0
+radius_m = 0.4
+[[movers]]
+path = [[0, 30, 2], [12, 30, 14]]
+repeats = true
+[agv]
+protective_field = true
+""",
+    "low.toml": """
+deck_m = 3.909
+[home]
+x_m = 0.0
+y_m = 23.9
+z_m = 7.2
+[[containers]]
+x_m = 0.0
+y_m = 24.0
+[[containers]]
+x_m = 18.0
+y_m = 24.0
+mass_kg = 30000
+[[boxes]]
+x_m = [-40, -38]
+y_m = [0, 2]
+z_m = [0, 3]
+""",
+}
+
+
 @dataclass(frozen=True)
 class Dock:
     """A configuration: each field can be made smaller by itself."""
@@ -299,6 +376,9 @@ class Generator:
         ]:
             if draw.random() < share:
                 setting(name, chosen)
+        for name, files in [("machine.board", BOARDS), ("dock.layout", LAYOUTS)]:
+            if draw.random() < 0.15:
+                setting(name, str(self.programs / draw.choice(sorted(files))))
         if draw.random() < 0.15:
             for name, chosen in draw.choice(TOPOLOGIES).items():
                 setting(f"topology.{name}", chosen)
@@ -376,9 +456,11 @@ class Generator:
 
 
 def programs_of_users(directory: Path) -> Path:
-    """The DSP programs with `USER_KERNELS` in them."""
+    """The DSP programs with `USER_KERNELS` in them; beside them boards and layouts."""
     shutil.copytree(ROOT / "c40_programs", directory, dirs_exist_ok=True)
     (directory / "kernels" / "user.asm").write_text(USER_KERNELS)
+    for name, text in (BOARDS | LAYOUTS).items():
+        (directory / name).write_text(text)
     return directory
 
 

@@ -217,10 +217,11 @@ bool Dsp::caught_up(Time now) {
   return true;
 }
 
-// Real code: BR to itself in the last word of the local SRAM, GIE off, and RM off, because under RPTS no branch is
-// allowed. The present instruction has ended.
+// Real code: BR to itself in the last word of the board's first RAM, GIE off, and RM off, because under RPTS no branch
+// is allowed. The present instruction has ended.
 void Dsp::go_astray() {
-  constexpr c40::Address trap = 0x3FFFFF;
+  const auto& ram = *std::ranges::find(context_.config.board.regions, c40::Region::Kind::ram, &c40::Region::kind);
+  const auto trap = static_cast<c40::Address>(ram.base + ram.words - 1);
   constexpr Word branch_to_itself = 0x60FFFFFF;  // BR, displacement -1
   constexpr std::uint64_t gie = 0x2000, rm = 0x100;
   chip_.poke(trap, branch_to_itself);
