@@ -101,6 +101,14 @@ def test_bad_boards_are_refused_before_the_run(tmp_path: Path, old: str, new: st
     assert "b.toml:" in str(error.value) or "board as ruling 26" in str(error.value)
 
 
+def test_the_ideal_run_of_a_slow_board_is_instant_too(tmp_path: Path) -> None:
+    """A thousand times 1 kHz was slower than the host, and the run with this reference never ended."""
+    slow, usual = (run(tmp_path, clock + DEFAULT).report["errors"] for clock in ("clock_mhz = 0.001\n", ""))
+    for kind in ("pid", "torque_compensation", "inverse_kinematics.crane"):
+        assert slow["demand"][kind]["demanded"] == usual["demand"][kind]["demanded"] > 5
+    assert slow["demand"]["pid"]["finished"] == 0
+
+
 def test_a_dsp_hangs_on_a_board_of_less_memory_as_on_the_default_one(tmp_path: Path) -> None:
     """The loop was in the last word of the default board's memory, which no other board has."""
     hang = [{"at_s": 0.03, "action": "hang", "dsp": 0}]

@@ -4,6 +4,7 @@ did not look (ruling 37)."""
 import json
 import re
 import shutil
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -162,3 +163,31 @@ def test_a_heartbeat_longer_than_the_watchdogs_limit_is_refused() -> None:
         cmrc.config(toml=TASK.format(-1), name="own.toml")
     assert "heartbeat_ms = 2" in cmrc.config(toml=TASK.format(2)).to_toml()
     cmrc.config(toml=TASK.format(2.5), settings={"minimum_refreshes": 20})
+
+
+HOLDS = """
+kernel_holds:
+        ldhi    hi16(WINDOW_A + SEMAPHORE_LIST), ar1
+        or      lo16(WINDOW_A + SEMAPHORE_LIST), ar1
+        ldi     *ar1, r0
+kernel_holds_on:
+        br      kernel_holds_on
+"""
+
+
+def test_a_task_that_keeps_the_list_ends_no_ideal_run(emulator: Path, tmp_path: Path) -> None:
+    """There no access takes time, and the host asked for the list at one instant for ever. So did the ideal run beside
+    every run of such a task, and the run never ended."""
+    shutil.copytree(ROOT / "c40_programs", tmp_path / "programs")
+    (tmp_path / "programs" / "kernels" / "user.asm").write_text(HOLDS)
+    (tmp_path / "c.toml").write_text(
+        '[machine]\nprograms = "programs"\n[[tasks]]\nname = "holds"\nprogram = "kernel_holds"\nkind = 14\n'
+        "importance = 0xF3FF\nperiod_ms = 50\n"
+    )
+    subprocess.run(
+        [emulator, "--config", "c.toml", "--duration", "0.06", "--quiet", "--report", "r.json"],
+        cwd=tmp_path, check=True, timeout=100
+    )  # fmt: skip
+    report = json.loads((tmp_path / "r.json").read_text())
+    assert "semaphore" in {failure["kind"] for failure in report["failures"]}
+    assert report["reference"] == "ideal" and report["reference_problem"] is None

@@ -26,8 +26,8 @@ namespace {
 // would cost a thousand times as much as in a real run.
 constexpr Time slice = std::chrono::milliseconds{5};
 constexpr std::uint64_t most_instructions = 5'000'000;
-// After this time a stopped run waits no longer for the ideal run.
-constexpr int moment_ms = 300;
+// A stopped run lets the ideal run come as far within this time, and then stop within the next.
+constexpr int moment_ms = 300, patience_ms = 600;
 
 /// The child's answer, besides the rows.
 struct Answer {
@@ -102,7 +102,13 @@ ReferenceRun::~ReferenceRun() = default;
 
 std::shared_ptr<const Reference> ReferenceRun::cut_short(Time time) {
   shared_->stop_ps->store(time.count(), std::memory_order_relaxed);
-  if (child_ && !child_->speaks(moment_ms)) shared_->stop_ps->store(0, std::memory_order_relaxed);
+  if (child_ && !child_->speaks(moment_ms)) {
+    shared_->stop_ps->store(0, std::memory_order_relaxed);
+    if (!child_->speaks(patience_ms)) {
+      child_.reset();
+      throw std::runtime_error(fmt::format("it did not stop within {} ms", moment_ms + patience_ms));
+    }
+  }
   const io::StopAsker nobody([] { return false; });
   return wait();
 }

@@ -215,6 +215,8 @@ machine::Config nominal_machine_of(const Config& config) {
   machine.board = board.board;
   machine.chip_hz = board.clock_mhz ? machine::instruction_cycles_per_second(*board.clock_mhz)
                                     : instruction_cycles_per_second(config.machine.dsp_clock);
+  // An ideal run of a slow board is as instant as any other.
+  if (config.run.ideal) machine.chip_hz = std::max(machine.chip_hz, instruction_cycles_per_second(DspClock::c40_40));
   const std::int64_t thousandths = std::llround(config.machine.cycle_time_factor * 1000);
   const std::int64_t divisor = std::gcd(machine.chip_hz * 1000, thousandths);
   machine.chip_hz = machine.chip_hz * 1000 / divisor;
