@@ -175,9 +175,9 @@ kernel_holds_on:
 """
 
 
-def test_a_task_that_keeps_the_list_ends_no_ideal_run(emulator: Path, tmp_path: Path) -> None:
-    """There no access takes time, and the host asked for the list at one instant for ever. So did the ideal run beside
-    every run of such a task, and the run never ended."""
+def test_an_ideal_run_goes_on_where_a_task_keeps_the_list(emulator: Path, tmp_path: Path) -> None:
+    """There no access takes time, and the host asked for the list again and again at one instant. So did the ideal run
+    beside every run of such a task, and the run never ended."""
     shutil.copytree(ROOT / "c40_programs", tmp_path / "programs")
     (tmp_path / "programs" / "kernels" / "user.asm").write_text(HOLDS)
     (tmp_path / "c.toml").write_text(
