@@ -57,6 +57,9 @@ def test_the_whole_configuration_reads_back_as_itself() -> None:
     toml = cmrc.config().to_toml()
     assert toml.count("[[processes]]") == 8 and toml.count("[[subprocesses]]") == 5
     assert cmrc.config(toml=toml).to_toml() == toml
+    last = 'steps = ["hold 0.03"]\ninitial = [1, 4, 5]\nreplaces = [6]\nfinal = true'
+    own = cmrc.config(toml=row(8, "agv", last)).to_toml()
+    assert "final = true\n" in own and cmrc.config(toml=own).to_toml() == own
 
 
 def processes_of(toml: str, duration_s: float, tmp_path: Path, *more: str) -> list[tuple[float, int, int, int]]:

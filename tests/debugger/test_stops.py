@@ -100,6 +100,35 @@ def test_watchpoints_stop_after_each_access_of_the_processor(seed: int, tmp_path
     assert found == [hit for hit in expected if hit in found or hit[0] < CYCLES], seed
 
 
+def test_a_watch_for_writes_sees_the_return_address_of_an_interrupt() -> None:
+    image = package.assemble(
+        """
+        .text
+start:  ldhi 2fh,ar1
+        or 0fa00h,ar1
+        ldpe ar1,ivtp
+        ldhi 2fh,sp
+        or 0fb00h,sp
+        ldhi hi16(isr),r0
+        or lo16(isr),r0
+        sti r0,*+ar1(2)
+        ldhi 10h,ar0
+        ldi 20,r0
+        sti r0,*+ar0(28h)
+        ldi 3c1h,r0
+        sti r0,*+ar0(20h)
+        ldi 1,iie
+        or 2000h,st
+wait:   b wait
+isr:    reti
+"""
+    )
+    debugger = package.Processor(image).debug()
+    debugger.watch(0x2FFB01, on="write")
+    [hit] = debugger.go(1e-3).hits
+    assert "interrupt" in hit.text and image.symbols["wait"] <= hit.value <= image.symbols["wait"] + 3
+
+
 def test_a_watch_stops_after_every_word_of_a_dma() -> None:
     """Channel 0 moves 40 words on chip, without a chain: c40-hardware.md 3."""
     source, destination, words = 0x2FF800, 0x2FF900, 40

@@ -73,6 +73,12 @@ def test_an_edge_interrupts_a_sleeping_chip_one_cycle_later() -> None:
     assert low(network, 1) == 5
 
 
+def test_a_pin_without_a_net_may_be_driven_beside_one_with_a_net() -> None:
+    other = clock(30, timer=1) + "        ldi 60h,iif\n"  # TCLK1, and IIOF1 as an output
+    network = run([assembled(other + clock(100) + END), listener(4, iiof(1))], ["0.TCLK0>1.IIOF1"], 100)
+    assert len([at for at, kind in edges(network) if kind == "fall"]) == 5 == low(network, 1)
+
+
 @pytest.mark.parametrize("mhz", [33.0, 50.0, 60.0])
 def test_a_receiver_looks_at_its_own_cycles(mhz: float) -> None:
     network = run([assembled(clock(100) + END), listener(4, iiof(1))], ["0.TCLK0>1.IIOF1"], 100, clocks_mhz=[40, mhz])

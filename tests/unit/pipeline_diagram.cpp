@@ -35,3 +35,12 @@ TEST_CASE("waits stand where they are: for what is outside before the execution,
   CHECK(cells(5, {{dma_conflict, 2}}) == "  FDRddE       ");
   CHECK(cells(4, {{dma_conflict, 1}, {bus_transfer, 2}}) == "  FDRdbbE      ");
 }
+
+TEST_CASE("numbers of ten digits, which are as long as the distance between two of them, alternate between two lines") {
+  const c40::PipelineDiagram diagram(1'000'000'000, 1'000'000'030, [](c40::Address, c40::Word) { return ""; });
+  const std::string text = diagram.text();
+  CHECK(text.substr(text.find('\n') + 1) ==
+        "1000000000          1000000020\n"
+        "          1000000010          1000000030\n"
+        "0123456789012345678901234567890\n");
+}
