@@ -52,6 +52,23 @@ def test_a_missed_landing_is_tried_again():
     assert [event.kind for event in dock.events].count("touch") == 2
 
 
+def test_a_load_near_contact_pulls_at_the_drives_as_one_that_hangs():
+    """Near contact the load is a body on four falls; before, the crane's equations have it. The crane stands, out of
+    reach of the container at first, then above it."""
+    config = quiet_dock(above=(12.7, 24), z=TOP + 2.0)
+    config.layout.containers = [config.layout.containers[1]]
+    dock = plant.Dock(config)
+    crane = Crane(dock)
+    torques = []
+    for above, phase in ((2.0, "free"), (0.2, "align")):
+        crane.move(crane.pose(12.7, 24, TOP + above), 4.0)
+        crane.hold(3.0)
+        assert dock.handover.phase == phase
+        torques.append(np.array(dock.signal.torque))
+    assert torques[0][3] < -1000 and torques[0][2] > 1000  # the hoist and the luff carry the load
+    assert np.allclose(torques[1], torques[0], rtol=0.03, atol=2)
+
+
 @pytest.mark.parametrize(("seconds", "accepted"), [(3.0, True), (1.0, False)])
 def test_a_strict_landing_refuses_a_hard_touch(seconds, accepted):
     dock, crane = land(seconds=seconds, strict=True)
