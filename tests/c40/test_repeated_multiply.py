@@ -42,6 +42,7 @@ def run(
         processor.set(name, value)
     for _ in range(2):  # the first time the block is recorded, the second time it runs
         processor.pc = image.symbols["stop"] - 2
+        processor.set("ST", registers.get("ST", 0))  # with flags that the instruction clears
         processor.run(5000, until=image.symbols["stop"])
     return {name: processor.get(name) for name in STATE}, processor.causes, processor.cycle
 
