@@ -42,7 +42,6 @@ def run(
         processor.set(name, value)
     for _ in range(2):  # the first time the block is recorded, the second time it runs
         processor.pc = image.symbols["stop"] - 2
-        processor.set("ST", registers.get("ST", 0))  # with flags that the instruction clears
         processor.run(5000, until=image.symbols["stop"])
     return {name: processor.get(name) for name in STATE}, processor.causes, processor.cycle
 
@@ -84,3 +83,23 @@ def test_what_it_cannot_do_is_left_to_the_instruction(shape: str, registers: dic
     assert run(shape, 40, words, given, exact=False, board="flat") == run(
         shape, 40, words, given, exact=True, board="flat"
     )
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_flags_that_are_set_from_outside_between_two_passes_are_cleared_by_the_next(shape: str) -> None:
+    ends = []
+    for exact in (False, True):
+        processor, image = small_programs.load(f"        rpts r5\n{SHAPES[shape]}stop:   bu stop\n")
+        processor.set_exact(exact)
+        for n in range(512):
+            processor.poke(DATA + n, 0x01000000 + n)
+        for name, value in {"R5": 99, "AR0": DATA, "AR1": DATA + 256, "BK": 8}.items():
+            processor.set(name, value)
+        for _ in range(2):
+            processor.pc = image.symbols["stop"] - 2
+            processor.run(40, until=image.symbols["stop"])
+            processor.set("ST", processor.get("ST") | 0xF)
+            processor.run(5000, until=image.symbols["stop"])
+        ends.append({name: processor.get(name) for name in STATE})
+    assert ends[0] == ends[1]
+    assert ends[0]["ST"] & 0xF == 1  # C is not among them

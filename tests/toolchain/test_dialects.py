@@ -115,6 +115,14 @@ def test_what_decides(head: str, option: str | None, dialect: str, why: str) -> 
     assert image.listing().splitlines()[0] == f"dialect {dialect}: {why}"
 
 
+def test_a_source_that_says_gnu_leaves_undefined_symbols_to_other_objects() -> None:
+    source = " .dialect {}\n br elsewhere\n"
+    symbols = toolchain.assemble_object(source.format("gnu")).symbols
+    assert "elsewhere" in {symbol.name for symbol in symbols}
+    with pytest.raises(toolchain.AssemblyError, match="undefined symbol 'elsewhere'"):
+        toolchain.assemble_object(source.format("ti"))
+
+
 def test_a_dialect_holds_for_a_file_and_what_it_includes(tmp_path: Path) -> None:
     (tmp_path / "own.inc").write_text(" .dialect ti\n ldp 30h\n")
     (tmp_path / "none.inc").write_text(" ldp 30h\n")
