@@ -7,7 +7,7 @@
 
 namespace {
 
-// Sends a word to each of two ports, and takes one; then it writes to a shared memory that may be there.
+// Sends a word through each of two ports, writes to a window, behind which a shared memory may be, and waits for a word.
 constexpr std::string_view source = R"(
         .text
 start:  ldhi 10h,ar0

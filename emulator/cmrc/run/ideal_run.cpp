@@ -18,8 +18,7 @@ Config as_run(const Config& given) {
   config.machine.idle_policy = IdlePolicy::doorbell;
   config.machine.cycle_time_factor = 1;
   config.host.refresh_overhead_ns = config.host.per_block_ns = 0;
-  // Not 0: no access takes time here, and the host would ask again and again at one instant. 20 cycles of the ideal
-  // DSP.
+  // 20 cycles of the ideal DSP, not 0: no access takes time here, and the host would ask at one instant without an end.
   config.host.semaphore_retry_ns = 1;
   config.dock.drive_delay_us = 0;
   config.scheduling.servo_loss_share = 0;
