@@ -7,7 +7,7 @@
 
 namespace {
 
-// Sends a word through each of two ports, writes to a window, behind which a shared memory may be, and waits for a word.
+// Sends a word through two ports each, writes to a window, which may lead to a shared memory, and waits for a word.
 constexpr std::string_view source = R"(
         .text
 start:  ldhi 10h,ar0
