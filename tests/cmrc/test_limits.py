@@ -199,6 +199,13 @@ def test_nothing_of_the_machine_fails_in_an_ideal_run_and_drives_do() -> None:
     assert result.stop_reason == "completed" and result.report["dsps"][0]["state"] in ("idle", "running")
 
 
+def test_the_host_of_an_ideal_run_stays_as_fast_when_the_operator_slows_the_host_down() -> None:
+    slower = [{"at_s": 0.025, "action": "set", "key": "host.refresh_overhead_ns", "value": 50_000}]
+    plain, slowed = (cmrc.run(dsps=1, duration_s=0.04, ideal=True, events=events) for events in ([], slower))
+    assert slowed.hash == plain.hash
+    assert cmrc.run(dsps=1, duration_s=0.04, events=slower).hash != cmrc.run(dsps=1, duration_s=0.04).hash
+
+
 def test_a_comparison_is_the_difference_of_two_runs() -> None:
     real, ideal = (cmrc.run(dsps=1, duration_s=0.2, ideal=ideal).report for ideal in (False, True))
     found = cmrc.compare(dsps=1, duration_s=0.2)

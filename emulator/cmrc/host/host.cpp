@@ -307,11 +307,14 @@ void Host::semaphore_read(Word taken) {
   port_->read(words_.semaphore_held + words_.semaphore_list - words_.semaphore, 1, 0);
 }
 
-// With a constant pause the host could stay in step with polling DSPs, and never find the list free.
+// With a constant pause the host could stay in step with polling DSPs, and never find the list free. In an ideal run no
+// access takes time: without a pause the host would ask at one instant without an end.
 void Host::try_again() {
+  constexpr double shortest_ns = 1;
   dither_ ^= dither_ << 13, dither_ ^= dither_ >> 17, dither_ ^= dither_ << 5;
   step_ = Step::retry;
-  wake_at_ = now_ + nanoseconds(config_.host.semaphore_retry_ns * (1 + dither_ % 16 / 4.0));
+  const double pause_ns = config_.host.semaphore_retry_ns * (1 + dither_ % 16 / 4.0);
+  wake_at_ = now_ + nanoseconds(std::max(shortest_ns, pause_ns));
 }
 
 void Host::relink() {

@@ -3,10 +3,12 @@
 namespace cmrc {
 namespace {
 
+/// Failures of the machine, changes of its host's speed, and losses of the servo.
 bool is_the_machines(const TimedEvent& event) {
-  const bool lost =
-      event.action == "set" && event.key.starts_with("scheduling.servo_") && event.key != "scheduling.servo_reload";
-  return lost || befalls_machine(event);
+  const bool sets = event.action == "set";
+  const bool speed = sets && event.key.starts_with("host.");
+  const bool lost = sets && event.key.starts_with("scheduling.servo_") && event.key != "scheduling.servo_reload";
+  return speed || lost || befalls_machine(event);
 }
 
 }  // namespace
@@ -17,9 +19,7 @@ Config as_run(const Config& given) {
   config.machine.boot = BootPolicy::preloaded;
   config.machine.idle_policy = IdlePolicy::doorbell;
   config.machine.cycle_time_factor = 1;
-  config.host.refresh_overhead_ns = config.host.per_block_ns = 0;
-  // 20 cycles of the ideal DSP, not 0: no access takes time here, and the host would ask at one instant without an end.
-  config.host.semaphore_retry_ns = 1;
+  config.host.refresh_overhead_ns = config.host.per_block_ns = config.host.semaphore_retry_ns = 0;
   config.dock.drive_delay_us = 0;
   config.scheduling.servo_loss_share = 0;
   config.scheduling.servo_loss_run = 1;
