@@ -196,6 +196,8 @@ def test_unknown_or_wild_values_are_refused_before_a_run() -> None:
             cmrc.Simulation(dsps=1, duration_s=1.0, settings=settings)
     with pytest.raises(_core.cmrc.ConfigError, match="the hoist's loop is unstable"):
         cmrc.Simulation(dsps=1, duration_s=2.0, events=[change(1.0, "control.hoist_integral_time_s", 0.01)])
+    with pytest.raises(_core.cmrc.ConfigError, match="<toml>:2:1: control.slew_damping: the slew's loop is unstable"):
+        _core.cmrc.config(toml="[control]\nslew_damping = 5\n")
 
 
 def test_the_bandwidth_that_a_message_names_would_do() -> None:

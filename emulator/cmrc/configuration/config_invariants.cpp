@@ -97,7 +97,11 @@ class Invariants {
 
   void control() const {
     const auto fault = control_fault(config_, static_cast<double>(n_.servo) / config_.rates.refresh_frequency_hz);
-    if (fault) contradiction({fault->key, "rates.servo_frequency_hz"}, fault->what, fault->right);
+    if (fault) {
+      std::vector<std::string_view> involved(fault->keys.begin(), fault->keys.end());
+      involved.emplace_back("rates.servo_frequency_hz");
+      contradiction(involved, fault->what, fault->right);
+    }
     const double latches = config_.dock.drive_delay_us / 125;
     require(latches == std::floor(latches), {"dock.drive_delay_us"},
             fmt::format("{:g} us is not a multiple of the latch period", config_.dock.drive_delay_us),

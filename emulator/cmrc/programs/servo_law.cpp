@@ -174,7 +174,7 @@ std::optional<ControlFault> control_fault(const Config& config, double period_s)
       const std::string also =
           low > 0 ? fmt::format("below {:.3g} rad/s with its damping and integral time, ", low) : "";
       return ControlFault{
-          table + "bandwidth_rad_s",
+          {table + "bandwidth_rad_s", table + "damping", table + "integral_time_s", table + "derivative_filter"},
           fmt::format("the {}'s loop is unstable without any delay: with {:g} rad/s, damping {:g}, integral time {:g} "
                       "s, filter {:g} and a servo period of {:g} ms a pole has the modulus {:.4g}",
                       joint.name, s.bandwidth_rad_s, s.damping, integral_time(s), s.derivative_filter, period_s * 1e3,
@@ -186,13 +186,13 @@ std::optional<ControlFault> control_fault(const Config& config, double period_s)
         crane.machine == plant::CraneKind::gantry;  // a slewing crane's travel does not move during a lift
     if (moved && s.speed_limit > joint.drive->rated_joint_speed()) {
       return ControlFault{
-          fmt::format("{}speed_limit_{}", table, joint.unit),
+          {fmt::format("{}speed_limit_{}", table, joint.unit)},
           fmt::format("{:g} is above the drive's rated speed, {:.4g}", s.speed_limit, joint.drive->rated_joint_speed()),
           "a limit up to the rated speed is expected"};
     }
   }
   if (config.dock.ramp_speed_m_s > config.control.hoist.speed_limit) {
-    return ControlFault{"control.hoist_speed_limit_m_s",
+    return ControlFault{{"control.hoist_speed_limit_m_s"},
                         fmt::format("{:g} m/s is below dock.ramp_speed_m_s, {:g} m/s", config.control.hoist.speed_limit,
                                     config.dock.ramp_speed_m_s),
                         "a limit of at least the ramps' speed is expected"};

@@ -55,9 +55,10 @@ std::vector<ControlJoint> control_joints(const Config::Control& control, const p
 /// inertia; no delay. It does not depend on the inertia, because the gain is proportional to it. Below 1: stable.
 double loop_radius(const Config::Control::Joint& settings, double period_s, double torque_lag_s);
 
-/// Impossible settings; `key` is the one to name.
+/// Impossible settings.
 struct ControlFault {
-  std::string key, what, right;
+  std::vector<std::string> keys;  ///< which are wrong together; the first is the one to change
+  std::string what, right;
 };
 std::optional<ControlFault> control_fault(const Config& config, double period_s);
 
