@@ -287,8 +287,10 @@ def test_ctrl_c_at_a_terminal_comes_to_the_children_too(folder: Path) -> None:
     limits_check(running)
 
 
-def test_a_signal_while_the_ideal_run_is_waited_for(folder: Path) -> None:
-    """The run itself ends early, since no DSP is left; its ideal run would take hours more."""
+@pytest.mark.parametrize("answers", [True, False])
+def test_a_signal_while_the_ideal_run_is_waited_for(folder: Path, answers: bool) -> None:
+    """The run itself ends early, since no DSP is left; its ideal run would take hours more. One that does not answer is
+    left out."""
     (folder / "dead.toml").write_text(
         "".join(f'[[events]]\nat_s = 0.05\naction = "fail"\ndsp = {slot}\n' for slot in range(2))
     )
@@ -296,9 +298,14 @@ def test_a_signal_while_the_ideal_run_is_waited_for(folder: Path) -> None:
     running = Running(folder, Job(arguments, Running.has_child))
     stat = Path(f"/proc/{running.process.pid}/stat")
     running.until(lambda: stat.read_text().rsplit(")", 1)[1].split()[0] == "S")
+    [child] = running.children()
+    if not answers:
+        os.kill(child, signal.SIGSTOP)
     assert running.signal(signal.SIGTERM) == 143
     report = running.json("r.json")
-    assert report["stop_reason"] == "interrupted" and report["errors"] is not None
+    assert report["stop_reason"] == "interrupted" and (report["errors"] is not None) == answers
+    assert answers or "did not stop" in report["reference_problem"]
+    assert not Path(f"/proc/{child}").exists()
 
 
 def pending(process: "subprocess.Popen[bytes]") -> bool:

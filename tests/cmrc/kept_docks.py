@@ -9,7 +9,7 @@ import json
 import random
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -17,23 +17,27 @@ from typing import Any
 import dock_checks
 import random_docks
 from digests import digest
-from random_docks import Dock, Generator, programs_of_users
+from random_docks import Dock, Generator, files_of_users
 
 FILE = Path(__file__).parent / "data" / "kept_docks.json"
-PROGRAMS = "machine.programs"
+PLACES = ("machine.programs", "machine.board", "dock.layout")  # kept from the folder of files_of_users on
 SHORT, LONG = range(1000, 1061), range(2000, 2013)
 
 
 def drawn() -> list[Dock]:
     """Sixty of 0.1 s at the most, with every key of the schema in one of them; twelve of 0.5 s, in which the plant
-    moves. In most of them something goes wrong. The place of the programs is left out."""
+    moves. In most of them something goes wrong."""
     with tempfile.TemporaryDirectory() as place:
-        programs = programs_of_users(Path(place))
+        programs = files_of_users(Path(place))
         docks = with_every_key([dock for dock in drawn_from(SHORT, programs) if runs(dock)])
         docks += [dock for dock in map(longer, drawn_from(LONG, programs)) if runs(dock)]
-    return [
-        replace(dock, settings={**dock.settings, PROGRAMS: ""}) if PROGRAMS in dock.settings else dock for dock in docks
-    ]
+        return [placed(dock, lambda name: name.removeprefix(place).removeprefix("/")) for dock in docks]
+
+
+def placed(dock: Dock, place: Callable[[str], str]) -> Dock:
+    """The dock with its files in another place."""
+    changed = {key: place(dock.settings[key]) for key in PLACES if key in dock.settings}
+    return replace(dock, settings={**dock.settings, **changed})
 
 
 def drawn_from(seeds: range, programs: Path) -> Iterator[Dock]:
@@ -113,8 +117,7 @@ LEFT_OUT = ("elapsed_s", "reference_elapsed_s", "emulator_version", "configurati
 
 
 def digests_of(dock: Dock, programs: Path) -> str:
-    settings = {PROGRAMS: str(programs)} if PROGRAMS in dock.settings else {}
-    simulation = dock_checks.uncut(dock.config(**settings))
+    simulation = dock_checks.uncut(placed(dock, lambda name: str(programs / name)).config())
     report = json.loads(simulation.report_json())
     named = {name for names in PARTS.values() for name in names}
     parts = {part: {name: report[name] for name in names} for part, names in PARTS.items()}

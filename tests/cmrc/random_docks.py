@@ -455,7 +455,7 @@ class Generator:
         return event
 
 
-def programs_of_users(directory: Path) -> Path:
+def files_of_users(directory: Path) -> Path:
     """The DSP programs with `USER_KERNELS` in them; beside them boards and layouts."""
     shutil.copytree(ROOT / "c40_programs", directory, dirs_exist_ok=True)
     (directory / "kernels" / "user.asm").write_text(USER_KERNELS)

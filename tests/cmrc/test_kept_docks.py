@@ -16,7 +16,7 @@ PER_FILE = 12
 
 @pytest.fixture(scope="module")
 def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return random_docks.programs_of_users(tmp_path_factory.mktemp("programs"))
+    return random_docks.files_of_users(tmp_path_factory.mktemp("programs"))
 
 
 @pytest.mark.golden

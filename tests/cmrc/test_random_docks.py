@@ -23,7 +23,7 @@ SEEDS, BY_COMMAND, PER_TEST = 200, 40, 10
 
 @pytest.fixture(scope="module")
 def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return random_docks.programs_of_users(tmp_path_factory.mktemp("programs"))
+    return random_docks.files_of_users(tmp_path_factory.mktemp("programs"))
 
 
 @pytest.mark.parametrize("first", range(0, SEEDS, PER_TEST))

@@ -27,7 +27,7 @@ Report = dict[str, Any]
 
 @pytest.fixture(scope="module")
 def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return random_docks.programs_of_users(tmp_path_factory.mktemp("programs"))
+    return random_docks.files_of_users(tmp_path_factory.mktemp("programs"))
 
 
 def outcome(simulation: Any) -> Report:

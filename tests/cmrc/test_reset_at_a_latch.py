@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from cmrc import _core
-from random_docks import Dock, programs_of_users
+from random_docks import Dock, files_of_users
 
 EVENTS = (
     {"at_s": 0.000875, "action": "freeze", "dsp": 7},
@@ -25,7 +25,7 @@ TASK = '\n[[tasks]]\nname = "t1"\nprogram = "kernel_user_counts"\nkind = 17\nimp
 def test_the_plant_may_be_a_bus_clock_past_its_turn(tmp_path: Path, and_then: tuple[dict[str, object], ...]) -> None:
     settings = {
         "machine.dsps": 8, "run.seed": 219335236, "run.duration_s": 0.049, "report.reference": "none", "dock.agvs": 7, "machine.boot": "preloaded",
-        "kernels.avoidance": "dynamic_window", "machine.idle_policy": "spin", "machine.programs": str(programs_of_users(tmp_path / "programs")),
+        "kernels.avoidance": "dynamic_window", "machine.idle_policy": "spin", "machine.programs": str(files_of_users(tmp_path / "programs")),
     }  # fmt: skip
     simulation = _core.cmrc.Simulation(Dock("saturated", settings, (TASK,), (*EVENTS, *and_then)).config())
     simulation.run()
