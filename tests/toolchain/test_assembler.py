@@ -1,5 +1,6 @@
 """Directives, expressions, placement, data, symbols."""
 
+import pytest
 from assembling import errors, words
 from cmrc._core import isa, toolchain
 
@@ -264,3 +265,41 @@ def test_line_records_name_the_source_of_every_word() -> None:
     listing = image.listing()
     assert "00300004 08600005      3  \tldi 5,r0 ; five" in listing and "00300003 00000003" in listing
     assert isa.disassemble(image.sections[0].words[4]) == "ldi 5,r0"
+
+
+def test_defined_means_before_this_line_everywhere() -> None:
+    assert words("start: .word defined(x),defined(start)\n ldi defined(x),r0\nx: nop\n") == [
+        0,
+        1,
+        0x08600000,
+        0x0C800000,
+    ]
+
+
+def test_a_label_on_a_line_of_its_own_names_the_next_field() -> None:
+    source = "\t.field 1,4\nx:\n\t.field 2,4\ny:\t.field 3,4\n"
+    image = toolchain.assemble(source)
+    assert list(image.sections[0].words) == [1, 0x32]
+    assert image.symbols == {"x": 0x300001, "y": 0x300001}
+
+
+def test_a_large_integer_is_rounded_once() -> None:
+    assert words("\t.float 1152921573326323711,1152921573326323711.0\n") == [0x3C000000] * 2
+
+
+@pytest.mark.parametrize("number", ["300", "-129"])
+def test_a_number_in_a_string_is_a_character(number: str) -> None:
+    assert errors(f"\t.string {number}\n") == [(1, 10, f"{number} does not fit in 8 bits")]
+    assert words("\t.string 255,-1,65\n") == [0x41FFFF]
+
+
+@pytest.mark.parametrize(("first", "second"), [("AR3", "AR4"), ("AR3", "5"), ("5", "AR3")])
+def test_a_name_of_a_register_keeps_its_meaning(first: str, second: str) -> None:
+    assert words("FP .set AR3\nFP .set AR3\n\tldi FP,r0\n") == [0x0800000B]
+    assert "'FP' is defined already" in errors(f"FP .set {first}\nFP .set {second}\n")[0][2]
+
+
+@pytest.mark.parametrize("use", ["rpts x", "subc x,r0", "mpyuhi x,r0", "lbu0 x,r0"])
+def test_an_address_that_does_not_fit_is_an_error_but_for_the_logical_ones(use: str) -> None:
+    assert "an address has 32 bits" in errors(f"x:\t{use}\n")[0][2]
+    assert words("x:\tor x,r0\n\tand x,r0\n\ttstb x,r0\n") == [0x10600000, 0x02E00000, 0x1A600000]

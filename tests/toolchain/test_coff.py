@@ -60,7 +60,7 @@ def test_what_is_written_is_read_back(tmp_path: Path) -> None:
     image = toolchain.assemble(SOURCE, sections={".const": 0x80000000})
     toolchain.write_coff(image, tmp_path / "a.out")
     again = toolchain.read_coff(tmp_path / "a.out")
-    shape = [(s.name[:8], s.address, s.size, list(s.words), s.loaded) for s in image.sections]
+    shape = [(s.name, s.address, s.size, list(s.words), s.loaded) for s in image.sections]
     assert [(s.name, s.address, s.size, list(s.words), s.loaded) for s in again.sections] == shape
     assert (again.symbols, again.entry) == (image.symbols, image.entry)
     assert list(tmp_path.iterdir()) == [tmp_path / "a.out"]

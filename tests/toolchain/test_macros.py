@@ -180,3 +180,28 @@ def test_includes_are_found_beside_the_file_and_in_the_directories(tmp_path: Pat
     assert list(image.sections[0].words) == [1, 2, 3]
     with pytest.raises(toolchain.AssemblyError, match="no file 'far.inc'"):
         toolchain.assemble_file(main)
+
+
+def test_character_constants_are_arguments_as_they_are() -> None:
+    macro = "two .macro a,b\n .word a,b\n .endm\n"
+    for constant in ("?", "(", ")", '"', ",", ";"):
+        assert words(f"{macro} two '{constant}',9\n") == [ord(constant), 9]
+
+
+def test_functions_stand_in_code_alone() -> None:
+    assert words("\tnop ; see $symlen(\n\tnop ; $symcmp(a)\n") == [0x0C800000] * 2
+    text = [int.from_bytes(part, "little") for part in (b"$isr", b"eg(r", b"0)")]
+    assert words('\t.string "$isreg(r0)"\n') == text
+    assert words("\t.asg \"a)b\",N\n\t.word $firstch(N,')'),$symlen(N)\n") == [2, 3]
+
+
+def test_a_substitution_symbol_with_a_semicolon_is_assigned_again() -> None:
+    assert words('\t.asg "x;y",N\n\t.asg "z;long",N\n\t.word $symlen(N)\n') == [6]
+
+
+def test_a_parameter_with_the_name_of_a_directive() -> None:
+    assert words("m .macro align,word\n\t.align align\n\t.word word\n\t.endm\n m 8,3\n") == [3]
+
+
+def test_a_quote_behind_a_backslash_does_not_end_a_text() -> None:
+    assert words('\t.asg 5,n\n\t.string "a\\"n"\n') == [int.from_bytes(b'a"n', "little")]

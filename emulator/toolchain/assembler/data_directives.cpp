@@ -89,7 +89,10 @@ void Reader::packed_strings(Statement& s, bool terminated) {
   do {
     s.parser.skip_blanks();
     if (s.parser.peek() != '"') {
-      bytes += static_cast<char>(known_number(s.parser, "a character's number") & 255);
+      const std::size_t offset = s.parser.offset();
+      const std::int64_t number = known_number(s.parser, "a character's number");
+      if (number < -128 || number > 255) throw LineError{offset, fmt::format("{} does not fit in 8 bits", number)};
+      bytes += static_cast<char>(number);
       continue;
     }
     bytes += s.parser.quoted();

@@ -289,10 +289,13 @@ void Reader::directive_set(Statement& s) {
   const std::string name = symbol_name(s);
   if (const auto named = s.parser.lone_register()) {
     s.parser.expect_end();
-    if (program_.is_defined(name)) throw LineError{s.label_offset, fmt::format("'{}' is defined already", name)};
-    registers_[name] = *named;
+    const auto [at, fresh] = registers_.insert({name, *named});
+    if (program_.is_defined(name) || (!fresh && at->second != *named))
+      throw LineError{s.label_offset, fmt::format("'{}' is defined already", name)};
     return;
   }
+  if (registers_.contains(name))
+    throw LineError{s.label_offset, fmt::format("'{}' is defined already: as a register", name)};
   Expression expression = s.parser.expression();
   s.parser.expect_end();
   program_.define(name, std::move(expression), s.line, s.label_offset);

@@ -27,12 +27,18 @@ std::string without_quotes(const std::string& argument) {
 
 }  // namespace
 
-/// Splits at commas outside parentheses and quotes. Names that end in '?' belong to the caller's scope.
+/// Splits at commas outside parentheses, quotes and character constants. Names that end in '?' belong to the caller's
+/// scope.
 std::vector<std::string> Reader::macro_arguments(std::string_view text) const {
   std::vector<std::string> out(1);
   int depth = 0;
   bool in_quotes = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
+    if (const std::size_t length = in_quotes ? 0 : character_constant(text.substr(i)); length != 0) {
+      out.back() += text.substr(i, length);
+      i += length - 1;
+      continue;
+    }
     const char c = text[i];
     if (c == '"') in_quotes = !in_quotes;
     if (!in_quotes && c == '(') ++depth;

@@ -9,6 +9,7 @@
 #include "toolchain/assembler/checks.hpp"
 #include "toolchain/encoder/encoder.hpp"
 #include "toolchain/encoder/mnemonics.hpp"
+#include "toolchain/objects/section_places.hpp"
 
 namespace toolchain {
 namespace {
@@ -230,22 +231,21 @@ std::string Program::symbol_near(std::string_view name) const {
 }
 
 std::vector<Program::Section*> Program::placement_order() {
-  const auto rank = [](const Section& s) {
-    if (s.name == ".text") return 0;
-    if (s.name == ".data") return 1;
-    if (s.load == Load::loaded) return 2;
-    return s.name == ".bss" ? 3 : 4;
-  };
+  const auto rank = [](const Section& s) { return placement_rank(s.name, s.load == Load::loaded); };
   std::vector<Section*> order;
   for (Section& section : sections_) order.push_back(&section);
   std::stable_sort(order.begin(), order.end(), [&](const Section* a, const Section* b) { return rank(*a) < rank(*b); });
   return order;
 }
 
+Diagnostic Program::about_section(const Section& section, std::string message) {
+  const SourceLine nowhere{std::make_shared<const std::string>("sections"), 0, section.name, nullptr};
+  return make_diagnostic(section.items.empty() ? nowhere : *section.items.front().line, 0, std::move(message));
+}
+
 void Program::check_overlaps(const std::vector<Section*>& order, std::vector<Diagnostic>& diagnostics) const {
   const auto complain = [&](const Section& s, std::string message) {
-    const SourceLine nowhere{std::make_shared<const std::string>("sections"), 0, s.name, nullptr};
-    diagnostics.push_back(make_diagnostic(s.items.empty() ? nowhere : *s.items.front().line, 0, std::move(message)));
+    diagnostics.push_back(about_section(s, std::move(message)));
   };
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Section& a = *order[i];

@@ -75,6 +75,8 @@ class Program final : public SymbolSource {
   /// The word in which add_field() with this number of bits would put its value.
   Value field_place(Address bits) const;
   void add_field(const SourceLinePtr& line, std::size_t offset, Expression value, Address bits);
+  /// The next field begins a new word.
+  void end_field() { field_bits_ = 0; }
   /// For the listing's head.
   void note_dialect(std::string text, bool first = false) {
     dialects_.insert(first ? dialects_.begin() : dialects_.end(), std::move(text));
@@ -136,6 +138,7 @@ class Program final : public SymbolSource {
   void grow(Section& section, Address words, std::size_t offset);
   std::vector<Section*> placement_order();
   void place(std::vector<Diagnostic>& diagnostics);
+  static Diagnostic about_section(const Section& section, std::string message);
   void check_overlaps(const std::vector<Section*>& order, std::vector<Diagnostic>& diagnostics) const;
   /// What the linker has to know of a word.
   struct WordRelocation {

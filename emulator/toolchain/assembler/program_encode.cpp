@@ -5,40 +5,45 @@
 
 #include "toolchain/assembler/checks.hpp"
 #include "toolchain/assembler/program.hpp"
+#include "toolchain/objects/section_places.hpp"
 
 namespace toolchain {
-namespace {
 
-/// The first address from `next` on that is possible for a section.
-Address placed_at(Address next, Address size, Address alignment, bool blocked) {
-  constexpr Address page = 1 << 16;
-  const Address place = (next + alignment - 1) & ~(alignment - 1);
-  const bool crosses = size != 0 && size <= page && place / page != (place + size - 1) / page;
-  return blocked && crosses ? (place + page - 1) & ~(page - 1) : place;
-}
-
-}  // namespace
-
+/// As the linker does without a map. A section that has an address moves those after it; an empty one lies behind the
+/// one before it.
 void Program::place(std::vector<Diagnostic>& diagnostics) {
-  Address next = 0x300000;
-  const auto order = placement_order();
-  for (Section* section : order) {
+  std::uint64_t from = 0x300000, end = from;
+  std::vector<Extent> taken;
+  std::vector<Section*> placed;
+  for (Section* section : placement_order()) {
     const auto wanted = options_.sections.find(section->name);
+    std::uint64_t at = aligned(end, section->alignment);
     if (wanted != options_.sections.end())
-      section->address = wanted->second;
-    else
-      section->address = placed_at(next, section->size, section->alignment, section->blocked);
-    // An empty section is left out, unless it has an address that later sections follow.
-    if (section->size != 0 || wanted != options_.sections.end()) next = section->address + section->size;
-    if (section->address % section->alignment != 0) {
-      const SourceLine nowhere{std::make_shared<const std::string>("sections"), 0, section->name, nullptr};
-      diagnostics.push_back(make_diagnostic(nowhere, 0,
-                                            fmt::format("the section '{}' at {:x}h must be aligned to {} words",
-                                                        section->name, section->address, section->alignment)));
+      at = from = end = wanted->second;
+    else if (section->size != 0)
+      at = free_place(from, section->size, section->alignment, section->blocked, taken);
+    if (at > 0xFFFFFFFF && section->size != 0) {
+      diagnostics.push_back(
+          about_section(*section, fmt::format("no address is left for the section '{}' behind 0ffffffffh; --section "
+                                              "gives it another place",
+                                              section->name)));
+      continue;
     }
+    section->address = static_cast<Address>(at);
+    placed.push_back(section);
+    if (section->size != 0) {
+      end = at + section->size;
+      taken.push_back({at, section->size});
+      if (wanted != options_.sections.end()) from = end;
+    }
+    if (section->address % section->alignment == 0) continue;
+    const SourceLine nowhere{std::make_shared<const std::string>("sections"), 0, section->name, nullptr};
+    diagnostics.push_back(make_diagnostic(nowhere, 0,
+                                          fmt::format("the section '{}' at {:x}h must be aligned to {} words",
+                                                      section->name, section->address, section->alignment)));
   }
   placed_ = true;
-  check_overlaps(order, diagnostics);
+  check_overlaps(placed, diagnostics);
 }
 
 void Program::encode_float(const FloatItem& item, const Expression& expression, const Value& value,
@@ -46,7 +51,7 @@ void Program::encode_float(const FloatItem& item, const Expression& expression, 
   const std::size_t before = out.size();
   out.resize(before + (item.format == FloatItem::Format::extended ? 2 : 1));
   if (!value.is_absolute()) throw LineError{expression.offset, "an address; .float takes numbers"};
-  const Real real = value.is_real() ? value.real : Real(static_cast<double>(value.integer));
+  const Real real = value.is_real() ? value.real : real_of(value.integer);
   const auto put = [&](std::optional<std::uint64_t> bits, std::string_view format) {
     if (!bits) throw LineError{expression.offset, fmt::format("out of the range of {}", format)};
     return *bits;

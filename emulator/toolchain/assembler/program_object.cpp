@@ -7,6 +7,8 @@
 
 namespace toolchain {
 
+constexpr Address most_alignment = 1 << 15;  // COFF has four bits for the exponent.
+
 /// The usual sections are included only if they have contents or a symbol.
 bool Program::goes_into_object(std::size_t section) const {
   if (sections_[section].size != 0 || section > 2) return true;
@@ -36,6 +38,10 @@ Object Program::finish_object(Image& listed, std::vector<Diagnostic>& diagnostic
     out.loaded = section.load == Load::loaded;
     out.alignment = section.alignment;
     out.blocked = section.blocked;
+    if (section.alignment > most_alignment)
+      diagnostics.push_back(about_section(
+          section, fmt::format("the section '{}' is aligned to {} words; an object holds alignments up to {}",
+                               section.name, section.alignment, most_alignment)));
     if (section.size != 0) out.words = listed.sections.back().words;
     for (const LineRecord& line : listed.lines)
       if (section.size != 0 && line.section + 1 == listed.sections.size())

@@ -54,7 +54,8 @@ Reader::Reader(Program& program, const Options& options, std::vector<Diagnostic>
 }
 
 ParseContext Reader::context() const {
-  return {program_.here(),
+  return {&program_,
+          program_.here(),
           fmt::format("?{}", local_scope_),
           fmt::format("?{}", block_),
           &registers_,
@@ -286,7 +287,7 @@ SourceLinePtr Reader::substituted(const SourceLinePtr& line) {
     // After substitution the line may be correct: ":NAME: nop".
   }
   if (operation == ".asg" || operation == ".eval") {
-    const auto comma = text.substr(0, text.find(';')).rfind(',');
+    const auto comma = without_comment(text, reading_.dialect).rfind(',');
     if (comma != std::string::npos) {
       kept = text.substr(comma);
       text.resize(comma);
@@ -294,7 +295,8 @@ SourceLinePtr Reader::substituted(const SourceLinePtr& line) {
   } else if (operation == ".var" || operation == ".unasg") {
     return line;
   }
-  text = replace_functions(text, {parameters_, &substitutes_, options_.cpu});
+  text = replace_functions(text, without_comment(text, reading_.dialect).size(),
+                           {parameters_, &substitutes_, options_.cpu});
   if (parameters_ != nullptr) text = substitute(text, *parameters_, false);
   text = substitute(text, substitutes_, true) + kept;
   return text == line->text ? line : with_text(line, std::move(text));
@@ -324,6 +326,7 @@ void Reader::read_line(const SourceLinePtr& raw_line) {
 }
 
 void Reader::define_label(const Statement& s) {
+  program_.end_field();  // The label names what comes after it, not the rest of a word.
   program_.define(s.label, program_.here(), s.line, s.label_offset);
   if (s.label == "gcc2_compiled.") gcc_mark(s);
 }

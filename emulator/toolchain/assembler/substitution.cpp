@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <optional>
@@ -57,11 +58,12 @@ class Substitution {
         i += length;
         continue;
       }
-      const std::size_t taken = c == '\\' || c == ':'                        ? forced(text, i, out, depth)
-                                : quote == 0 && is_identifier(c) && c != '.' ? word(text, i, out, depth)
-                                                                             : 0;
-      if (taken == 0) out += c;
-      i += taken == 0 ? 1 : taken;
+      const std::size_t taken = c == '\\' || c == ':'            ? forced(text, i, out, depth)
+                                : quote == 0 && is_identifier(c) ? word(text, i, out, depth)
+                                                                 : 0;
+      const std::size_t kept = taken != 0 ? 0 : quote != 0 && c == '\\' ? 2 : 1;  // \" in quotes does not end them
+      out += text.substr(i, kept);
+      i += taken + kept;
       if (out.size() > longest_line)
         throw LineError{0, fmt::format("substitution makes this line longer than {} characters", longest_line)};
     }
@@ -202,26 +204,36 @@ Substitutes& SubstituteScopes::owner(std::string_view name) const {
   return parameters != nullptr && parameters->contains(name) ? *parameters : *globals;
 }
 
-std::string replace_functions(const std::string& text, const SubstituteScopes& symbols) {
+std::string replace_functions(std::string_view text, std::size_t code, const SubstituteScopes& symbols) {
   static constexpr std::array<std::string_view, 9> names{"$symlen",   "$symcmp", "$firstch", "$lastch", "$isdefed",
                                                          "$ismember", "$iscons", "$isname",  "$isreg"};
-  std::string out = text;
-  for (std::size_t at = out.find('$'); at != std::string::npos; at = out.find('$', at + 1)) {
-    const auto name = lower(name_at(out, at, is_identifier));
-    bool known = false;
-    for (const auto candidate : names) known = known || candidate == name;
+  std::string out;
+  std::size_t at = 0;
+  bool quoted = false;
+  // A character constant and a text in quotes are taken as they are.
+  const auto pass = [&](std::size_t from) {
+    if (quoted && text[from] == '\\') return std::min(from + 2, code);
+    quoted ^= text[from] == '"';
+    return from + (quoted ? 1 : std::max<std::size_t>(1, character_constant(text.substr(from, code - from))));
+  };
+  while (at < code) {
+    const auto name = lower(name_at(text, at, is_identifier));
     const std::size_t open = at + name.size();
-    if (!known || open >= out.size() || out[open] != '(') continue;
+    if (quoted || std::ranges::find(names, name) == names.end() || open >= code || text[open] != '(') {
+      const std::size_t next = quoted || name.empty() ? pass(at) : open;
+      out += text.substr(at, next - at);
+      at = next;
+      continue;
+    }
     std::size_t close = open;
-    bool quoted = false;
-    while (close < out.size() && (quoted || out[close] != ')')) quoted ^= out[close++] == '"';
-    if (close >= out.size()) throw LineError{open, "')' expected"};
-    const auto number =
-        Functions(symbols).call(name, split_arguments(std::string_view(out).substr(open + 1, close - open - 1)));
+    while (close < code && (quoted || text[close] != ')')) close = pass(close);
+    if (close >= code) throw LineError{open, "')' expected"};
+    const auto number = Functions(symbols).call(name, split_arguments(text.substr(open + 1, close - open - 1)));
     if (!number) throw LineError{at, fmt::format("wrong number of arguments for {}", name)};
-    out.replace(at, close + 1 - at, std::to_string(*number));
+    out += std::to_string(*number);
+    at = close + 1;
   }
-  return out;
+  return out.append(text.substr(code));
 }
 
 }  // namespace toolchain

@@ -27,8 +27,8 @@ struct SubstituteScopes {
 };
 
 /// Replaces $symlen(s), $symcmp(a,b), $firstch(s,'c'), $lastch(s,'c'), $isdefed(s), $ismember(s,list), $iscons(s),
-/// $isname(s), $isreg(s) by their numbers; an argument is a substitution symbol or a text. $ismember removes the first
-/// item of the list.
-std::string replace_functions(const std::string& text, const SubstituteScopes& symbols);
+/// $isname(s), $isreg(s) by their numbers, outside quotes; an argument is a substitution symbol or a text. $ismember
+/// removes the first item of the list. \param code characters before the comment
+std::string replace_functions(std::string_view text, std::size_t code, const SubstituteScopes& symbols);
 
 }  // namespace toolchain

@@ -19,6 +19,12 @@ bool gnu_takes_signed(isa::Operation operation) {
          operation == mh;
 }
 
+/// Only these take the low half of an address alone: an instruction for the high half comes before or behind them.
+bool is_logical(isa::Operation operation) {
+  using enum isa::Operation;
+  return operation == and_ || operation == andn || operation == or_ || operation == tstb || operation == xor_;
+}
+
 }  // namespace
 
 std::string kind_text(const OperandSyntax& operand, isa::Cpu cpu) {
@@ -175,13 +181,13 @@ Word OperandEncoder::immediate(const OperandSyntax& o) const {
   const bool page_of_address = row_.operation == isa::Operation::ldhi && !v.is_real() && !v.is_absolute();
   if (v.half == Value::Half::high || (page_of_address && v.half == Value::Half::none))
     return static_cast<Word>(address(o, v, RelocationType::partms16) >> 16) & 0xFFFF;
-  if (v.half == Value::Half::low) return static_cast<Word>(address(o, v, RelocationType::partls16)) & 0xFFFF;
+  const bool low_half = v.half == Value::Half::low || (!v.is_real() && !v.is_absolute() && is_logical(row_.operation));
+  if (low_half) return static_cast<Word>(address(o, v, RelocationType::partls16)) & 0xFFFF;
   if (context_.relocations != nullptr && !v.is_absolute())
     return static_cast<Word>(address(o, v, RelocationType::relword)) & 0xFFFF;
   const std::int64_t number = integer(o, v);
-  if (!v.is_absolute() && row_.immediate == Immediate::zero)
-    return static_cast<Word>(number) & 0xFFFF;  // an LSH comes before it
-  if (!v.is_absolute() && !fits_signed(number, 16))
+  const bool fits = row_.immediate == Immediate::zero ? fits_unsigned(number, 16) : fits_signed(number, 16);
+  if (!v.is_absolute() && !fits)
     miss(Mismatch::contents, o.offset,
          context_.cpu == isa::Cpu::c40
              ? "an address has 32 bits; load it with LDHI hi16(x),reg and OR lo16(x),reg, or from a .word"
@@ -195,7 +201,7 @@ Word OperandEncoder::immediate(const OperandSyntax& o) const {
 }
 
 Word OperandEncoder::short_float(const OperandSyntax& o, const Value& v) const {
-  const Real real = v.is_real() ? v.real : Real(static_cast<double>(integer(o, v)));
+  const Real real = v.is_real() ? v.real : real_of(integer(o, v));
   const auto bits = to_short(real);
   if (!bits) miss(Mismatch::contents, o.offset, "out of the range of a 16-bit float (-256 to 255.9375)");
   return *bits;
@@ -203,7 +209,8 @@ Word OperandEncoder::short_float(const OperandSyntax& o, const Value& v) const {
 
 /// Only eight bits of the C3x's DP count.
 Word OperandEncoder::page_that_exists(const OperandSyntax& o, std::int64_t page) const {
-  if (context_.cpu == isa::Cpu::c40) return static_cast<Word>(page);
+  const bool settled = context_.relocations == nullptr || value(o).is_absolute();
+  if (context_.cpu == isa::Cpu::c40 || !settled) return static_cast<Word>(page) & 0xFFFF;
   return in_range(o, page, fits_unsigned(page, 8), "a page of the C3x is 0 to 255, that of an address up to 0FFFFFFh");
 }
 
@@ -227,7 +234,8 @@ Word OperandEncoder::page_of_address(const OperandSyntax& o) const {
   if (v.half != Value::Half::none)
     miss(Mismatch::contents, o.offset, "a whole address is needed here; 'ldpk' takes half of one");
   const std::int64_t number = address(o, v, RelocationType::partms16);
-  in_range(o, number, fits_unsigned(number, 32), "an address is 0 to 0FFFFFFFFh");
+  if (context_.relocations == nullptr || v.is_absolute())
+    in_range(o, number, fits_unsigned(number, 32), "an address is 0 to 0FFFFFFFFh");
   const Word page = page_that_exists(o, static_cast<Word>(number) >> 16);
   if (o.kind == Kind::expression && v.is_absolute() && number > 0 && number <= 0xFFFF)
     context_.on_warning(

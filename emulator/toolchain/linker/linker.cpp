@@ -142,6 +142,7 @@ class Linker {
   void collect_sections() {
     for (std::size_t i = 0; i < objects_.size(); ++i)
       for (std::size_t k = 0; k < objects_[i].sections.size(); ++k) placement_.add(objects_[i].sections[k], {i, k});
+    for (const char* name : {".text", ".data", ".bss"}) placement_.need(name);  // their ends are symbols
     // .cinit ends with a count of 0 (c40-hardware.md 10.2).
     OutputSection* const table = placement_.find(".cinit");
     if (table == nullptr || table->size == 0) return;
@@ -170,19 +171,22 @@ class Linker {
                                at->second.object != nullptr ? at->second.object->name : "the memory map"));
       }
     constexpr Word no_table = 0xFFFFFFFF;  // The value that TI's linker uses (c40-hardware.md 10.2).
-    define_own("cinit", map_.loader_sets_values ? nullptr : placement_.find(".cinit"), false, no_table);
+    const OutputSection* const table = map_.loader_sets_values ? nullptr : placement_.find(".cinit");
+    define_own("cinit", table != nullptr && table->size != 0 ? table->address : no_table);
     define_size("__STACK_SIZE", ".stack");
     define_size("__SYSMEM_SIZE", ".sysmem");
-    define_own("etext", placement_.find(".text"), true, 0);
-    define_own("edata", placement_.find(".data"), true, 0);
-    define_own("end", placement_.find(".bss"), true, 0);
-    for (const OutputSection& section : placement_.sections()) define_own(section.name, &section, false, 0);
+    const auto end_of = [&](std::string_view name) {
+      const OutputSection* const section = placement_.find(name);
+      return section->address + section->size;
+    };
+    define_own("etext", end_of(".text"));
+    define_own("edata", end_of(".data"));
+    define_own("end", end_of(".bss"));
+    for (const OutputSection& section : placement_.sections()) define_own(section.name, section.address);
   }
 
   /// The symbols that TI's linker defines itself, unless the objects do: the start or end of a section.
-  void define_own(const std::string& name, const OutputSection* section, bool end, Word otherwise) {
-    const bool there = section != nullptr && section->size != 0;
-    const Word value = there ? section->address + (end ? section->size : 0) : otherwise;
+  void define_own(const std::string& name, Word value) {
     globals_.insert({name, {value, nullptr}});
     globals_.insert({"_" + name, {value, nullptr}});
     own_.insert({name, "_" + name});
@@ -343,7 +347,8 @@ class Linker {
     for (const std::string_view name : {"_start", "_c_int00", "c_int00", "start", "START", "Start"})
       if (const auto found = image.symbols.find(name); found != image.symbols.end()) return found->second;
     const OutputSection* text = placement_.find(".text");
-    return text != nullptr ? text->address : placement_.sections().front().address;
+    if (text->size != 0) return text->address;
+    return std::ranges::find_if(placement_.sections(), [](const auto& section) { return section.size != 0; })->address;
   }
 
   std::string map_text(const Image& image) const {
@@ -356,6 +361,7 @@ class Linker {
     }
     out += "\nsection          address         size  from\n";
     for (const OutputSection& section : placement_.sections()) {
+      if (section.size == 0 && section.parts.empty()) continue;
       out += fmt::format("{:<16} {:08X}h {:>9X}h{}\n", section.name, section.address, section.size,
                          section.for_loader ? "  for the loader"
                          : section.loaded   ? ""

@@ -5,23 +5,12 @@
 #include <algorithm>
 
 #include "isa/types.hpp"
+#include "toolchain/objects/section_places.hpp"
 
 namespace toolchain {
 namespace {
 
-constexpr std::uint64_t page = 1 << 16;
 constexpr std::uint64_t address_space = std::uint64_t{1} << 32;
-
-std::uint64_t aligned(std::uint64_t address, std::uint64_t alignment) {
-  return (address + alignment - 1) / alignment * alignment;
-}
-
-int rank(const OutputSection& section) {
-  if (section.name == ".text") return 0;
-  if (section.name == ".data") return 1;
-  if (section.loaded) return 2;
-  return section.name == ".bss" ? 3 : 4;
-}
 
 std::string extent(const OutputSection& section) {
   return fmt::format("{} ({} words at {:08X}h)", section.name, section.size, section.address);
@@ -43,6 +32,10 @@ void Placement::add(const ObjectSection& section, OutputSection::Source source) 
   out->loaded = out->loaded || section.loaded;
 }
 
+void Placement::need(const std::string& name) {
+  if (find(name) == nullptr) sections_.push_back({.name = name, .parts = {}});
+}
+
 OutputSection* Placement::find(std::string_view name) {
   const auto found = std::find_if(sections_.begin(), sections_.end(), [&](const auto& s) { return s.name == name; });
   return found == sections_.end() ? nullptr : &*found;
@@ -55,7 +48,7 @@ Address Placement::address_of(OutputSection::Source source) const { return addre
 void Placement::place(const MemoryMap& map, isa::Cpu cpu, std::vector<std::string>& errors) {
   cpu_ = cpu;
   for (const auto& wanted : map.sections) {
-    if (find(wanted.section) == nullptr && wanted.size != 0) sections_.push_back({.name = wanted.section, .parts = {}});
+    if (wanted.size != 0) need(wanted.section);
     OutputSection* section = find(wanted.section);
     if (section == nullptr) continue;
     section->size = std::max(section->size, wanted.size);
@@ -82,9 +75,12 @@ void Placement::place(const MemoryMap& map, isa::Cpu cpu, std::vector<std::strin
   for (const auto& wanted : map.sections)
     if (!wanted.address)
       if (OutputSection* section = take(wanted.section)) put_in(*section, *map.memory(wanted.memory), errors);
-  std::stable_sort(rest.begin(), rest.end(), [](auto* a, auto* b) { return rank(*a) < rank(*b); });
+  std::stable_sort(rest.begin(), rest.end(), [](auto* a, auto* b) {
+    return placement_rank(a->name, a->loaded) < placement_rank(b->name, b->loaded);
+  });
   for (OutputSection* section : rest) put_in(*section, *map.memory(map.others), errors);
   placed_.clear();
+  ends_.clear();
   std::stable_sort(sections_.begin(), sections_.end(),
                    [](const auto& a, const auto& b) { return a.address < b.address; });
   for (const OutputSection& section : sections_)
@@ -115,25 +111,20 @@ void Placement::put(OutputSection& section, Address address, const MemoryMap::Me
 }
 
 void Placement::put_in(OutputSection& section, const MemoryMap::Memory& memory, std::vector<std::string>& errors) {
-  std::uint64_t at = memory.origin;
-  for (bool moved = true; moved;) {
-    moved = false;
-    at = aligned(at, section.alignment);
-    if (section.blocked && section.size != 0 && section.size <= page && at / page != (at + section.size - 1) / page)
-      at = aligned(at, page);
-    for (const OutputSection* other : placed_) {
-      const std::uint64_t end = std::uint64_t{other->address} + other->size;
-      if (section.size == 0 || other->size == 0 || at >= end || other->address >= at + section.size) continue;
-      at = end;
-      moved = true;
-    }
-  }
+  std::vector<Extent> taken;
+  for (const OutputSection* other : placed_) taken.push_back({other->address, other->size});
+  std::uint64_t& end = ends_.try_emplace(&memory, memory.origin).first->second;
+  const std::uint64_t at = section.size == 0
+                               ? aligned(end, section.alignment)
+                               : free_place(memory.origin, section.size, section.alignment, section.blocked, taken);
   section.address = static_cast<Address>(std::min(at, address_space - 1));
-  if (at + section.size > memory.origin + memory.length) {
-    const std::uint64_t end = memory.origin + memory.length;
+  if (section.size == 0) return;
+  end = at + section.size;
+  if (end > memory.origin + memory.length) {
+    const std::uint64_t last = memory.origin + memory.length;
     errors.push_back(
         fmt::format("section '{}' of {} words does not fit in the memory '{}' ({} words at {:08X}h, {} left)",
-                    section.name, section.size, memory.name, memory.length, memory.origin, at < end ? end - at : 0));
+                    section.name, section.size, memory.name, memory.length, memory.origin, at < last ? last - at : 0));
     return;  // No other section is moved to make room.
   }
   check_end(section, errors);

@@ -37,9 +37,12 @@ class Placement {
  public:
   void add(const ObjectSection& section, OutputSection::Source source);
 
+  /// A section of this name is there, even if no object has one.
+  void need(const std::string& name);
+
   /// Assigns the addresses. Sections with an address in the map come first, then the other sections of the map in its
   /// order, then .text, .data, other loaded ones, .bss, other reserved ones, each at the first free place of its
-  /// memory.
+  /// memory. An empty section lies behind the one that was placed in its memory before it.
   void place(const MemoryMap& map, isa::Cpu cpu, std::vector<std::string>& errors);
 
   const std::vector<OutputSection>& sections() const { return sections_; }  ///< By rising address after placement.
@@ -54,6 +57,7 @@ class Placement {
 
   std::vector<OutputSection> sections_;
   std::vector<const OutputSection*> placed_;
+  std::map<const MemoryMap::Memory*, std::uint64_t> ends_;  ///< Of the section that was placed last in each memory.
   isa::Cpu cpu_ = isa::Cpu::c40;
   std::map<OutputSection::Source, Address> addresses_;
 };

@@ -280,6 +280,13 @@ Object executable_of(const Image& image) {
     copy.size = section.size;
     copy.words = section.words;
     copy.loaded = section.loaded;
+    // A section's header has room for eight characters; the whole name is that of the section's symbol, as in objects.
+    if (section.name.size() > 8)
+      out.symbols.push_back({.name = section.name,
+                             .value = section.address,
+                             .section = static_cast<int>(out.sections.size()) - 1,
+                             .global = false,
+                             .stands_for_section = true});
   }
   for (ObjectSection& section : out.sections)
     if (section.table_of_copies) section.words.resize(section.size);

@@ -92,7 +92,7 @@ Image image_of(const Object& executable) {
     if (section.table_of_copies) add_initial_values(image, section.name, section.words, executable.name);
   }
   for (const ObjectSymbol& symbol : executable.symbols)
-    if (symbol.section != ObjectSymbol::undefined && !symbol.name.empty())
+    if (symbol.section != ObjectSymbol::undefined && !symbol.stands_for_section && !symbol.name.empty())
       image.symbols.insert_or_assign(symbol.name, symbol.value);
   check_overlaps(image, executable.name);
   if (image.sections.empty()) throw CoffError(fmt::format("{}: it has no sections", executable.name));

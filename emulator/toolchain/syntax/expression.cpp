@@ -39,7 +39,7 @@ class Evaluator {
 
   Real real(const Expression& e) const {
     const Value value = (*this)(e);
-    return value.is_real() ? value.real : Real(static_cast<double>(number(e)));
+    return value.is_real() ? value.real : real_of(number(e));
   }
 
   static Value half(Value address, Value::Half which) {
@@ -129,7 +129,6 @@ class Evaluator {
 
   Value call(const Expression& e) const {
     const Expression& argument = e.operands[0];
-    if (e.name == "defined") return Value::of(std::int64_t{symbols_.is_defined(argument.name)});
     if (e.name == "single") {
       const auto word = to_single(real(argument));
       if (!word) throw LineError{e.offset, "out of the range of a 32-bit float"};

@@ -126,6 +126,12 @@ std::optional<std::uint64_t> convert(FloatFormat format, Real value) {
 
 }  // namespace
 
+Real real_of(std::int64_t number) {
+  const auto nearest = static_cast<double>(number);
+  const auto rest = static_cast<long double>(number) - static_cast<long double>(nearest);  // 64 bits hold both
+  return {nearest, (rest > 0) - (rest < 0)};
+}
+
 std::optional<Real> parse_real(std::string_view text) {
   double nearest = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), nearest);

@@ -19,6 +19,8 @@ struct Real {
   Real operator-() const { return {-nearest, -residue}; }
 };
 
+Real real_of(std::int64_t number);
+
 /// "1.5", "2e-3", ".5"; none if the text is no number or is beyond the range of double.
 std::optional<Real> parse_real(std::string_view text);
 

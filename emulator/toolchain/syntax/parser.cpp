@@ -13,9 +13,20 @@ namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-/// The line without its comment. A comment begins with ';' outside quotes, or is the whole line if it starts with '*'.
-/// For GNU as the whole line is also a comment if its first character other than a blank is '#', as in the output of a
-/// preprocessor.
+/// Binary operators from the weakest to the strongest, as in C.
+constexpr std::array<std::array<std::string_view, 4>, 8> operator_levels{{
+    {"&&"},
+    {"|"},
+    {"^"},
+    {"&"},
+    {"==", "!=", "="},
+    {"<=", ">=", "<", ">"},
+    {"<<", ">>"},
+    {"+", "-"},
+}};
+
+}  // namespace
+
 std::string_view without_comment(std::string_view line, Dialect dialect) {
   if (!line.empty() && line[0] == '*') return {};
   const std::size_t first = line.find_first_not_of(" \t");
@@ -38,20 +49,6 @@ std::string_view without_comment(std::string_view line, Dialect dialect) {
   }
   return line;
 }
-
-/// Binary operators from the weakest to the strongest, as in C.
-constexpr std::array<std::array<std::string_view, 4>, 8> operator_levels{{
-    {"&&"},
-    {"|"},
-    {"^"},
-    {"&"},
-    {"==", "!=", "="},
-    {"<=", ">=", "<", ">"},
-    {"<<", ">>"},
-    {"+", "-"},
-}};
-
-}  // namespace
 
 bool is_identifier_start(char c) { return ascii::is_letter(c) || c == '_' || c == '.' || c == '$'; }
 bool is_identifier(char c) { return is_identifier_start(c) || is_digit(c); }
@@ -264,8 +261,12 @@ Expression Parser::call(const std::string& function, std::size_t at) {
   count_operator(at);
   Expression argument = binary_expression(0);
   expect(")");
-  if (function == "defined" && argument.kind != Expression::Kind::symbol)
-    throw LineError{argument.offset, "defined() takes the name of a symbol"};
+  if (function == "defined") {  // Before this line, wherever the value is used.
+    if (argument.kind != Expression::Kind::symbol)
+      throw LineError{argument.offset, "defined() takes the name of a symbol"};
+    const auto value = Value::of(std::int64_t{context_.symbols->is_defined(argument.name)});
+    return Expression{Expression::Kind::constant, value, {}, {}, at};
+  }
   return Expression{Expression::Kind::call, {}, function, {std::move(argument)}, at};
 }
 

@@ -39,8 +39,9 @@ struct HalfSyntax {
 /// Names that mean registers (`FP .set AR3`).
 using RegisterNames = std::map<std::string, isa::Register, std::less<>>;
 
-/// The value of '$', the suffixes that make local labels unique, and further names of registers.
+/// The symbols, the value of '$', the suffixes that make local labels unique, and further names of registers.
 struct ParseContext {
+  const SymbolSource* symbols = nullptr;  ///< What is defined so far.
   Value here;
   std::string local_suffix;  ///< Of names ending in '?'.
   std::string block_suffix;  ///< Of $0 to $9.
@@ -54,6 +55,10 @@ bool is_identifier_start(char c);
 bool is_identifier(char c);
 /// Number of characters of the character constant at the text's beginning, quotes included; 0: there is none.
 std::size_t character_constant(std::string_view text);
+/// The line without its comment. A comment begins with ';' outside quotes, or is the whole line if it starts with '*'.
+/// For GNU as the whole line is also a comment if its first character other than a blank is '#', as in the output of a
+/// preprocessor.
+std::string_view without_comment(std::string_view line, Dialect dialect);
 
 /// Reads a line from left to right. Errors are LineErrors at offsets of that line.
 class Parser {

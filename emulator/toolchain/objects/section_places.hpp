@@ -1,0 +1,26 @@
+#pragma once
+// The order and the places of sections that nobody has given an address: for assembler and linker the same.
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace toolchain {
+
+/// .text, .data, other loaded sections, .bss, other reserved ones: the lower rank comes first.
+int placement_rank(std::string_view name, bool loaded);
+
+/// \param alignment in words, a power of 2
+std::uint64_t aligned(std::uint64_t address, std::uint64_t alignment);
+
+/// Words that are taken.
+struct Extent {
+  std::uint64_t begin = 0, words = 0;
+};
+
+/// The first address from `from` on where a section does not meet another one. \param words the section's size, not 0
+/// \param alignment in words, a power of 2 \param blocked not to be split over two pages of 64 K words if it fits in
+/// one
+std::uint64_t free_place(std::uint64_t from, std::uint64_t words, std::uint64_t alignment, bool blocked,
+                         std::span<const Extent> taken);
+
+}  // namespace toolchain
