@@ -27,15 +27,19 @@ bool Debugger::counts(const Hit& hit) {
 
 bool Debugger::holds(const Hit& hit) { return !hit.open || recorder_->holds(hit); }
 
-/// All hits at the earliest instant after now with a hit that counts; none if there is none before `until`, nothing
-/// more happens, or a stop was requested. The machine is then at that instant or later.
+/// All hits at the earliest instant after now with a hit that counts; none if there is none up to `until`, nothing
+/// more happens, or a stop was requested. With hits the machine is then at that instant or later; without, at `until`.
 std::vector<Hit> Debugger::search(Time until, const Manner& manner) {
   hear_what_is_under_way(manner);
   constexpr int small_steps = 256;
+  // Some events are reported late: those up to `until` are known only behind it.
+  const Time late = recorder_->learns_late() ? debuggee_.delay() : Time{0};
+  const Time last = now() >= until ? until : until > never - late ? never : until + late;
   Time slice = manner.steps ? std::chrono::microseconds{10} : debuggee_.slice();
   for (int turn = 0;; ++turn) {
-    if (asked_to_stop() || debuggee_.over() || now() >= until) {
+    if (asked_to_stop() || debuggee_.over() || now() >= last) {
       recorder_->close();
+      if (last > until && now() > until && !asked_to_stop()) move_and_listen(until, manner);
       return {};
     }
     Time target = now() + slice;
@@ -47,9 +51,9 @@ std::vector<Hit> Debugger::search(Time until, const Manner& manner) {
     }
     const bool values = recorder_->looks_at_values();
     if (values) target = std::min(target, (now() / debuggee_.value_period() + 1) * debuggee_.value_period());
-    run_to(std::min(target, until));
+    run_to(std::min(target, last));
     if (values) recorder_->look_at_values(now());
-    while (!recorder_->hits.empty() || recorder_->stepped) {  // none of them is later than `until`
+    while (!recorder_->hits.empty() || recorder_->stepped) {
       const auto first = [this] {
         Time earliest = recorder_->stepped.value_or(never);
         for (const Hit& hit : recorder_->hits) earliest = std::min(earliest, hit.time);
@@ -57,8 +61,8 @@ std::vector<Hit> Debugger::search(Time until, const Manner& manner) {
       };
       Time at = first();
       if (at > until) break;
-      // Hits of other chips may still come before; and some events are reported late.
-      const Time known = at + (recorder_->learns_late() ? debuggee_.delay() : Time{0});
+      // Hits of other chips may still come before.
+      const Time known = at + late;
       if (now() < known) run_to(known), at = first();
       std::vector<Hit> here;
       std::erase_if(recorder_->hits, [&](const Hit& hit) {
