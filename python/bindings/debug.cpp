@@ -80,9 +80,9 @@ Trigger trigger_of(const py::dict& given) {
 }
 
 template <class Work>
-py::dict stop_of(PythonDebugger& debugger, Work work) {
-  debugger.long_work([&] { work(debugger.get()); });
-  return dict_of(debugger.get().stop());
+py::dict stop_of(PythonDebugger& debugger, const char* call, Work work) {
+  debugger.long_work(call, [&](Debugger& x) { work(x); });
+  return dict_of(debugger.get(call).stop());
 }
 
 py::list shown(const std::vector<machine::debug::ShownRegister>& all) {
@@ -100,55 +100,57 @@ void bind_debug(py::module_& core) {
       .def(
           "places",
           [](PythonDebugger& d, std::size_t chip, const std::string& text) {
-            if (chip >= d.get().programs().size())
+            if (chip >= d.get("places").programs().size())
               throw machine::debug::DebugError("there is no chip " + std::to_string(chip));
-            return machine::debug::places_named(d.get().program(chip), text);
+            return machine::debug::places_named(d.get("places").program(chip), text);
           },
           py::arg("chip"), py::arg("text"))
       .def(
-          "add", [](PythonDebugger& d, const py::dict& trigger) { return d.get().add(trigger_of(trigger)); },
+          "add", [](PythonDebugger& d, const py::dict& trigger) { return d.get("add").add(trigger_of(trigger)); },
           py::arg("trigger"))
       .def(
-          "remove", [](PythonDebugger& d, unsigned number) { d.get().remove(number); }, py::arg("number"))
+          "remove", [](PythonDebugger& d, unsigned number) { d.get("remove").remove(number); }, py::arg("number"))
       .def(
-          "enable", [](PythonDebugger& d, unsigned number, bool on) { d.get().enable(number, on); }, py::arg("number"),
-          py::arg("on"))
+          "enable", [](PythonDebugger& d, unsigned number, bool on) { d.get("enable").enable(number, on); },
+          py::arg("number"), py::arg("on"))
       .def("hits",
            [](PythonDebugger& d) {
              std::map<unsigned, std::uint64_t> hits;
-             for (const auto& [number, trigger] : d.get().triggers()) hits[number] = trigger.hits;
+             for (const auto& [number, trigger] : d.get("hits").triggers()) hits[number] = trigger.hits;
              return hits;
            })
-      .def("stepped_chips", [](PythonDebugger& d) { return d.get().stepped_chips(); })
-      .def("stop", [](PythonDebugger& d) { return dict_of(d.get().stop()); })
+      .def("stepped_chips", [](PythonDebugger& d) { return d.get("stepped_chips").stepped_chips(); })
+      .def("stop", [](PythonDebugger& d) { return dict_of(d.get("stop").stop()); })
       .def(
           "go",
           [](PythonDebugger& d, std::optional<std::int64_t> until) {
-            return stop_of(d, [&](Debugger& x) { x.go(until ? Time{*until} : machine::never); });
+            return stop_of(d, "go", [&](Debugger& x) { x.go(until ? Time{*until} : machine::never); });
           },
           py::arg("until"))
       .def(
           "step",
           [](PythonDebugger& d, std::size_t chip, const std::string& step) {
-            return stop_of(d, [&, s = step_named(step)](Debugger& x) { x.step(chip, s); });
+            return stop_of(d, "step", [&, s = step_named(step)](Debugger& x) { x.step(chip, s); });
           },
           py::arg("chip"), py::arg("step"))
-      .def("go_back", [](PythonDebugger& d) { return stop_of(d, [](Debugger& x) { x.go_back(); }); })
+      .def("go_back", [](PythonDebugger& d) { return stop_of(d, "go_back", [](Debugger& x) { x.go_back(); }); })
       .def(
           "step_back",
           [](PythonDebugger& d, std::size_t chip, const std::string& step) {
-            return stop_of(d, [&, s = step_named(step)](Debugger& x) { x.step_back(chip, s); });
+            return stop_of(d, "step_back", [&, s = step_named(step)](Debugger& x) { x.step_back(chip, s); });
           },
           py::arg("chip"), py::arg("step"))
       .def(
           "go_to",
-          [](PythonDebugger& d, std::int64_t time) { return stop_of(d, [&](Debugger& x) { x.go_to(Time{time}); }); },
+          [](PythonDebugger& d, std::int64_t time) {
+            return stop_of(d, "go_to", [&](Debugger& x) { x.go_to(Time{time}); });
+          },
           py::arg("time"))
       .def(
           "last_write",
           [](PythonDebugger& d, std::size_t chip, c40::Address address) -> py::object {
             std::optional<machine::debug::Writer> writer;
-            d.long_work([&] { writer = d.get().last_write(chip, address); });
+            d.long_work("last_write", [&](Debugger& x) { writer = x.last_write(chip, address); });
             if (!writer) return py::none();
             return py::dict(py::arg("time_ps") = writer->time.count(), py::arg("chip") = writer->chip,
                             py::arg("pc") = writer->pc, py::arg("before") = writer->before,
@@ -158,19 +160,19 @@ void bind_debug(py::module_& core) {
       .def(
           "set_word",
           [](PythonDebugger& d, std::size_t chip, c40::Address address, c40::Word value) {
-            d.get().set_word(chip, address, value);
+            d.get("set_word").set_word(chip, address, value);
           },
           py::arg("chip"), py::arg("address"), py::arg("value"))
       .def(
           "set_register",
           [](PythonDebugger& d, std::size_t chip, const std::string& name, const std::string& expression) {
-            d.get().set_register(chip, name, expression);
+            d.get("set_register").set_register(chip, name, expression);
           },
           py::arg("chip"), py::arg("name"), py::arg("expression"))
       .def(
           "evaluate",
           [](PythonDebugger& d, std::size_t chip, const std::string& text) {
-            Debugger& x = d.get();
+            Debugger& x = d.get("evaluate");
             if (chip >= x.programs().size())
               throw machine::debug::DebugError("there is no chip " + std::to_string(chip));
             return value_of(machine::debug::Expression(text, x.debuggee(), x.programs(), chip).value());
@@ -179,27 +181,28 @@ void bind_debug(py::module_& core) {
       .def(
           "peek",
           [](PythonDebugger& d, std::size_t chip, c40::Address address) {
-            return d.get().debuggee().peek(chip, address);
+            return d.get("peek").debuggee().peek(chip, address);
           },
           py::arg("chip"), py::arg("address"))
       .def(
           "registers",
           [](PythonDebugger& d, std::size_t chip) {
-            return shown(machine::debug::registers(d.get().debuggee().chip(chip)));
+            return shown(machine::debug::registers(d.get("registers").debuggee().chip(chip)));
           },
           py::arg("chip"))
       .def(
           "peripherals",
           [](PythonDebugger& d, std::size_t chip) {
-            return shown(machine::debug::peripherals(d.get().debuggee().chip(chip)));
+            return shown(machine::debug::peripherals(d.get("peripherals").debuggee().chip(chip)));
           },
           py::arg("chip"))
       .def(
           "stack",
           [](PythonDebugger& d, std::size_t chip) {
-            const auto& program = d.get().program(chip);
+            const auto& program = d.get("stack").program(chip);
             py::list out;
-            for (const machine::debug::Frame& frame : machine::debug::call_stack(d.get().debuggee(), chip, program)) {
+            for (const machine::debug::Frame& frame :
+                 machine::debug::call_stack(d.get("stack").debuggee(), chip, program)) {
               const auto source = program.source(frame.pc);
               out.append(py::make_tuple(frame.pc, program.name(frame.pc), source ? source->file : "",
                                         source ? source->line : 0));
@@ -210,30 +213,30 @@ void bind_debug(py::module_& core) {
       .def(
           "instruction",
           [](PythonDebugger& d, std::size_t chip, c40::Address address) -> std::optional<std::string> {
-            const auto word = d.get().debuggee().peek(chip, address);
+            const auto word = d.get("instruction").debuggee().peek(chip, address);
             if (!word) return std::nullopt;
-            return d.get().program(chip).disassembled(address, *word);
+            return d.get("instruction").program(chip).disassembled(address, *word);
           },
           py::arg("chip"), py::arg("address"))
       .def(
-          "describe", [](PythonDebugger& d, std::size_t chip) { return d.get().debuggee().describe(chip); },
+          "describe", [](PythonDebugger& d, std::size_t chip) { return d.get("describe").debuggee().describe(chip); },
           py::arg("chip"))
       .def("chip_names",
            [](PythonDebugger& d) {
              std::vector<std::string> names;
-             for (std::size_t n = 0; n < d.get().programs().size(); ++n)
-               names.push_back(d.get().debuggee().chip_name(n));
+             for (std::size_t n = 0; n < d.get("chip_names").programs().size(); ++n)
+               names.push_back(d.get("chip_names").debuggee().chip_name(n));
              return names;
            })
-      .def("happenings", [](PythonDebugger& d) { return d.get().happenings(); })
-      .def("value_names", [](PythonDebugger& d) { return d.get().debuggee().value_names(); })
-      .def("page_names", [](PythonDebugger& d) { return d.get().debuggee().page_names(); })
+      .def("happenings", [](PythonDebugger& d) { return d.get("happenings").happenings(); })
+      .def("value_names", [](PythonDebugger& d) { return d.get("value_names").debuggee().value_names(); })
+      .def("page_names", [](PythonDebugger& d) { return d.get("page_names").debuggee().page_names(); })
       .def(
-          "page", [](PythonDebugger& d, const std::string& name) { return d.get().debuggee().page(name); },
+          "page", [](PythonDebugger& d, const std::string& name) { return d.get("page").debuggee().page(name); },
           py::arg("name"))
       .def("history",
            [](PythonDebugger& d) {
-             const auto info = d.get().history();
+             const auto info = d.get("history").history();
              return py::dict(py::arg("snapshots") = info.snapshots, py::arg("bytes") = info.bytes,
                              py::arg("first_ps") = info.first.count(), py::arg("last_ps") = info.last.count());
            })
@@ -249,28 +252,29 @@ void bind_debug(py::module_& core) {
             }
             debugger::dap::Listener& listener = *opened;
             if (!heard.is_none()) heard(listener.port());
-            return d.long_work([&] {
+            return d.long_work("listen", [&](Debugger& x) {
               while (!listener.has_client()) {
                 if (io::stop_asked()) return false;
                 std::this_thread::sleep_for(std::chrono::milliseconds{20});
               }
               const int client = listener.accept();
               if (client < 0) return false;
-              const debugger::dap::Ended ended = debugger::dap::serve(client, client, d.get());
+              const debugger::dap::Ended ended = debugger::dap::serve(client, client, x);
               ::close(client);
               return !ended.terminate;
             });
           },
           py::arg("port"), py::arg("heard"), "Serves one editor until it goes; False: it wants the run to end.")
-      .def("changes", [](PythonDebugger& d) { return d.get().changes(); })
+      .def("changes", [](PythonDebugger& d) { return d.get("changes").changes(); })
       .def(
-          "state", [](PythonDebugger& d) { return py::bytes(d.get().debuggee().save()); },
+          "state", [](PythonDebugger& d) { return py::bytes(d.get("state").debuggee().save()); },
           "The whole state, for comparisons.")
       .def(
           "on_output",
           [](PythonDebugger& d, const py::object& heard) {
-            if (heard.is_none()) return void(d.get().output = {});
-            d.get().output = [heard](const std::string& text) {
+            Debugger& x = d.get("on_output");
+            if (heard.is_none()) return void(x.output = {});
+            x.output = [heard](const std::string& text) {
               const py::gil_scoped_acquire gil;
               heard(text);
             };

@@ -97,7 +97,7 @@ void bind_network(py::module_& core) {
                if (machine::BoardDevices* devices = network->devices(n); devices != nullptr && devices->stateless())
                  throw state::StateError(*devices->stateless());
              return std::make_unique<PythonDebugger>(network,
-                                                     std::make_unique<machine::debug::NetworkDebuggee>(*network));
+                                                     std::make_unique<machine::debug::NetworkDebuggee>(*network), true);
            })
       .def("record_peripherals", &machine::Network::record_peripherals, py::arg("on"))
       .def("event_trace", &machine::Network::event_trace)

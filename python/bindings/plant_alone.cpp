@@ -1,8 +1,11 @@
 // A crane and an AGV by themselves, without a dock.
 #include <pybind11/stl.h>
 
+#include "io/stop.hpp"
 #include "plant/crane/crane_alone.hpp"
 #include "plant/vehicles/agv_alone.hpp"
+#include "python/bindings/ctrl_c.hpp"
+#include "python/bindings/one_user.hpp"
 #include "python/bindings/plant.hpp"
 #include "python/bindings/state.hpp"
 
@@ -20,11 +23,34 @@ Joints joints(const py::object& torques) {
   }
 }
 
-void run(CraneAlone& crane, const py::object& torques, double dt, long steps) {
+/// Calls from two threads at once are refused.
+class PythonCrane {
+ public:
+  explicit PythonCrane(const CraneAloneConfig& config) : crane_(config) {}
+  const CraneAlone& read(const char* call) const {
+    user_.reads(call);
+    return crane_;
+  }
+  CraneAlone& change(const char* call) {
+    user_.changes(call);
+    return crane_;
+  }
+  /// Ctrl-C ends it between two steps.
+  void run(const Joints& torque, double dt, long steps) {
+    const OneUser::Long use(user_, "run", false);
+    interruptible_without_gil([&] {
+      for (long i = 0; i < steps && !io::stop_asked(); ++i) crane_.step(torque, dt);
+    });
+  }
+
+ private:
+  CraneAlone crane_;
+  OneUser user_{"Crane"};
+};
+
+void run(PythonCrane& crane, const py::object& torques, double dt, long steps) {
   if (steps < 0) throw py::value_error("steps must not be negative (got " + std::to_string(steps) + ")");
-  const Joints torque = joints(torques);
-  const py::gil_scoped_release release;
-  for (long i = 0; i < steps; ++i) crane.step(torque, dt);
+  crane.run(joints(torques), dt, steps);
 }
 
 void bind_crane_alone(py::module_& m) {
@@ -34,58 +60,71 @@ void bind_crane_alone(py::module_& m) {
       .def("__copy__", [](const CraneAlone::State& s) { return s; })
       .def("__deepcopy__", [](const CraneAlone::State& s, const py::dict&) { return s; })
       .def(py::pickle(&value_bytes<CraneAlone::State>, &value_of_bytes<CraneAlone::State>));
-  py::class_<CraneAlone>(m, "CraneAlone", "A crane by itself, driven by motor torques.")
+  py::class_<PythonCrane>(m, "CraneAlone", "A crane by itself, driven by motor torques.")
       .def(py::init([](CraneParameters crane, const CranePose& home, double mass, double inertia, double rated_load,
                        bool rigid, double tolerance, Method method, int order, bool bookkeeping,
                        const SensorParameters& sensors, const WindParameters& wind) {
              crane.rated_load = rated_load;
-             return std::make_unique<CraneAlone>(CraneAloneConfig{
+             return std::make_unique<PythonCrane>(CraneAloneConfig{
                  crane, home, {mass, inertia}, rigid, tolerance, method, order, bookkeeping, sensors, wind});
            }),
            py::arg("crane"), py::arg("home"), py::arg("mass"), py::arg("inertia"), py::arg("rated_load"),
            py::arg("rigid"), py::arg("tolerance"), py::arg("method"), py::arg("order"), py::arg("bookkeeping"),
            py::arg("sensors"), py::arg("wind"))
       .def(
-          "step", [](CraneAlone& c, const py::object& torques, double dt) { c.step(joints(torques), dt); },
+          "step",
+          [](PythonCrane& c, const py::object& torques, double dt) { c.change("step").step(joints(torques), dt); },
           py::arg("torques"), py::arg("dt"))
       .def("run", &run, py::arg("torques"), py::arg("dt"), py::arg("steps"))
       .def(
-          "set_load", [](CraneAlone& c, double mass, double inertia) { c.set_load({mass, inertia}); }, py::arg("mass"),
-          py::arg("inertia"))
-      .def("reset", &CraneAlone::reset, py::arg("q"), py::arg("qd"), py::arg("torque") = Joints{})
-      .def("linearize", &CraneAlone::linearize, py::arg("state"))
-      .def("snapshot", [](const CraneAlone& c) { return c.state(); })
-      .def("restore", &CraneAlone::restore, py::arg("state"))
-      .def_property_readonly("q", [](const CraneAlone& c) { return c.state().crane.q; })
-      .def_property_readonly("qd", [](const CraneAlone& c) { return c.state().crane.qd; })
-      .def_property_readonly("torque", [](const CraneAlone& c) { return c.state().crane.torque; })
-      .def_property_readonly("time", [](const CraneAlone& c) { return c.state().time; })
-      .def_property_readonly("faulted", [](const CraneAlone& c) { return c.state().faulted; })
-      .def_property_readonly("at_limit", [](const CraneAlone& c) { return c.state().modes.at_limit; })
-      .def_property_readonly("stuck", [](const CraneAlone& c) { return c.state().modes.stuck; })
-      .def_property_readonly("work", [](const CraneAlone& c) { return c.state().work; })
+          "set_load",
+          [](PythonCrane& c, double mass, double inertia) { c.change("set_load").set_load({mass, inertia}); },
+          py::arg("mass"), py::arg("inertia"))
+      .def(
+          "reset",
+          [](PythonCrane& c, const CraneVector& q, const CraneVector& qd, const Joints& torque) {
+            c.change("reset").reset(q, qd, torque);
+          },
+          py::arg("q"), py::arg("qd"), py::arg("torque") = Joints{})
+      .def(
+          "linearize",
+          [](const PythonCrane& c, const CraneAlone::State& state) { return c.read("linearize").linearize(state); },
+          py::arg("state"))
+      .def("snapshot", [](const PythonCrane& c) { return c.read("snapshot").state(); })
+      .def(
+          "restore", [](PythonCrane& c, const CraneAlone::State& state) { c.change("restore").restore(state); },
+          py::arg("state"))
+      .def_property_readonly("q", [](const PythonCrane& c) { return c.read("q").state().crane.q; })
+      .def_property_readonly("qd", [](const PythonCrane& c) { return c.read("qd").state().crane.qd; })
+      .def_property_readonly("torque", [](const PythonCrane& c) { return c.read("torque").state().crane.torque; })
+      .def_property_readonly("time", [](const PythonCrane& c) { return c.read("time").state().time; })
+      .def_property_readonly("faulted", [](const PythonCrane& c) { return c.read("faulted").state().faulted; })
+      .def_property_readonly("at_limit", [](const PythonCrane& c) { return c.read("at_limit").state().modes.at_limit; })
+      .def_property_readonly("stuck", [](const PythonCrane& c) { return c.read("stuck").state().modes.stuck; })
+      .def_property_readonly("work", [](const PythonCrane& c) { return c.read("work").state().work; })
       .def_property_readonly("events",
-                             [](const CraneAlone& c) {
+                             [](const PythonCrane& c) {
                                static constexpr std::array names{"limit", "stuck", "slipped", "slack", "swung_out"};
                                std::vector<std::tuple<std::int64_t, std::string, int>> all;
-                               for (const auto& e : c.events())
+                               for (const auto& e : c.read("events").events())
                                  all.emplace_back(e.time, names.at(static_cast<std::size_t>(e.kind)), e.joint);
                                return all;
                              })
-      .def_property_readonly("swung_out", [](const CraneAlone& c) { return c.state().swung_out; })
+      .def_property_readonly("swung_out", [](const PythonCrane& c) { return c.read("swung_out").state().swung_out; })
       .def_property_readonly("payload",
-                             [](const CraneAlone& c) {
-                               return std::pair{c.state().inputs.payload.mass, c.state().inputs.payload.inertia};
+                             [](const PythonCrane& c) {
+                               return std::pair{c.read("payload").state().inputs.payload.mass,
+                                                c.read("payload").state().inputs.payload.inertia};
                              })
-      .def_property_readonly("model", [](const CraneAlone& c) { return c.crane(); })
-      .def("acceleration", &CraneAlone::acceleration)
-      .def("energy", &CraneAlone::energy)
-      .def("encoders", &CraneAlone::encoders)
-      .def("sway", &CraneAlone::sway)
+      .def_property_readonly("model", [](const PythonCrane& c) { return c.read("model").crane(); })
+      .def("acceleration", [](const PythonCrane& c) { return c.read("acceleration").acceleration(); })
+      .def("energy", [](const PythonCrane& c) { return c.read("energy").energy(); })
+      .def("encoders", [](const PythonCrane& c) { return c.read("encoders").encoders(); })
+      .def("sway", [](const PythonCrane& c) { return c.read("sway").sway(); })
       .def(
           "sensitivity",
-          [](const CraneAlone& c, const py::object& torques, double seconds) {
-            const CraneSensitivity s = c.sensitivity(joints(torques), seconds);
+          [](const PythonCrane& c, const py::object& torques, double seconds) {
+            const CraneSensitivity s = c.read("sensitivity").sensitivity(joints(torques), seconds);
             return std::tuple{s.q_by_mass, s.qd_by_mass, s.q_by_length, s.qd_by_length};
           },
           py::arg("torques"), py::arg("seconds"));

@@ -187,7 +187,7 @@ void bind_dock(py::module_& m) {
           "advance_to",
           [](Dock& d, std::int64_t t) {
             constexpr std::int64_t slice = 100'000'000'000;  // 0.1 s; then Ctrl-C is heard
-            interruptible_without_gil([&] {
+            interruptible([&] {                              // with the GIL: nothing else keeps other threads out
               while (d.time().count() + slice < t && !io::stop_asked()) d.advance_to(ps(d.time().count() + slice));
               if (!io::stop_asked()) d.advance_to(ps(t));
             });

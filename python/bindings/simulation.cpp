@@ -79,6 +79,7 @@ class Run {
     user_.reads(call);
     return run_;
   }
+  OneUser& user() { return user_; }
   /// For short calls that change the run, or must not see it between two states.
   template <class Work>
   auto moment(const char* call, Work work) {
@@ -222,7 +223,8 @@ void bind_simulation(py::module_& m) {
           "The page of a run that is over, as UTF-8.")
       .def("debug",
            [](const std::shared_ptr<Run>& run) {
-             return std::make_unique<PythonDebugger>(run, std::make_unique<cmrc::DockDebuggee>(run->change("debug")));
+             return std::make_unique<PythonDebugger>(run, std::make_unique<cmrc::DockDebuggee>(run->change("debug")),
+                                                     false, &run->user());
            })
       .def("snapshot", [](Run& r) { return r.moment("snapshot", [](Simulation& s) { return s.snapshot(); }); })
       .def(

@@ -85,6 +85,12 @@ processor = cmrc.c40.Processor(loop)
 interrupted(lambda: processor.trace(10**15))
 assert len(processor.trace(8)) > 0
 """,
+    "Crane.run": """
+crane = cmrc.plant.Crane()
+interrupted(lambda: crane.run((0.0,) * 5, 0.01, 10**9))
+assert crane.state.time_s > 0
+crane.run((0.0,) * 5, 0.01, 1)
+""",
     "Network.run": """
 network = cmrc.network.Network([send, take], links=["0.0:1.3"])
 interrupted(lambda: network.run(max_cycles=10**13))

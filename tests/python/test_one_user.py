@@ -140,3 +140,64 @@ def test_four_simulations_in_threads_are_what_they_are_alone() -> None:
     for thread in threads:
         thread.join()
     assert hashes == [plain_hash()] * 4
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        pytest.param(lambda s, d: d.go(0.19), id="go"),
+        pytest.param(lambda s, d: d.back(), id="back"),
+        pytest.param(lambda s, d: d.stop, id="stop"),
+        pytest.param(lambda s, d: d.registers(chip=0), id="registers"),
+        pytest.param(lambda s, d: d.on("claim"), id="on"),
+        pytest.param(lambda s, d: s.result(), id="result"),
+        pytest.param(lambda s, d: s.snapshot(), id="snapshot"),
+        pytest.param(lambda s, d: s.run_until(0.19), id="run_until"),
+    ],
+)
+def test_a_debugger_and_its_run_have_one_user(call: Callable[[cmrc.Simulation, Any], Any]) -> None:
+    """The debugger waits in its output until the other thread has been answered."""
+    simulation = cmrc.Simulation(**SHORT)
+    debugger = simulation.debug()
+    debugger.on("claim", log="claimed")
+    refused: list[str] = []
+
+    def other() -> None:
+        with pytest.raises(RuntimeError) as found:
+            call(simulation, debugger)
+        refused.append(str(found.value))
+
+    def heard(text: str) -> None:
+        if not refused:
+            thread = threading.Thread(target=other)
+            thread.start()
+            thread.join()
+
+    debugger.on_output(heard)
+    assert debugger.go(0.03).reason == "moved"
+    assert len(refused) == 1 and "another thread is in" in refused[0] and "wait for its end" in refused[0]
+
+
+def test_a_run_under_way_refuses_its_debugger() -> None:
+    simulation = cmrc.Simulation(**SHORT)
+    debugger = simulation.debug()
+    with pytest.raises(RuntimeError, match="Simulation.debug: not from inside a callback of run"):
+        simulation.run(lambda simulated_s, duration_s: debugger.go(0.19))
+
+
+def test_a_crane_has_one_user() -> None:
+    crane = cmrc.plant.Crane()
+    steps = threading.Thread(target=crane.run, args=((100.0, 0, 0, 0, 0), 0.001, 3000))
+    refused: list[str] = []
+    steps.start()
+    while steps.is_alive():
+        for call in (lambda: crane.state, lambda: crane.step((0.0,) * 5, 0.0)):
+            try:
+                call()
+            except RuntimeError as error:
+                refused.append(str(error))
+    steps.join()
+    assert any("Crane.step: another thread is in Crane.run" in text for text in refused)
+    alone = cmrc.plant.Crane()
+    alone.run((100.0, 0, 0, 0, 0), 0.001, 3000)
+    assert crane.state.q.tolist() == alone.state.q.tolist()

@@ -173,7 +173,8 @@ class Crane:
         ValueError for another ``dt``.
         """
         self.run = self._core.run
-        """``run(torques, dt, steps)``: this number of equal steps, without holding the GIL."""
+        """``run(torques, dt, steps)``: this number of equal steps, without holding the GIL. Ctrl-C ends it between two
+        steps. Another thread's call on this crane is a RuntimeError meanwhile."""
 
     @property
     def state(self) -> CraneState:
