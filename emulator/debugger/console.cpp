@@ -49,7 +49,7 @@ const std::vector<Console::Row>& Console::rows() {
        "stop after an access to words, or after a register has changed",
        [](Console& c, Words& w) { c.stop_at_words(w); }},
       {{"on"},
-       "KIND [chip N] [FIELD=VALUE ...] [ignore N] [log TEXT] [if EXPRESSION]",
+       "KIND [FIELD=VALUE ...] [chip N] [ignore N] [log TEXT] [if EXPRESSION]",
        "stop at an event (see: happenings)",
        [](Console& c, Words& w) { c.stop_at_happening(w); }},
       {{"when"},
@@ -117,7 +117,7 @@ const std::vector<Console::Row>& Console::rows() {
        [](Console& c, Words& w) { c.show_stack(w); }},
       {{"page"},
        "NAME",
-       "for the dock list, dsps, plant; for a network chips, events",
+       "for the dock list, dsps, plant; for a network chips, events, devices",
        [](Console& c, Words& w) { c.show_page(w); }},
       {{"happenings"}, "", "what `on` takes", [](Console& c, Words& w) { c.show_happenings(w); }},
       {{"history"}, "", "the snapshots for going back", [](Console& c, Words& w) { c.show_history(w); }},
@@ -195,11 +195,23 @@ void Console::script(const std::string& path) {
 
 namespace {
 
-/// "chip N", "ignore N", "log TEXT", "if EXPRESSION" in any order. The last two take the rest of the line; `log` ends
-/// at " if ".
+/// A word "FIELD=VALUE" of an event.
+template <class Words>
+bool take_field(Words& words, Trigger& trigger) {
+  const std::string_view word = words.peek();
+  const std::size_t equals = word.find('=');
+  if (equals == std::string_view::npos || equals == 0) return false;
+  trigger.fields.emplace(std::string(word.substr(0, equals)), std::string(word.substr(equals + 1)));
+  words.next();
+  return true;
+}
+
+/// "chip N", "ignore N", "log TEXT", "if EXPRESSION" in any order; of an event "FIELD=VALUE", too. `log` and `if` take
+/// the rest of the line; `log` ends at " if ".
 template <class Words>
 void read_options(Words& words, Trigger& trigger) {
   for (;;) {
+    if (trigger.kind == Trigger::Kind::happening && take_field(words, trigger)) continue;
     if (words.take("chip") || words.take("dsp")) {
       trigger.chip = words.count("chip");
     } else if (words.take("ignore")) {
@@ -284,13 +296,6 @@ void Console::stop_at_happening(Words& words) {
   Trigger trigger{.kind = Trigger::Kind::happening, .name = std::string(words.next())};
   if (trigger.name.empty()) throw DebugError("on: an event is expected (see: happenings)");
   trigger.text = "at " + trigger.name + " " + std::string(trimmed(words.rest));
-  for (;;) {
-    const std::string_view word = words.peek();
-    const std::size_t equals = word.find('=');
-    if (equals == std::string_view::npos || equals == 0) break;
-    trigger.fields.emplace(std::string(word.substr(0, equals)), std::string(word.substr(equals + 1)));
-    words.next();
-  }
   read_options(words, trigger);
   added(debugger_.add(trigger));
 }

@@ -30,12 +30,14 @@ next:   ldi     *+ar0(2),r1
         b       next
 over:   andn    2000h,st
 done:   b       done
-isr:    push    r0
+isr:    push    st                      ; addi changes the flags that the program tests
+        push    r0
         ldi     1,r0
         sti     r0,*+ar2(6)             ; clears
         addi    1,r5
         sti     r5,*ar1
         pop     r0
+        pop     st
         reti
         .data
 uart:   .word   0B0000001h

@@ -141,6 +141,17 @@ def test_the_dock_by_commands() -> None:
     assert re.search(r"claim task=pid, met [1-9] times", done.stdout) and "error:" not in done.stdout
 
 
+def test_fields_and_options_of_an_event_stand_in_any_order() -> None:
+    orders = ("on claim chip 2 task=pid", "on claim task=pid chip 2", "on claim ignore 0 task=pid chip 2")
+    done = debug(
+        *("--dsps", "3", "--duration", "0.1", "--set", "report.reference=none", *AT_ONCE_OPTIONS),
+        stdin="\n".join([*orders, "continue", "stops", "on claim chip 2 total", "on claim chip 2 =pid"]),
+    )
+    stops = re.findall(r"^\d: at claim .*met (\d+) times$", done.stdout, re.MULTILINE)
+    assert stops == ["1", "1", "1"], done.stdout
+    assert done.stdout.count("the end of the command is expected") == 2
+
+
 def test_all_registers_of_the_processor_are_shown(program: Path) -> None:
     shown = set(re.findall(r"\b[A-Z][A-Z0-9]*\b", debug(program, stdin="registers\n").stdout))
     extended, auxiliary = {f"R{n}" for n in range(12)}, {f"AR{n}" for n in range(8)}

@@ -1,6 +1,7 @@
 """The debugger over networks and the dock: one instant for all chips, what it shows, and that looking changes
 nothing."""
 
+from pathlib import Path
 from typing import Any
 
 import cmrc
@@ -8,6 +9,7 @@ import pytest
 from cmrc import c40
 from cmrc.debug import DebugError, Stop
 from cmrc.network import Network, SharedMemory
+from locations import AT_ONCE
 
 
 def dock(duration_s: float = 0.2, dsps: int = 4, **settings: Any) -> cmrc.Simulation:
@@ -120,6 +122,25 @@ def test_an_instant_is_found_again_and_a_change_by_hand_begins_a_branch() -> Non
     assert debugger.word(scratch + 5, chip=3) != 1234
     debugger.go_to(0.05)
     assert debugger._core.state() == changed
+
+
+def test_a_miss_has_the_name_of_its_task(tmp_path: Path) -> None:
+    """Late and dropped jobs, those of a user's task, too; numbers KIND_* of c40_programs/include/task_block.inc."""
+    config = tmp_path / "own.toml"
+    config.write_text(
+        '[[tasks]]\nname = "own"\nprogram = "kernel_none"\nkind = 23\nimportance = 1\n'
+        "period_ms = 1\ndeadline_ms = 0.125\n"
+    )
+    settings = {"run.duration_s": 0.1, "machine.dsps": 1, "report.reference": "none", **AT_ONCE}
+    numbers = {"torque_compensation": "kind=5 ", "pid": "kind=6 ", "own": "kind=12 "}
+    for task, number in numbers.items():
+        debugger = cmrc.Simulation(config=config, settings=settings).debug()
+        debugger.on("miss", task=task)
+        stop = debugger.go(0.01)
+        assert stop.hits and all(number in hit.text and hit.text.endswith(f" task={task}") for hit in stop.hits)
+    debugger = cmrc.Simulation(config=config, settings=settings).debug()
+    debugger.on("miss", task="obstacle_avoidance")
+    assert not debugger.go(0.01).hits
 
 
 def test_functions_are_called_at_stops_and_may_let_the_machine_continue() -> None:

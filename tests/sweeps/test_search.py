@@ -64,6 +64,9 @@ def test_where_nothing_or_everything_passes() -> None:
     assert found.best is None and math.isnan(found.value) and "Nothing was found" in found.text()
     found, trier = bisected(lambda *_: 0)
     assert found.best == {"machine.cycle_time_factor": 4.0} and len(trier.trials) == 2
+    assert found.whole_range and "The end of the range passes, too: the last value may lie beyond it" in found.text()
+    found, _ = bisected(lambda place, _: place["machine.cycle_time_factor"] > 2)
+    assert not found.whole_range and "The end of the range" not in found.text()
 
 
 def test_neighbours_show_what_is_not_monotone() -> None:

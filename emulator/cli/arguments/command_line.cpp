@@ -106,7 +106,8 @@ void declare_run(CLI::App& app, RunOptions& options) {
       ->check(integer(0, 65535))
       ->type_name("PORT");
   app.add_flag("--debug-wait", options.debug_wait, "Wait for the editor before the run");
-  app.add_flag("--strict", options.strict, "Exit with status 1 when a deadline was missed");
+  app.add_flag("--strict", options.strict,
+               "Exit with status 1 when a deadline was missed or an error had to be handled");
   app.add_flag("--quiet", options.quiet, "No progress line and no report on the terminal");
 }
 

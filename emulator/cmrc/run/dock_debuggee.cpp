@@ -202,18 +202,10 @@ void DockDebuggee::event(const report::Event& event) {
   if (event.component >= report::first_dsp && event.component < report::plant)
     happening.chip = event.component - report::first_dsp;
   using enum EventKind;
-  // Misses have the report's number of the kind, blocks the program's.
-  if (event.kind == load || event.kind == claim || event.kind == finish || event.kind == remove ||
-      event.kind == requeue) {
-    happening.fields["task"] = task_name(event.arguments[1]);
-    happening.text += fmt::format(" task={}", happening.fields["task"]);
-  } else if (event.kind == miss) {
-    const std::vector<std::string> kinds = job_kinds();
-    const Word kind = event.arguments[0];
-    const std::size_t user = kind - static_cast<std::size_t>(JobKind::user);
-    happening.fields["task"] = kind < static_cast<std::size_t>(JobKind::user) ? kinds.at(kind)
-                               : user < simulation_.config().tasks.size()     ? simulation_.config().tasks[user].name
-                                                                              : "?";
+  const bool of_block = event.kind == load || event.kind == claim || event.kind == finish || event.kind == remove ||
+                        event.kind == requeue;
+  if (of_block || event.kind == miss) {
+    happening.fields["task"] = task_name(event.arguments[of_block ? 1 : 0]);
     happening.text += fmt::format(" task={}", happening.fields["task"]);
   }
   listener_->happened(happening);

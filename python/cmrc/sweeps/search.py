@@ -66,6 +66,8 @@ class Found:
     exceptions: list[float] = field(default_factory=list)
     """For a bisection: values that pass beyond the answer, or do not pass before it: there the metric is not
     monotone."""
+    whole_range: bool = False
+    """For a bisection: its two ends pass, so it has looked no further."""
     sweep: Sweep | None = None
     """All runs."""
 
@@ -80,6 +82,8 @@ class Found:
         if self.best is None:
             return "\n".join([*lines, "", "Nothing was found."]) + "\n"
         lines += ["", f"Found: {_place(self.best)}, {self.metric} {self.value:.4g}"]
+        if self.whole_range:
+            lines.append("The end of the range passes, too: the last value may lie beyond it.")
         if self.checked.n:
             word = "" if self.check_passed is None else " It passes." if self.check_passed else " IT DOES NOT PASS."
             lines.append(f"With seeds that the search has not used: {self.checked} (n = {self.checked.n}).{word}")
@@ -261,7 +265,8 @@ def _bisected(trier: _Trier, asked: _Asked) -> Found:
     look([asked.begin, asked.end])
     good: float | None = asked.begin if passed[asked.begin] else None
     bad = asked.end
-    if good is not None and passed[bad]:
+    whole_range = good is not None and passed[bad]
+    if whole_range:
         good = bad
     elif good is not None:
         while abs(bad - good) > asked.tolerance:
@@ -292,6 +297,7 @@ def _bisected(trier: _Trier, asked: _Asked) -> Found:
         None,
         trier.trials,
         exceptions,
+        whole_range,
     )
 
 
