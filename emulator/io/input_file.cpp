@@ -2,9 +2,22 @@
 
 #include <algorithm>
 #include <fstream>
+#include <mutex>
 #include <system_error>
 
 namespace io {
+
+namespace {
+
+std::mutex noting;
+std::set<std::filesystem::path> noted;
+
+}  // namespace
+
+std::set<std::filesystem::path> inputs_read() {
+  const std::lock_guard lock(noting);
+  return noted;
+}
 
 Input read_input(const std::filesystem::path& path) {
   std::error_code error;
@@ -22,6 +35,8 @@ Input read_input(const std::filesystem::path& path) {
   if (in.bad()) return {{}, "cannot be read"};
   if (size > largest_input) return {{}, fmt::format("is larger than {} MiB", largest_input >> 20)};
   text.resize(size);
+  const std::lock_guard lock(noting);
+  noted.insert(path);
   return {std::move(text), {}};
 }
 

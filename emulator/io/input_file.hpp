@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -19,6 +20,9 @@ struct Input {
 };
 
 Input read_input(const std::filesystem::path& path);
+
+/// The paths of all files that read_input has read in this process.
+std::set<std::filesystem::path> inputs_read();
 
 /// The contents of a file. \param expected what the file should be, for the message
 /// \throws Error "FILE: what is wrong; EXPECTED is expected"

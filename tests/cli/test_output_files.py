@@ -2,6 +2,7 @@
 
 import os
 import resource
+import shutil
 import signal
 import stat
 import subprocess
@@ -11,7 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
-from locations import BUILD
+from locations import BUILD, ROOT
 
 EMULATOR = BUILD / "bin" / "emulator"
 PROGRAM = "        .text\n_start: ldi 1,r0\n        idle\n"
@@ -192,6 +193,57 @@ def test_an_output_that_is_an_input_or_another_output_is_refused(folder: Path, c
         and "another name is expected" in result.stderr
     ), result.stderr
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+
+
+BOARD = """[[region]]
+name = "code"
+kind = "ram"
+base = 0x300000
+words = 256
+bus = "local"
+[[region]]
+name = "rom"
+kind = "ram"
+base = 0x400000
+words = 16
+bus = "local"
+file = "rom.bin"
+width = 32
+"""
+
+
+@pytest.mark.parametrize(
+    ("command", "output"),
+    [
+        (["exec", "s.asm", "--board", "b.toml", "--trace"], "rom.bin"),
+        *((["exec", "--network", "n.toml", "--events"], name) for name in ("p.out", "b.toml", "rom.bin")),
+        ([*RUN, "--programs", "programs", "--report"], "programs/dsp.asm"),
+        ([*RUN, "--programs", "programs", "--report"], "programs/include/areas.inc"),
+        ([*RUN, "--programs", "programs", "--trace"], "programs/not_there_yet"),
+        (["compare", *SHORT, "--programs", "programs", "--json"], "programs/dsp.asm"),
+    ],
+)
+def test_a_file_that_another_one_names_is_an_input(folder: Path, command: list[str], output: str) -> None:
+    (folder / "b.toml").write_text(BOARD)
+    (folder / "rom.bin").write_bytes(bytes(64))
+    (folder / "n.toml").write_text('[[chip]]\nprogram = "p.out"\nboard = "b.toml"\n[[chip]]\nprogram = "s.asm"\n')
+    emulator(folder, "asm", "s.asm", "-o", "p.out")
+    shutil.copytree(ROOT / "c40_programs", folder / "programs")
+    before = (folder / output).read_bytes() if (folder / output).exists() else None
+    result = emulator(folder, *command, output, timeout=60)
+    assert result.returncode == 2 and "another name is expected" in result.stderr, result.stderr
+    assert ((folder / output).read_bytes() if (folder / output).exists() else None) == before
+
+
+@pytest.mark.parametrize("first", ["one", "target"])
+def test_two_links_to_a_file_that_is_not_there_are_one_output(folder: Path, first: str) -> None:
+    (folder / "one").symlink_to("target")
+    (folder / "two").symlink_to("target")
+    result = emulator(folder, *RUN, "--report", first, "--trace", "two", timeout=60)
+    assert result.returncode == 2 and "is the same file as" in result.stderr, result.stderr
+    assert not (folder / "target").exists()
+    assert emulator(folder, *RUN, "--report", "one", timeout=60).returncode == 0
+    assert (folder / "target").exists() and (folder / "one").is_symlink()
 
 
 def test_devices_may_be_named_twice(folder: Path) -> None:

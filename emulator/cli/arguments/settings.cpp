@@ -74,7 +74,7 @@ io::FileRoles files_read(const RunOptions& options, const cmrc::Config& config) 
   io::FileRoles files;
   files.reads("--config", options.config.value_or(""));
   if (config.machine.board != "default") files.reads("machine.board", config.machine.board);
-  files.reads("dock.layout", config.dock.layout);
+  files.reads("dock.layout", config.dock.layout).reads_folder("machine.programs", config.machine.programs);
   return files;
 }
 
