@@ -19,7 +19,8 @@ struct Input {
   std::string problem;  ///< empty, or what follows "FILE: " in a message: "cannot be read"
 };
 
-Input read_input(const std::filesystem::path& path);
+/// \param most the bytes of the largest file that is read
+Input read_input(const std::filesystem::path& path, std::size_t most = largest_input);
 
 /// The paths of all files that read_input has read in this process.
 std::set<std::filesystem::path> inputs_read();
@@ -27,8 +28,8 @@ std::set<std::filesystem::path> inputs_read();
 /// The contents of a file. \param expected what the file should be, for the message
 /// \throws Error "FILE: what is wrong; EXPECTED is expected"
 template <typename Error>
-std::string read_file(const std::filesystem::path& path, std::string_view expected) {
-  Input input = read_input(path);
+std::string read_file(const std::filesystem::path& path, std::string_view expected, std::size_t most = largest_input) {
+  Input input = read_input(path, most);
   if (!input.problem.empty())
     throw Error(fmt::format("{}: {}; {} is expected", path.string(), input.problem, expected));
   return std::move(input.text);

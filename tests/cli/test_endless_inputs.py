@@ -31,6 +31,7 @@ def bounded() -> None:
     ["exec", "--network", "/dev/zero"],
     ["vectors", "/dev/zero"],
     ["trace-diff", "/dev/zero", "/dev/zero"],
+    ["--resume", "/dev/zero"],
 ], ids=lambda command: " ".join(command))  # fmt: skip
 @pytest.mark.unsanitized
 def test_a_file_without_an_end_is_refused(command: list[str], emulator: Path, tmp_path: Path) -> None:
@@ -45,3 +46,14 @@ def test_a_file_without_an_end_is_refused(command: list[str], emulator: Path, tm
     assert ended.returncode == 2, ended.stderr
     assert any(words in ended.stderr for words in ("is larger than 64 MiB", "a line longer than")), ended.stderr
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(("size", "says"), [(70 << 20, "not a snapshot"), (5 << 30, "is larger than 4096 MiB")])
+def test_a_snapshot_may_be_large(size: int, says: str, emulator: Path, tmp_path: Path) -> None:
+    """A run with much memory writes more than the 64 MiB that other inputs have at the most."""
+    with (tmp_path / "large.snap").open("wb") as file:
+        file.truncate(size)
+    ended = subprocess.run(
+        [emulator, "--resume", "large.snap"], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert ended.returncode == 2 and says in ended.stderr, ended.stderr

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 
 #include "cli/arguments/settings.hpp"
 #include "io/input_file.hpp"
@@ -34,7 +36,12 @@ std::vector<SnapshotRequest> snapshot_requests(const RunOptions& options, const 
 }
 
 cmrc::Snapshot read_snapshot(const std::string& file) {
-  const std::string bytes = io::read_file<InputError>(file, "a snapshot (--snapshot-at)");
+  // 16 chips with the most memory of a board, and the plant.
+  constexpr std::size_t largest_snapshot = std::size_t{4} << 30;
+  std::error_code unreadable;
+  const bool has_an_end = std::filesystem::is_regular_file(file, unreadable);
+  const std::string bytes =
+      io::read_file<InputError>(file, "a snapshot (--snapshot-at)", has_an_end ? largest_snapshot : io::largest_input);
   try {
     return cmrc::Snapshot::from_bytes(bytes);
   } catch (const cmrc::SnapshotError& error) {
