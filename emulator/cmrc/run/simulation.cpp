@@ -221,7 +221,7 @@ bool Simulation::strictly_good() const {
   const report::RunReport report = this->report();
   const bool whole =
       report.stop_reason == report::StopReason::completed || report.stop_reason == report::StopReason::job_done;
-  return whole && report.misses() == 0 && report.errors_handled.empty();
+  return whole && report.judged() && report.misses() == 0 && report.errors_handled.empty();
 }
 
 int Simulation::exit_status() const {
