@@ -215,6 +215,18 @@ def test_an_interrupted_run_is_measured_as_far_as_it_came_and_continues() -> Non
     assert rest.hash == whole.hash and rest.errors == whole.errors and rest.rates == whole.rates
 
 
+def test_the_rates_of_an_interrupted_run_are_those_of_its_window() -> None:
+    """A host that pauses runs faster than its ideal run: the window ends where that one has come."""
+    pause = {"at_s": 0.1, "action": "pause_host", "lasts_ms": 4800}
+    result = cmrc.Simulation(dsps=2, duration_s=30.0, events=[pause]).run(lambda now, _: now < 5.2)
+    end = result.errors["window_s"][1]
+    assert result.stop_reason == "interrupted" and end <= result.report["simulated_s"]
+    rate = result.rates["f_p"]
+    assert rate["released"] <= 2 * (end - 0.02) * 1000 + 4 and rate["misses"] <= rate["released"]
+    assert rate["finished"] <= rate["released"] and rate["extra"] <= 4
+    assert rate["realised_hz"] == pytest.approx(rate["finished"] / 2 / (end - 0.02), rel=0.02)
+
+
 def test_one_ideal_run_serves_every_number_of_dsps_and_no_other_scene() -> None:
     simulation = cmrc.Simulation(dsps=1, duration_s=0.2)
     simulation.run()

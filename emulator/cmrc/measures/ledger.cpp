@@ -144,7 +144,7 @@ void Ledger::skipped(JobKind kind, Time released, Time deadline, std::optional<s
   ++misses_;
   JobTimes& jobs = jobs_[{job.kind, robot}];
   jobs.released.add(released);
-  ++jobs.misses;
+  jobs.missed.add(released);
   MissedJob missed = missed_job(open, report::Outcome::dropped, deadline);
   missed.given_up = found;
   for (const auto& [block, other] : open_) {
@@ -320,7 +320,7 @@ report::Outcome Ledger::book(const Open& open, const report::Job& job, Time now)
   if (watcher_ != nullptr)
     watcher_->ended({open.name, outcome, miss, open.released, open.deadline, open.finished, now, false});
   if (!miss) return outcome;
-  ++jobs.misses;
+  jobs.missed.add(job.released);
   MissedJob missed = missed_job(open, outcome, now);
   if (outcome == report::Outcome::dropped) missed.given_up = now;
   why_.missed(missed, timeline_, audit_, watcher_);
