@@ -245,6 +245,20 @@ def test_what_the_operator_sets_happens_in_the_ideal_run_too() -> None:
     assert result.errors["load_m"]["peak"] < 1e-3  # the ideal run's crane lost the same drive
 
 
+# ---- the lag beyond the last milestone of the window -----------------------------------------------------------------
+
+
+def test_the_lag_grows_beyond_the_last_milestone_while_the_ideal_run_moves() -> None:
+    """One point per second. The last one within the window is used at about 2 s; the machine dies at 2.1 s, 0.9 s before
+    the window ends, and the crane of the ideal run goes on."""
+    scene: dict[str, Any] = {"dsps": 2, "duration_s": 3.0, "settings": {"rates.crane_point_frequency_hz": 1.0}}
+    dead = cmrc.run(**scene, events=[{"at_s": 2.1, "action": "fail", "dsp": dsp} for dsp in (0, 1)])
+    assert dead.stop_reason == "no_dsp_left"
+    assert 0.7 < dead.errors["lag"]["crane"]["end_s"] <= dead.errors["lag"]["crane"]["peak_s"] < 0.91
+    alive = cmrc.run(**scene)
+    assert alive.errors["lag"]["crane"]["peak_s"] < 0.005  # it does what the ideal run does
+
+
 # ---- how runs end ----------------------------------------------------------------------------------------------------
 
 
