@@ -249,8 +249,8 @@ def test_what_the_operator_sets_happens_in_the_ideal_run_too() -> None:
 
 
 def test_the_lag_grows_beyond_the_last_milestone_while_the_ideal_run_moves() -> None:
-    """One point per second. The last one within the window is used at about 2 s; the machine dies at 2.1 s, 0.9 s before
-    the window ends, and the crane of the ideal run goes on."""
+    """One point per second. The last one within the window is used at about 2 s. The machine dies at 2.1 s, 0.9 s
+    before the window ends; the crane of the ideal run moves on."""
     scene: dict[str, Any] = {"dsps": 2, "duration_s": 3.0, "settings": {"rates.crane_point_frequency_hz": 1.0}}
     dead = cmrc.run(**scene, events=[{"at_s": 2.1, "action": "fail", "dsp": dsp} for dsp in (0, 1)])
     assert dead.stop_reason == "no_dsp_left"

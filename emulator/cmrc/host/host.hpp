@@ -66,7 +66,7 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   /// Reports processes, milestones and servoing to `course`. To be called before the run.
   void set_course(Course* course) { course_ = course; }
   /// Adds to an account that ends at `now` the nominal ticks that are over by then, and for which the host has loaded
-  /// no block yet: it is paused, or waits for a bus. When it goes on, it drops them itself.
+  /// no block yet: it is paused, or waits for a bus. When it continues, it drops them itself.
   void skip_passed(Time now, Ledger& ledger) const;
   /// Torque compensation and PID are released at every tick.
   bool servoing() const { return servoing_; }

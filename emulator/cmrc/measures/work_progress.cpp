@@ -11,8 +11,8 @@ using report::seconds;
 
 namespace {
 
-// m. The ideal run is farther along than a run if it has got farther by more than this: more than two cranes differ that
-// rest and damp a swing, and less than a crane moves in some hundredths of a second.
+// m. The ideal run is farther along than a run if it has got farther by more than this: more than two cranes differ
+// that rest and damp a swing, and less than a crane moves in some hundredths of a second.
 constexpr double level = 0.01;
 
 /// The milestones of one robot within the window, in order; none comes before an earlier one.
@@ -63,7 +63,7 @@ Time WorkProgress::ideal_time(Time time) {
 
 // The window may end long before the next milestone: within a ramp of the hoist, or between two points. A run that does
 // what the ideal run did keeps the lag that it had at the last milestone, as does a run of which the ideal run has
-// stopped, too. A run that stands while the ideal run went on falls behind.
+// stopped, too. A run that stands while the ideal run moves falls behind.
 Time WorkProgress::beyond(Time time) {
   const Time since = knots_.back().at, there = way_.back().at, same = there + (time - since);
   if (run_->size() == 0 || ideal_->size() == 0) return same;
