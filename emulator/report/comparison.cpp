@@ -31,7 +31,7 @@ std::vector<Metric> metrics(const RunReport& report) {
   const auto add = [&](std::string name, std::string unit, std::optional<double> value) {
     all.push_back({std::move(name), std::move(unit), value});
   };
-  add("missed deadlines", "", static_cast<double>(report.misses()));
+  add("missed deadlines", "", report.judged() ? std::optional(static_cast<double>(report.misses())) : std::nullopt);
   static const Errors none;
   const Errors& errors = report.errors ? *report.errors : none;
   for (const char* name : {"f_p", "f_t", "f_a"}) {

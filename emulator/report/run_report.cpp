@@ -1,5 +1,7 @@
 #include "report/run_report.hpp"
 
+#include <algorithm>
+
 namespace report {
 
 std::string name(StopReason reason) {
@@ -13,6 +15,10 @@ std::string name(StopReason reason) {
     case StopReason::job_done: return "job_done";
   }
   return "unknown";
+}
+
+bool RunReport::judged() const {
+  return std::ranges::any_of(tasks, [](const TaskReport& task) { return task.on_time + task.misses > 0; });
 }
 
 std::uint64_t RunReport::misses() const {

@@ -263,6 +263,9 @@ struct RunReport {
   std::vector<FailureReport> failures;
   std::vector<HandledError> errors_handled;  ///< in the order in which they were noticed
 
+  /// A job was finished on time, or missed. Until then a run says nothing about deadlines: a controller that still
+  /// boots releases no job, so it misses none.
+  bool judged() const;
   /// Missed deadlines of all kinds.
   std::uint64_t misses() const;
 };

@@ -150,6 +150,7 @@ std::string reasons(const RunReport& report) {
                           why.usual ? " of " + duration(static_cast<double>(*why.usual)) : "");
     text += chain(why);
   }
+  if (!report.judged()) return heading("No job was finished, and none was missed.");
   return text.empty() ? heading("No deadline was missed.") : heading("Why deadlines were missed") + text;
 }
 

@@ -15,6 +15,7 @@ NOT_RUN: Mapping[str, Any] = {
     "ran": False,
     "passed": False,
     "refused": None,
+    "judged": False,
     "stop_reason": None,
     "first_miss": None,
     "first_miss_s": None,
@@ -208,6 +209,8 @@ def _outcome(point: Point) -> str:
         return "no miss"
     if point["first_miss"] is not None:
         return f"{point['first_miss']} missed at {point['first_miss_s']:.6f} s"
+    if not point["judged"]:
+        return "no job was finished, and none missed"
     if starved := point["starved_intervals"]:
         return f"starved: {starved} point interval{'' if starved == 1 else 's'} without a new point"
     return str(point["stop_reason"])

@@ -44,11 +44,13 @@ def outcome(report: dict[str, Any], to_its_end: bool) -> dict[str, Any]:
     misses = sum(task["misses"] for task in report["tasks"].values())
     starved = sum(report["starved_intervals"].values())
     whole = report["stop_reason"] in ("completed", "job_done")
+    judged = misses > 0 or any(task["on_time"] for task in report["tasks"].values())
     first = report["misses"][0] if report["misses"] else None
     found: dict[str, Any] = {
         "ran": True,
-        "passed": whole and misses == 0 and starved == 0,
+        "passed": whole and judged and misses == 0 and starved == 0,
         "refused": None,
+        "judged": judged,
         "stop_reason": report["stop_reason"],
         "first_miss": None if first is None else first["kind"],
         "first_miss_s": None if first is None else _seconds(first["deadline_ps"], first["release_ps"]),

@@ -92,7 +92,7 @@ class Trace:
         self.list = Steps()
         self.dropped: dict[tuple[int, int], int] = {}  # kind, tick: when the host found it
         self.shortest: dict[int, int] = {}
-        self.last = 0
+        self.last = self.refreshed = 0
         in_list: dict[int, Job] = {}
         numbers: dict[int, int] = {}
         eligible: list[Job] = []
@@ -112,6 +112,7 @@ class Trace:
                 job = Job(kind, number, n["tick"])
                 in_list[n["block"]] = self.jobs[kind, number] = job
             elif name == "refresh":
+                self.refreshed = time
                 for job in in_list.values():
                     if not job.waits_from:
                         job.waits_from.append(self.tick(job.due if job.kind in SERVO else n["number"]))
@@ -245,7 +246,9 @@ def check(trace: Trace, report: dict[str, Any]) -> int:
                 )
                 if value
             }, where
-            found = trace.dropped[kind, miss["number"]]
+            found = trace.dropped.get((kind, miss["number"]), report_end(report))
+            if (kind, miss["number"]) not in trace.dropped:  # the host did not come back before the end
+                assert trace.refreshed < deadline <= report_end(report), where
             assert miss["unavoidable_ps"] == max(release, min(found, deadline - usual + 1)), where
             continue
         chains += 1

@@ -41,6 +41,22 @@ def test_two_dsps_are_the_least_for_the_base_rates() -> None:
     assert (first["value"], first["passed"], first["first_miss"]) == (1, False, "torque_compensation")
 
 
+@pytest.mark.parametrize("errors", [False, True])
+def test_a_machine_that_boots_to_the_end_does_not_pass(errors: bool) -> None:
+    found = cmrc.limits(cycles=[20, 50], dsps=None, duration_s=0.06, errors=errors, settings={"machine.dsps": 1})
+    scan = found.report["scans"]["cycles"]
+    assert (scan["limit"], scan["passing_beyond"]) == (None, [])
+    assert [(p["passed"], p["judged"], p["first_miss"]) for p in scan["points"]][1] == (False, False, None)
+    assert "no job was finished, and none missed" in found.text
+
+
+def test_a_strict_run_that_boots_to_the_end_fails() -> None:
+    options = ["--dsps", "1", "--duration", "0.06", "--set", "machine.cycle_time_factor=50"]
+    for strict, status in (([], 0), (["--strict"], 1)):
+        run = subprocess.run([EMULATOR, *options, *strict], capture_output=True, text=True, check=False)
+        assert run.returncode == status and "No job was finished, and none was missed." in run.stdout
+
+
 def test_the_slack_of_the_servo_is_what_its_cycles_leave() -> None:
     """Where instructions take f times as long and the bus does not, PID needs W + B + f I; it has a millisecond."""
     pid = cmrc.run(duration_s=0.05, dsps=4, settings=AT_ONCE).report["tasks"]["pid"]

@@ -215,6 +215,18 @@ def test_an_interrupted_run_is_measured_as_far_as_it_came_and_continues() -> Non
     assert rest.hash == whole.hash and rest.errors == whole.errors and rest.rates == whole.rates
 
 
+def test_the_rates_of_an_interrupted_run_are_those_of_its_window() -> None:
+    """A host that pauses runs faster than its ideal run: the window ends where that one has come."""
+    pause = {"at_s": 0.1, "action": "pause_host", "lasts_ms": 4800}
+    result = cmrc.Simulation(dsps=2, duration_s=30.0, events=[pause]).run(lambda now, _: now < 5.2)
+    end = result.errors["window_s"][1]
+    assert result.stop_reason == "interrupted" and end <= result.report["simulated_s"]
+    rate = result.rates["f_p"]
+    assert rate["released"] <= 2 * (end - 0.02) * 1000 + 4 and rate["misses"] <= rate["released"]
+    assert rate["finished"] <= rate["released"] and rate["extra"] <= 4
+    assert rate["realised_hz"] == pytest.approx(rate["finished"] / 2 / (end - 0.02), rel=0.02)
+
+
 def test_one_ideal_run_serves_every_number_of_dsps_and_no_other_scene() -> None:
     simulation = cmrc.Simulation(dsps=1, duration_s=0.2)
     simulation.run()
@@ -231,6 +243,20 @@ def test_what_the_operator_sets_happens_in_the_ideal_run_too() -> None:
     simulation.at(0.2, "fail_drive", joint="slew")
     result = simulation.run()
     assert result.errors["load_m"]["peak"] < 1e-3  # the ideal run's crane lost the same drive
+
+
+# ---- the lag beyond the last milestone of the window -----------------------------------------------------------------
+
+
+def test_the_lag_grows_beyond_the_last_milestone_while_the_ideal_run_moves() -> None:
+    """One point per second. The last one within the window is used at about 2 s. The machine dies at 2.1 s, 0.9 s
+    before the window ends; the crane of the ideal run moves on."""
+    scene: dict[str, Any] = {"dsps": 2, "duration_s": 3.0, "settings": {"rates.crane_point_frequency_hz": 1.0}}
+    dead = cmrc.run(**scene, events=[{"at_s": 2.1, "action": "fail", "dsp": dsp} for dsp in (0, 1)])
+    assert dead.stop_reason == "no_dsp_left"
+    assert 0.7 < dead.errors["lag"]["crane"]["end_s"] <= dead.errors["lag"]["crane"]["peak_s"] < 0.91
+    alive = cmrc.run(**scene)
+    assert alive.errors["lag"]["crane"]["peak_s"] < 0.005  # it does what the ideal run does
 
 
 # ---- how runs end ----------------------------------------------------------------------------------------------------

@@ -51,6 +51,46 @@ def test_a_slowed_dsp_executes_that_much_less_and_longer() -> None:
     assert half["tasks"]["pid"]["execution_ps"]["worst"] > 1.5 * full["tasks"]["pid"]["execution_ps"]["worst"]
 
 
+SILENT = {"pause_host": {}, "stall_bus": {"bus": "A"}}
+
+
+@pytest.mark.parametrize("action", SILENT)
+def test_ticks_are_dropped_whether_the_host_comes_back_before_the_end_or_not(action: str) -> None:
+    """No refresh from 50 ms on: block 50 is out, and each tick from 51 on that is over at 200 ms is dropped."""
+    for lasts_ms in (149.9, 150, 151, 2000):
+        report = run([{"at_s": 0.05, "action": action, "lasts_ms": lasts_ms, **SILENT[action]}], duration_s=0.2, dsps=2)
+        for kind in ("pid", "torque_compensation"):
+            task = report["tasks"][kind]
+            assert (task["released"], task["dropped"]) == (180, 149), (kind, lasts_ms)
+            assert task["misses"] == task["longest_miss_streak"] == 150, (kind, lasts_ms)
+            assert task["why_late"]["dropped_host_late"] + task["why_late"]["dropped_previous_out"] == 149
+
+
+def test_releases_by_interval_in_a_pause_to_the_end_are_dropped_too() -> None:
+    """Three vehicles, each with a release every 160 refreshes. No refresh comes after number 399; those are dropped
+    whose next one has come by the refresh at which the host is back, or by number 1600, the end of the run."""
+    load = {"duration_s": 0.2, "dsps": 4, "agvs": 3, "load.avoidance_cycles": 1000, "load.parked": True}
+    for lasts_ms, until in ((100, 1199), (150, 1599), (2000, 1600)):
+        report = run([{"at_s": 0.0499, "action": "pause_host", "lasts_ms": lasts_ms}], **load)
+        task = report["tasks"]["obstacle_avoidance"]
+        over = sum(tick % 160 in (0, 53, 106) for tick in range(400, until - 160 + 1))
+        assert task["dropped"] == task["misses"] == over, lasts_ms
+
+
+def test_a_report_within_a_pause_books_no_tick_twice() -> None:
+    events = [{"at_s": 0.05, "action": "pause_host", "lasts_ms": 100}]
+    config = cmrc.config(settings={"report.reference": "none", "duration_s": 0.2, "dsps": 2}, events=events)
+    whole, cut, again = (cmrc.Simulation(config) for _ in range(3))
+    whole.run()
+    cut.run_until(0.1)
+    so_far = json.loads(cut.report_json())["tasks"]["pid"]
+    assert (so_far["dropped"], so_far["misses"]) == (49, 50)
+    again.restore(cut.snapshot())
+    for simulation in (cut, again):
+        simulation.run()
+        assert json.loads(simulation.report_json())["tasks"] == json.loads(whole.report_json())["tasks"]
+
+
 def test_full_speed_again_is_full_speed() -> None:
     events = [{"at_s": at, "action": "slow", "dsp": 0, "factor": factor} for at, factor in ((0.02, 0.25), (0.06, 1))]
     report = run(events, duration_s=0.1, dsps=1)

@@ -7,8 +7,8 @@ import pytest
 from cmrc.sweeps import metrics
 
 REPORT: dict[str, Any] = {
-    "tasks": {"pid": {"misses": 3, "response_ps": {"p99": 5, "count": 2, "worst": 7_000_000}},
-              "home.crane": {"misses": 0, "response_ps": {"p99": None, "count": 0, "worst": None}}},
+    "tasks": {"pid": {"misses": 3, "on_time": 9, "response_ps": {"p99": 5, "count": 2, "worst": 7_000_000}},
+              "home.crane": {"misses": 0, "on_time": 0, "response_ps": {"p99": None, "count": 0, "worst": None}}},
     "rates": None, "errors": {"load_m": {"rms": 0.5}}, "dsps": [{"cycles": 10}, {"cycles": 20}],
 }  # fmt: skip
 
@@ -24,6 +24,13 @@ def test_places_and_short_names() -> None:
     for bad in ("tasks.pidd.misses", "dsps[2].cycles", "dsps.cycles", "tasks", ""):
         with pytest.raises(KeyError):
             metrics.value(REPORT, bad)
+
+
+def test_a_controller_that_has_done_nothing_yet_has_no_number_of_misses() -> None:
+    for on_time, misses in ((0, math.nan), (1, 0)):
+        booting = {"tasks": {"pid": {"misses": 0, "on_time": on_time}}}
+        assert metrics.value(booting, "misses") == pytest.approx(misses, nan_ok=True)
+        assert metrics.value(booting, "any_miss") == pytest.approx(misses, nan_ok=True)
 
 
 def test_nothing_random_has_no_interval() -> None:

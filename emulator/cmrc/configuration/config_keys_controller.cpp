@@ -9,9 +9,10 @@ std::vector<Key> controller_keys() {
       integer("run.seed", FIELD(run.seed), "", 0, no_limit, "seed of everything random", "ruling 3"),
       integer("run.turn_order", FIELD(run.turn_order), "", 0, no_limit,
               "shuffles which chip the emulator advances first; must change nothing", "ruling 29"),
-      boolean("run.strict", FIELD(run.strict),
-              "a missed deadline, or an error that had to be handled, makes the run fail (exit status 1)",
-              "rulings 24, 36"),
+      boolean(
+          "run.strict", FIELD(run.strict),
+          "a missed deadline, an error that had to be handled, or no finished job makes the run fail (exit status 1)",
+          "rulings 24, 36"),
       choice("run.until", FIELD(run.until), {"duration", "job_done"},
              "end of the run: after duration_s, or when processes 7 and 8 of all robots have ended (at the latest "
              "after duration_s)",

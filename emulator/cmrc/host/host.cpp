@@ -252,9 +252,6 @@ void Host::think() {
   }
   for (const Done& done : done_) take_out(done);
   for (const Hung& hung : hung_) recompute(hung);
-  const auto released = [this](const Servo& servo) {
-    return processes_.releases(servo.subprocess, servo.task.robot) && !servo.stopped;
-  };
   servoing_ = released(pid_);
   course_->servo(servoing_, clock_.at(tick_));
   if (drives_wait_too_long()) errors_.pid_silent(now_, *this);

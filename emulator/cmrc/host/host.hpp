@@ -65,6 +65,9 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   void change(Time at, const TimedEvent& event) { changes_.emplace(at, event); }
   /// Reports processes, milestones and servoing to `course`. To be called before the run.
   void set_course(Course* course) { course_ = course; }
+  /// Adds to an account that ends at `now` the nominal ticks that are over by then, and for which the host has loaded
+  /// no block yet: it is paused, or waits for a bus. When it continues, it drops them itself.
+  void skip_passed(Time now, Ledger& ledger) const;
   /// Torque compensation and PID are released at every tick.
   bool servoing() const { return servoing_; }
   bool job_done() const { return processes_.job_done(); }
@@ -200,6 +203,9 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   void refresh_servo(Servo& servo, bool on);
   void load_servo(Servo& servo);
   void drop_tick(Servo& servo);
+  /// The task is released at nominal ticks: servoing is on, and no error has stopped it.
+  bool released(const Servo& servo) const;
+  void skip(const Servo& servo, std::int64_t tick, Time found, Ledger& ledger) const;
   /// An experiment leaves out this nominal tick (scheduling.servo_loss_share, servo_served_every).
   bool left_out(std::int64_t tick) const;
   std::size_t load_block(const Task& task, JobKind job, Time released, std::optional<Time> deadline,

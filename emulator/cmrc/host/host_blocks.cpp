@@ -180,12 +180,32 @@ bool Host::left_out(std::int64_t tick) const {
                    static_cast<std::uint64_t>(number / s.servo_loss_run)) < s.servo_loss_share;
 }
 
+bool Host::released(const Servo& servo) const {
+  return processes_.releases(servo.subprocess, servo.task.robot) && !servo.stopped;
+}
+
 void Host::drop_tick(Servo& servo) {
   note(EventKind::miss, {servo.task.kind, static_cast<std::uint32_t>(servo.next),
                          static_cast<std::uint32_t>(report::Outcome::dropped), words_.block(servo.block), 0});
-  ledger_.skipped(servo.job, clock_.at(servo.next), clock_.at(servo.next + intervals_.servo),
-                  servo.next / intervals_.servo, now_);
+  skip(servo, servo.next, now_, ledger_);
   servo.next += intervals_.servo;
+}
+
+void Host::skip(const Servo& servo, std::int64_t tick, Time found, Ledger& ledger) const {
+  ledger.skipped(servo.job, clock_.at(tick), clock_.at(tick + intervals_.servo), tick / intervals_.servo, found);
+}
+
+void Host::skip_passed(Time now, Ledger& ledger) const {
+  if (refresh_at_ == machine::never) return;  // it has not begun
+  const std::int64_t tick = clock_.tick_at_or_before(now);
+  for (const Servo* servo : {&torque_, &pid_}) {
+    if (!released(*servo)) continue;
+    for (std::int64_t next = servo->next; next + intervals_.servo <= tick; next += intervals_.servo)
+      skip(*servo, next, now, ledger);
+  }
+  processes_.each_passed(tick, [&](const Task& task, std::int64_t due, std::int64_t deadline) {
+    ledger.skipped(job_kind(task.kind, words_), clock_.at(due), clock_.at(deadline), std::nullopt, now, task.robot);
+  });
 }
 
 bool Host::servo_resting() const {

@@ -53,8 +53,7 @@ inline constexpr std::size_t load_column = plant::joint_count, sway_column = loa
 
 /// Jobs of one kind for one robot.
 struct JobTimes {
-  std::uint64_t misses = 0;
-  EventTimes released, finished;
+  EventTimes released, missed, finished;  ///< a missed job: when it was released
 };
 using JobsByRobot = std::map<std::pair<std::size_t, Robot>, JobTimes>;  ///< by kind and robot
 

@@ -114,12 +114,12 @@ class DemandOf {
       static const JobTimes none;
       const JobTimes& jobs = own == run_.jobs.end() ? none : own->second;
       all.demanded += demanded;
-      const std::uint64_t released = jobs.released.count();
+      const std::uint64_t released = jobs.released.until(run_.to);
       all.released += released;
-      all.misses += jobs.misses;
+      all.misses += jobs.missed.until(run_.to);
       all.not_demanded += demanded - std::min(demanded, released);
       all.extra += released - std::min(demanded, released);
-      all.finished += jobs.finished.count();
+      all.finished += jobs.finished.until(run_.to);
       time += add_rate(kind, robot, jobs, all);
     }
     if (time > 0) {
@@ -143,6 +143,7 @@ class DemandOf {
     const Time whole = demanded_until(when, run_.to);
     if (whole == Time{}) return 0;
     std::vector<EventTimes::Group> finished = jobs.finished.in_order();
+    std::erase_if(finished, [this](const EventTimes::Group& some) { return some.time > run_.to; });
     for (EventTimes::Group& some : finished) some.time = demanded_until(when, some.time);
     const double worst = worst_rate(finished, whole);
     all.worst_hz = all.worst_hz ? std::min(*all.worst_hz, worst) : worst;

@@ -144,7 +144,7 @@ void Ledger::skipped(JobKind kind, Time released, Time deadline, std::optional<s
   ++misses_;
   JobTimes& jobs = jobs_[{job.kind, robot}];
   jobs.released.add(released);
-  ++jobs.misses;
+  jobs.missed.add(released);
   MissedJob missed = missed_job(open, report::Outcome::dropped, deadline);
   missed.given_up = found;
   for (const auto& [block, other] : open_) {
@@ -320,7 +320,7 @@ report::Outcome Ledger::book(const Open& open, const report::Job& job, Time now)
   if (watcher_ != nullptr)
     watcher_->ended({open.name, outcome, miss, open.released, open.deadline, open.finished, now, false});
   if (!miss) return outcome;
-  ++jobs.misses;
+  jobs.missed.add(job.released);
   MissedJob missed = missed_job(open, outcome, now);
   if (outcome == report::Outcome::dropped) missed.given_up = now;
   why_.missed(missed, timeline_, audit_, watcher_);
@@ -394,13 +394,15 @@ void Ledger::list_freed(Time at) {
 
 // ---- reports ----
 
-void Ledger::book_open(Time now, const std::function<CauseTimes(unsigned)>& causes) {
+void Ledger::book_end(Time now, const std::function<CauseTimes(unsigned)>& causes, const Rest& rest) {
   for (auto& [block, open] : open_) {
     if (open.released > now) continue;
     if (open.slot && !open.finished && !open.failed && causes) open.spent = minus(causes(*open.slot), open.at_claim);
     const Time end = open.finished.value_or(now);
     book(open, job_of(open), end);
   }
+  std::erase_if(open_, [](const auto& one) { return one.second.finished.has_value(); });  // in no tick's way any more
+  if (rest) rest(*this);
 }
 
 void Ledger::introduce(RunWatcher& watcher, const std::function<Word(std::size_t)>& generation) const {
@@ -409,16 +411,17 @@ void Ledger::introduce(RunWatcher& watcher, const std::function<Word(std::size_t
     if (open.slot && !open.finished) watcher.took(*open.slot, {open.name, block, generation(block), open.claimed()});
 }
 
-void Ledger::close(Time now, const std::function<CauseTimes(unsigned)>& causes, RunWatcher& watcher) const {
+void Ledger::close(Time now, const std::function<CauseTimes(unsigned)>& causes, const Rest& rest,
+                   RunWatcher& watcher) const {
   Ledger all = *this;
   all.watch(&watcher);
-  all.book_open(now, causes);
+  all.book_end(now, causes, rest);
 }
 
-Ledger::Report Ledger::tell(Time now, const std::function<CauseTimes(unsigned)>& causes) const {
+Ledger::Report Ledger::tell(Time now, const std::function<CauseTimes(unsigned)>& causes, const Rest& rest) const {
   Ledger all = *this;
   all.watch(nullptr);
-  all.book_open(now, causes);
+  all.book_end(now, causes, rest);
   Report out;
   out.tasks = all.account_.report();
   for (std::size_t i = 0; i < out.tasks.size(); ++i) out.tasks[i].why_late = all.why_.summary(i, all.audit_);

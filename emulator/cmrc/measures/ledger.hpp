@@ -66,8 +66,10 @@ class Ledger {
   void watch(RunWatcher* watcher) { watcher_ = watcher, timeline_.watch(watcher); }
   /// Reports the DSPs' present states and the open jobs. \param generation of a block, by its place in the pool
   void introduce(RunWatcher& watcher, const std::function<Word(std::size_t)>& generation) const;
-  /// Reports the jobs that are open at `now`, as tell() counts them, to a watcher.
-  void close(Time now, const std::function<CauseTimes(unsigned)>& causes, RunWatcher& watcher) const;
+  /// Adds to an account what only the host knows at its end: the ticks that it has not looked at yet, by skipped().
+  using Rest = std::function<void(Ledger& account)>;
+  /// Reports the jobs that are open at `now`, and the rest, as tell() counts them, to a watcher.
+  void close(Time now, const std::function<CauseTimes(unsigned)>& causes, const Rest& rest, RunWatcher& watcher) const;
 
   /// A DSP has marked the block 0Fh / FFh. Times are those at which the program issued the write.
   void claimed(std::size_t block, unsigned slot, Time at, CauseTimes causes, Word generation = 0);
@@ -94,7 +96,7 @@ class Ledger {
     JobsByRobot jobs;
   };
   /// \param causes a slot's cycles by cause so far, for the jobs that are still running
-  Report tell(Time now, const std::function<CauseTimes(unsigned)>& causes) const;
+  Report tell(Time now, const std::function<CauseTimes(unsigned)>& causes, const Rest& rest = {}) const;
   std::uint64_t claims(unsigned slot) const;
   /// Jobs that have ended late or were dropped, so far.
   std::uint64_t misses() const { return misses_; }
@@ -140,7 +142,7 @@ class Ledger {
   MissedJob missed_job(const Open& open, report::Outcome outcome, Time end) const;
   report::Outcome book(const Open& open, const report::Job& job, Time now);
   void leave(Open& open, Time at, report::Run::End end);
-  void book_open(Time now, const std::function<CauseTimes(unsigned)>& causes);
+  void book_end(Time now, const std::function<CauseTimes(unsigned)>& causes, const Rest& rest);
   void forget(Time now);
   Slot& slot(unsigned number);
 

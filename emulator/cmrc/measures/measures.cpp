@@ -44,7 +44,7 @@ double distance(Row a, Row b, std::size_t column, std::size_t count) {
 }  // namespace
 
 // A box of twelve metres turns about its middle. The gantry's psi does not move.
-std::array<double, plant::joint_count> levers(const plant::CraneParameters& crane) {
+Levers levers(const plant::CraneParameters& crane) {
   const double box = 0.5 * plant::container_length;
   if (crane.machine == plant::CraneKind::gantry) return {1.0, 0.0, 1.0, 1.0, box};
   return {1.0, crane.a0 + crane.jib, crane.jib, 1.0, box};
@@ -62,7 +62,7 @@ report::Errors measure(const Measured& run, const Course& ideal, const JobsByRob
   errors.to = run.to;
   const auto names = plant::joint_names(run.dock.crane.machine);
   const auto weights = levers(run.dock.crane);
-  WorkProgress progress(run.course, ideal, 0, from, run.to);
+  WorkProgress progress(run.course, ideal, 0, from, run.to, weights);
 
   Sampled load, nothing, alpha, beta;
   std::array<Sampled, plant::joint_count> error, path;
@@ -109,7 +109,7 @@ report::Errors measure(const Measured& run, const Course& ideal, const JobsByRob
   for (std::size_t agv = 0; agv < agvs.size(); ++agv)
     errors.agvs.push_back({"agv " + std::to_string(agv), "m", agvs[agv].deviation(), {}});
   for (Robot robot = 0; robot <= static_cast<Robot>(run.dock.agv_count); ++robot) {
-    const WorkProgress of(run.course, ideal, robot, from, run.to);
+    const WorkProgress of(run.course, ideal, robot, from, run.to, weights);
     if (of.any()) errors.lags.push_back(of.lag(robot == 0 ? "crane" : "agv " + std::to_string(robot - 1)));
   }
   add_demand(run, ideal, demanded, errors);

@@ -1,11 +1,11 @@
 #pragma once
 // Compares a run's course with its ideal run's: errors, lag, demand and rates (docs/report.md, Errors).
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "cmrc/measures/course.hpp"
+#include "cmrc/measures/work_progress.hpp"
 #include "report/measures.hpp"
 #include "report/run_report.hpp"
 
@@ -20,7 +20,7 @@ struct Config;
 
 /// How far one unit of each joint moves the spreader at the jib's full reach, m; for the rotator, half a container's
 /// length.
-std::array<double, plant::joint_count> levers(const plant::CraneParameters& crane);
+Levers levers(const plant::CraneParameters& crane);
 
 /// The part of an ideal run that is kept for the runs measured against it.
 struct Reference {

@@ -11,6 +11,10 @@ using report::seconds;
 
 namespace {
 
+// m. The ideal run is farther along than a run if it has got farther by more than this: more than two cranes differ
+// that rest and damp a swing, and less than a crane moves in some hundredths of a second.
+constexpr double level = 0.01;
+
 /// The milestones of one robot within the window, in order; none comes before an earlier one.
 std::vector<Milestone> milestones_of(const Course& course, Robot robot, Time from, Time to) {
   std::vector<Milestone> all;
@@ -25,8 +29,9 @@ std::vector<Milestone> milestones_of(const Course& course, Robot robot, Time fro
 
 }  // namespace
 
-WorkProgress::WorkProgress(const Course& run, const Course& ideal, Robot robot, Time from, Time to)
-    : to_(to), itself_(&run == &ideal) {
+WorkProgress::WorkProgress(const Course& run, const Course& ideal, Robot robot, Time from, Time to,
+                           const Levers& levers)
+    : run_(&run), ideal_(&ideal), robot_(robot), levers_(levers), to_(to), step_(std::max(run.step(), ideal.step())) {
   way_.push_back({from, 0});
   std::map<std::uint64_t, double> places;
   for (const Milestone& milestone : milestones_of(ideal, robot, from, to)) {
@@ -38,17 +43,17 @@ WorkProgress::WorkProgress(const Course& run, const Course& ideal, Robot robot, 
     const auto place = places.find(milestone.key);
     if (place != places.end() && place->second > knots_.back().done) knots_.push_back({milestone.at, place->second});
   }
+  at_ = beginning();
 }
 
 Time WorkProgress::ideal_time(Time time) {
-  if (itself_) return time;
-  while (next_ < knots_.size() && knots_[next_].at <= time) ++next_;
-  const Knot& last = knots_[next_ - 1];
-  // Nothing is left to do: the run keeps the lag that it had at the end.
-  if (last.done >= way_.back().done) return time - (last.at - way_.back().at);
+  if (run_ == ideal_) return time;
+  while (at_.next < knots_.size() && knots_[at_.next].at <= time) ++at_.next;
+  const Knot& last = knots_[at_.next - 1];
+  if (at_last(last)) return beyond(time);
   double done = last.done;
-  if (next_ < knots_.size()) {
-    const Knot& next = knots_[next_];
+  if (at_.next < knots_.size()) {
+    const Knot& next = knots_[at_.next];
     done += (next.done - last.done) * seconds(time - last.at) / seconds(next.at - last.at);
   }
   const auto below = std::min(static_cast<std::size_t>(done), way_.size() - 2);
@@ -56,11 +61,38 @@ Time WorkProgress::ideal_time(Time time) {
   return way_[below].at + Time{std::llround((done - static_cast<double>(below)) * static_cast<double>(span.count()))};
 }
 
+// The window may end long before the next milestone: within a ramp of the hoist, or between two points. A run that does
+// what the ideal run did keeps the lag that it had at the last milestone, as does a run of which the ideal run has
+// stopped, too. A run that stands while the ideal run moves falls behind.
+Time WorkProgress::beyond(Time time) {
+  const Time since = knots_.back().at, there = way_.back().at, same = there + (time - since);
+  if (run_->size() == 0 || ideal_->size() == 0) return same;
+  for (; at_.run_until <= time; at_.run_until += step_)
+    at_.reach = std::max(at_.reach, distance(*run_, since, at_.run_until));
+  while (at_.ideal_until <= same && distance(*ideal_, there, at_.ideal_until) <= at_.reach + level)
+    at_.ideal_until += step_;
+  return std::min(same, at_.ideal_until);
+}
+
+double WorkProgress::distance(const Course& course, Time from, Time to) const {
+  const auto before = course.at(from), after = course.at(to);
+  double sum = 0;
+  const auto add = [&](std::size_t column, double lever) {
+    const double way = lever * (after[column] - before[column]);
+    sum += way * way;
+  };
+  if (robot_ == 0)
+    for (std::size_t j = 0; j < levers_.size(); ++j) add(j, levers_[j]);
+  else
+    for (std::size_t i = 0; i < 2; ++i) add(agv_column + 2 * (robot_ - 1) + i, 1);
+  return std::sqrt(sum);
+}
+
 report::Lag WorkProgress::lag(std::string name) const {
   report::Lag lag{std::move(name), 0, 0};
   WorkProgress again = *this;
-  again.next_ = 1;
-  // Between two knots the lag has its extremes at the ends.
+  again.at_ = beginning();
+  // Between two knots the lag has its extremes at the ends; beyond the last milestone it may at any row.
   const auto look = [&](Time time) {
     lag.end_s = seconds(time - again.ideal_time(time));
     lag.peak_s = std::max(lag.peak_s, lag.end_s);
@@ -69,6 +101,8 @@ report::Lag WorkProgress::lag(std::string name) const {
     if (knot.at > knots_.front().at) look(knot.at - Time{1});
     look(knot.at);
   }
+  if (at_last(knots_.back()))
+    for (Time time = knots_.back().at; time < to_; time += step_) look(time);
   look(to_);
   return lag;
 }

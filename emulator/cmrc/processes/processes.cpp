@@ -311,7 +311,7 @@ bool Processes::runs(const Release& release, std::int64_t tick) const {
   return !release.row().on_legs || (robot == 0 ? crane_.on_leg(tick) : fleet_.on_leg(robot - 1, tick));
 }
 
-Task Processes::block_of(const Release& release, const HostServices& services) const {
+Task Processes::block_of(const Release& release, std::int64_t tick) const {
   const Robot robot = release.robot();
   const std::string& name = robot == 0 ? release.row().crane : release.row().agv;
   Task task;
@@ -323,7 +323,7 @@ Task Processes::block_of(const Release& release, const HostServices& services) c
   }
   task.y = robot == 0 ? robot_class::crane : robot_class::agv;
   task.robot = robot;
-  task.tick = static_cast<std::uint32_t>(services.tick());
+  task.tick = static_cast<std::uint32_t>(tick);
   task.subprocess = release.row().number;
   return task;
 }
@@ -335,13 +335,24 @@ void Processes::release(Robot robot, HostServices& services) {
       release.rests(services.tick());
       continue;
     }
-    const std::int64_t period = robot == 0 ? crane_.interval() : fleet_.interval(robot - 1);
+    const std::int64_t period = interval(robot);
     const Release::Due due = release.due(services.tick(), period, staggered_);
     for (const std::int64_t nominal : due.dropped)
-      services.drop(block_of(release, services), nominal, nominal + period);
+      services.drop(block_of(release, services.tick()), nominal, nominal + period);
     if (!due.load) continue;
     release.loaded(services.tick() + period);
-    services.load(block_of(release, services), services.tick() + period);
+    services.load(block_of(release, services.tick()), services.tick() + period);
+  }
+}
+
+void Processes::each_passed(
+    std::int64_t tick,
+    const std::function<void(const Task& task, std::int64_t due, std::int64_t deadline)>& passed) const {
+  for (const Release& release : releases_) {
+    if (!runs(release, tick)) continue;
+    const std::int64_t period = interval(release.robot());
+    for (const std::int64_t nominal : release.passed(tick, period, staggered_))
+      passed(block_of(release, tick), nominal, nominal + period);
   }
 }
 

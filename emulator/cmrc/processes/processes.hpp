@@ -6,6 +6,7 @@
 // the one with the lowest number does, unless another one replaces it. A crane's process to which an AGV's process
 // consents gets the AGV in the loading spot.
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -48,6 +49,9 @@ class Processes {
 
   /// Sub-process `number` of a robot has to be released now.
   bool releases(unsigned number, Robot robot) const;
+  /// Reports the releases by interval since the last refresh that are over at refresh `tick`.
+  void each_passed(std::int64_t tick,
+                   const std::function<void(const Task& task, std::int64_t due, std::int64_t deadline)>& passed) const;
   /// The work of the crane and of every AGV is finished (processes 7 and 8 have ended).
   bool job_done() const;
   /// AGVs whose range sensors the host reads at this refresh.
@@ -94,7 +98,8 @@ class Processes {
   void move_agv(unsigned agv, HostServices& services);
   void release(Robot robot, HostServices& services);
   bool runs(const Release& release, std::int64_t tick) const;
-  Task block_of(const Release& release, const HostServices& services) const;
+  Task block_of(const Release& release, std::int64_t tick) const;
+  std::int64_t interval(Robot robot) const { return robot == 0 ? crane_.interval() : fleet_.interval(robot - 1); }
   Release* release_of(const Task& task);
   Run& run_of(const Task& task);
   const Run& run_of_robot(Robot robot) const { return robot == 0 ? crane_run_ : agv_runs_.at(robot - 1); }

@@ -16,18 +16,24 @@ bool RangeField::entered(Word millimetres, const RangeWatch& watch) {
   return !before || *before >= watch.field_mm || nearest < *before - jump_mm;
 }
 
+std::vector<std::int64_t> Release::passed(std::int64_t tick, std::int64_t period, bool staggered) const {
+  std::vector<std::int64_t> all;
+  if (!row_->by_interval()) return all;
+  const std::int64_t first = congruent_before(seen_, phase(period, staggered), period) + period;
+  for (std::int64_t nominal = first; nominal + period <= tick; nominal += period) all.push_back(nominal);
+  return all;
+}
+
 Release::Due Release::due(std::int64_t tick, std::int64_t period, bool staggered) {
   Due due;
+  due.dropped = passed(tick, period, staggered);
   const std::int64_t before = std::exchange(seen_, tick);
-  if (row_->by_interval()) {
-    const std::int64_t last = congruent_before(tick, phase(period, staggered), period);
-    const std::int64_t first = congruent_before(before, phase(period, staggered), period) + period;
-    for (std::int64_t nominal = first; nominal <= last; nominal += period) {
-      if (nominal < last || (out_ && deadline_ <= nominal))
-        due.dropped.push_back(nominal);
-      else if (!out_)
-        due.load = true;
-    }
+  const std::int64_t last = congruent_before(tick, phase(period, staggered), period);
+  if (row_->by_interval() && last > before) {
+    if (out_ && deadline_ <= last)
+      due.dropped.push_back(last);
+    else if (!out_)
+      due.load = true;
   }
   if (object_ && !out_) due.load = true;
   if (due.load) object_ = false;

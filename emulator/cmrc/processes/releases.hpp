@@ -58,8 +58,10 @@ class Release {
     bool load = false;                  ///< a block has to be loaded now
   };
   /// To be called at a refresh in which the sub-process runs. Dropped are the nominal refreshes since the refresh
-  /// before for which the host was too late, or at which the block before was not finished after its deadline.
+  /// before for which the host was too late (passed), or at which the block before was not finished after its deadline.
   Due due(std::int64_t tick, std::int64_t period, bool staggered);
+  /// The nominal refreshes since the refresh before that are over at `tick`: another has come since.
+  std::vector<std::int64_t> passed(std::int64_t tick, std::int64_t period, bool staggered) const;
   /// To be called at a refresh in which it does not run.
   void rests(std::int64_t tick) { seen_ = tick, object_ = false; }
   void object_entered() { object_ = row_->by_event(); }

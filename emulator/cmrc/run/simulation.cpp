@@ -71,7 +71,9 @@ std::vector<std::string> Simulation::causes() { return job_causes(); }
 
 void Simulation::close_watch() {
   Parts& p = *parts_;
-  p.ledger.close(p.machine.time(), [&p](unsigned slot) { return job_causes(p.machine, slot); }, p.watchers);
+  p.ledger.close(
+      p.machine.time(), [&p](unsigned slot) { return job_causes(p.machine, slot); },
+      [&p](Ledger& account) { p.host.skip_passed(p.machine.time(), account); }, p.watchers);
 }
 
 void Simulation::trace(unsigned slot, c40::TraceSink& sink) {
@@ -219,7 +221,7 @@ bool Simulation::strictly_good() const {
   const report::RunReport report = this->report();
   const bool whole =
       report.stop_reason == report::StopReason::completed || report.stop_reason == report::StopReason::job_done;
-  return whole && report.misses() == 0 && report.errors_handled.empty();
+  return whole && report.judged() && report.misses() == 0 && report.errors_handled.empty();
 }
 
 int Simulation::exit_status() const {

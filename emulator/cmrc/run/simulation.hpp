@@ -114,7 +114,7 @@ class Simulation {
   std::vector<report::TaskReport> tasks() const;
   /// The jobs so far, by kind and robot.
   JobsByRobot jobs() const;
-  /// The condition of `--strict`: completed, no deadline missed, no error that had to be handled.
+  /// The condition of `--strict`: completed, a job finished, no deadline missed, no error that had to be handled.
   bool strictly_good() const;
   /// The present state of the run. Listeners first get the events that they do not have yet (those of the last
   /// millisecond). \throws std::logic_error with profile(): its counts would be lost

@@ -105,7 +105,9 @@ void Simulation::Parts::resume() {
 }
 
 Ledger::Report Simulation::Parts::ledger_report() const {
-  return ledger.tell(machine.time(), [this](unsigned slot) { return job_causes(machine, slot); });
+  return ledger.tell(
+      machine.time(), [this](unsigned slot) { return job_causes(machine, slot); },
+      [this](Ledger& account) { host.skip_passed(machine.time(), account); });
 }
 
 std::optional<report::Errors> Simulation::Parts::measure_errors(const JobsByRobot& jobs) {
