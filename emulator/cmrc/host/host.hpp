@@ -53,6 +53,7 @@ class HostListener {
   virtual ~HostListener() = default;
   virtual void event(const report::Event& event) = 0;
   virtual void failure(const report::FailureReport& failure) = 0;
+  virtual void reset_by_watchdog(unsigned slot) = 0;
 };
 
 class Host : public machine::HostProgram, private HostServices, private ErrorActions {
@@ -69,6 +70,8 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   bool servoing() const { return servoing_; }
   bool job_done() const { return processes_.job_done(); }
   std::optional<Time> first_refresh() const { return first_refresh_; }
+  /// The host sends this slot's DSP its program, or is going to.
+  bool boots(unsigned slot) const { return boots_.boots(slot); }
 
   Time next_wake() const override { return wake_at_; }
   void wake(Time now, machine::HostPort& port) override;

@@ -57,8 +57,10 @@ Simulation::Parts::Parts(const Config& given, std::shared_ptr<Course> recorded,
                         image.symbol("PD_SERVOING"));
   observer.attach(dock, course->recorded() ? course.get() : nullptr, config.dock.wind_limit_m_s);
   machine.set_observer(&observer);
-  for (unsigned slot = 0; slot < machine.slots(); ++slot)
+  for (unsigned slot = 0; slot < machine.slots(); ++slot) {
+    if (machine.plugged(slot) && !machine.booted(slot)) observer.boots_from_power_on(slot);
     ledger.timeline().slot(slot, machine.booted(slot) ? SlotState::awake : SlotState::off, Time{0});
+  }
   for (const TimedEvent& event : config.events)
     if (event.action == "set") host.change(report::from_seconds(event.at_s), event);
 }
