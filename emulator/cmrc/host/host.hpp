@@ -139,6 +139,10 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   // HostServices
   std::int64_t tick() const override { return tick_; }
   void load(const Task& task, std::optional<std::int64_t> deadline) override;
+  void load_within(const Task& task, Time allowed) override {
+    const Time released = clock_.at(tick_);
+    load_block(task, job_kind(task.kind, words_), released, released + allowed, std::nullopt);
+  }
   void drop(const Task& task, std::int64_t due, std::int64_t deadline) override;
   using HostServices::write;
   void write(Word offset, std::span<const Word> words) override;
