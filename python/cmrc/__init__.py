@@ -30,6 +30,7 @@ from cmrc.snapshots import SnapshotError
 from cmrc.table import Table
 
 if _TYPE_CHECKING:
+    from cmrc import page as page
     from cmrc import studies as studies
     from cmrc import sweeps as sweeps
     from cmrc.studies import Comparison, Limits, compare, limits
@@ -63,8 +64,12 @@ __all__ = [
     "write_snapshot",
 ]
 
-_LATER = {"studies": ("Comparison", "Limits", "compare", "limits"), "sweeps": ("search", "sweep")}
-"""Modules for studies of many runs are imported on first use, so that a single run does not wait for them."""
+_LATER: dict[str, tuple[str, ...]] = {
+    "page": (),
+    "studies": ("Comparison", "Limits", "compare", "limits"),
+    "sweeps": ("search", "sweep"),
+}
+"""Pages and modules for studies of many runs are imported on first use, so that a single run does not wait for them."""
 
 
 def __getattr__(name: str) -> _Any:

@@ -92,7 +92,7 @@ def of_task(kind: str, task: Report, missed: int | None) -> Iterator[str]:
 
 
 def of_chips(report: Report, events: int, disturbed: bool) -> Iterator[str]:
-    resets = {f"DSP {dsp['slot']}": dsp["resets"] for dsp in report["dsps"]}
+    resets = {f"DSP {dsp['slot']}": sum(boot["reset_at_s"] > 0 for boot in dsp["boots"]) for dsp in report["dsps"]}
     for dsp in report["dsps"]:
         if sum(dsp["causes"].values()) != dsp["cycles"]:
             yield f"DSP {dsp['slot']}: causes of {sum(dsp['causes'].values())} cycles, {dsp['cycles']} are counted"

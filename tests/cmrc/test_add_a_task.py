@@ -125,6 +125,19 @@ def test_importance_row_decides_between_waiting_and_due(desk: Path) -> None:
         ('name = "sway_watch"', "", "tasks.name: is missing"),
         ("period_ms = 10", "period_ms = 0", 'tasks.period_ms: nothing releases "sway_watch"'),
         ("period_ms = 10", "period_ms = 0.001", "tasks.period_ms: 0.001 is out of range"),
+        (
+            "period_ms = 10",
+            "period_ms = 0.3",
+            (
+                'tasks.period_ms: 0.3 ms of "sway_watch" are 2.4 refreshes: a task is released at a refresh, every 0.125 ms; '
+                "0.25 or 0.375 is expected, or another rates.refresh_frequency_hz"
+            ),
+        ),
+        (
+            "period_ms = 10",
+            "period_ms = 0.05",
+            "0.125 is the shortest period, or more rates.refresh_frequency_hz is expected",
+        ),
         ("parameter_0", "parameter_1", "parameter"),
         ("deadline_ms", "deadlin_ms", "tasks.deadlin_ms: no such field"),
     ],
@@ -283,6 +296,36 @@ def test_a_task_that_touches_an_address_with_nothing_behind_it_stops_its_dsp(des
     assert faults and all("7000FFF0h" in failure["message"] and "PC 0030" in failure["message"] for failure in faults)
     assert report["tasks"]["user.sway_watch"]["dropped"] >= 1
     assert report["tasks"]["pid"]["on_time"] > 280
+
+
+def test_a_period_is_kept_to_the_refresh_or_refused(desk: Path) -> None:
+    """Of 3000 refreshes in a second two last 0.666667 ms: the digits that one writes are enough."""
+    toml = blocks("toml")[0].replace("deadline_ms = 10", "deadline_ms = 0")
+    thirds = {"rates.refresh_frequency_hz": 3000, "rates.servo_frequency_hz": 750, "scheduling.alpha_refreshes": 6}
+    for written, at_rates in {"0.625": {}, "0.666667": thirds, "0.6666666666666666": thirds}.items():
+        report = report_of(toml.replace("period_ms = 10", f"period_ms = {written}"), duration_s=0.1, dsps=3, **at_rates)
+        mine = report["tasks"]["user.sway_watch"]
+        assert mine["released"] == pytest.approx(0.1 / (float(written) * 1e-3), abs=1) and mine["dropped"] == 0, written
+    with pytest.raises(cmrc.ConfigError, match=r"0.6666666666666666 or 1.0 is expected"):
+        cmrc.config(toml=toml.replace("period_ms = 10", "period_ms = 0.7"), settings=thirds)
+
+
+def test_a_deadline_is_judged_as_it_is_written_between_refreshes(desk: Path) -> None:
+    """A deadline that every block needs longer for; then one between the fastest and the slowest response."""
+    toml = blocks("toml")[0].replace("period_ms = 10", "period_ms = 1")
+    report = report_of(toml.replace("deadline_ms = 10", "deadline_ms = 0.001"), duration_s=0.1, dsps=3)
+    mine = report["tasks"]["user.sway_watch"]
+    assert (mine["on_time"], mine["late"]) == (0, mine["released"]) and mine["late"] > 90
+    own = [miss for miss in report["misses"] if miss["kind"] == "user.sway_watch"]
+    assert {miss["deadline_ps"] - miss["release_ps"] for miss in own} == {1_000_000}
+    fastest, slowest = mine["response_ps"]["best"], mine["response_ps"]["worst"]
+    assert 1_000_000 < fastest < slowest and slowest % 125_000_000 != 0
+    shares = {slowest: (1, 1), slowest - 1: (0.01, 0.999), fastest: (0.01, 0.999), fastest - 1: (0, 0)}
+    for allowed, (least, most) in shares.items():
+        again = report_of(toml.replace("deadline_ms = 10", f"deadline_ms = {allowed * 1e-9!r}"), duration_s=0.1, dsps=3)
+        mine = again["tasks"]["user.sway_watch"]
+        assert mine["response_ps"]["worst"] == slowest, "a deadline changes nothing in the run"
+        assert least <= mine["on_time"] / mine["released"] <= most, allowed
 
 
 def test_a_task_that_overruns_is_reported_as_late_and_delays_no_other_with_a_dsp_to_spare(desk: Path) -> None:

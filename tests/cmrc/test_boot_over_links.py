@@ -10,6 +10,7 @@ from cmrc import _core
 cmrc = _core.cmrc
 Report = dict[str, Any]
 START = 0.02  # s, host.start_ms
+FAILED = {"reset_at_s": 0, "boot_s": None}  # the boot at power-on that came to nothing
 
 
 def run(events: list[tuple[float, str, int]] | None = None, **settings: Any) -> Report:
@@ -95,7 +96,7 @@ def test_with_a_broken_wire_at_power_on_the_others_begin_without_it() -> None:
     report = run([(0.001, "break_link", 1)], duration_s=0.06)
     assert failures(report)[0] == ("boot", 1)
     assert "words of its program" in report["failures"][0]["message"]
-    assert report["dsps"][1]["boots"] == [] and report["dsps"][1]["state"] == "waiting for its program"
+    assert report["dsps"][1]["boots"] == [FAILED] and report["dsps"][1]["state"] == "waiting for its program"
     assert report["dsps"][1]["claims"] == 0 and misses(report) == 0
     assert report["dsps"][1]["link_words"]["in"] < report["boot_words"]
 
@@ -118,6 +119,66 @@ def test_without_any_wire_no_dsp_is_left() -> None:
     report = run([(0.0001, "break_link", slot) for slot in range(2)], dsps=2, duration_s=2)
     assert report["stop_reason"] == "no_dsp_left" and report["account_end_s"] < 1
     assert sorted(failures(report)[:2]) == [("boot", 0), ("boot", 1)]
+
+
+@pytest.mark.parametrize("boot", ["link", "preloaded"])
+def test_each_board_at_power_on_and_each_reset_is_a_boot_that_ended_or_not(boot: str) -> None:
+    """Slot 0 works; slot 1 is reset; slot 2 is pulled at once, and slot 3 is empty until a board is plugged in. A
+    preloaded program is there at power-on."""
+    events = [(0.05, "reset", 1), (0.0, "unplug", 2), (0.06, "plug", 3)]
+    boots = [dsp["boots"] for dsp in run(events, dsps=3, slots=4, boot=boot)["dsps"]]
+    ended = {0: [True], 1: [True, True], 2: [False], 3: [True]}
+    at_power_on = [0] if boot == "link" else []
+    assert [[one["reset_at_s"] for one in of] for of in boots] == [
+        at_power_on,
+        [*at_power_on, 0.05],
+        at_power_on,
+        [0.06],
+    ]
+    for slot, of in enumerate(boots):
+        assert [one["boot_s"] is not None for one in of] == ended[slot][len(ended[slot]) - len(of) :]
+
+
+@pytest.mark.parametrize("action", ["unplug", "fail", "break_link"])
+def test_a_dsp_lost_while_it_boots_has_the_boot_at_power_on_all_the_same(action: str) -> None:
+    boots = run([(0.001, action, 0)], dsps=2)["dsps"][0]["boots"]
+    assert boots[0] == FAILED and all(one["boot_s"] is None and one["reset_at_s"] > START for one in boots[1:])
+
+
+def test_resets_are_those_of_the_watchdog() -> None:
+    """Two by events count as none. A DSP that has failed is reset without effect, one that has hung boots again."""
+    asked = run([(0.05, "reset", 1), (0.06, "reset", 1)], dsps=3)["dsps"]
+    assert [dsp["resets"] for dsp in asked] == [0, 0, 0] and len(asked[1]["boots"]) == 3
+    for action, boots in {"fail": 1, "hang": 2}.items():
+        report = run([(0.05004, action, 1)], dsps=2, duration_s=0.3)
+        said = [failure["message"] for failure in report["failures"] if failure["dsp"] == 1]
+        dsp = report["dsps"][1]
+        assert dsp["resets"] >= 1 and len(dsp["boots"]) == boots and report["dsps"][0]["resets"] == 0, (action, said)
+
+
+def test_dsps_that_boot_do_not_stand_still() -> None:
+    """The host begins to boot them only after a pause of 0.6 s."""
+    simulation = cmrc.Simulation(cmrc.config(settings={"dsps": 2, "duration_s": 1, "report.reference": "none"}))
+    simulation.at({"at_s": 0, "action": "pause_host", "lasts_ms": 600})
+    simulation.run()
+    report = json.loads(simulation.report_json())
+    assert (report["stop_reason"], simulation.exit_status) == ("completed", 0) and misses(report) == 0
+    assert all(0.6 < boot["boot_s"] < 0.61 for dsp in report["dsps"] for boot in dsp["boots"])
+
+
+@pytest.mark.parametrize(("plugged_s", "reason"), [(0.6985, "completed"), (0.72, "no_dsp_left")])
+def test_a_board_plugged_in_at_the_last_moment_is_waited_for(plugged_s: float, reason: str) -> None:
+    """The only DSP fails at 0.2 s; at 0.7 s none would be left. The new board has booted 2.3 ms after it is in."""
+    report = run([(0.2, "fail", 0), (plugged_s, "plug", 1)], dsps=1, slots=2, duration_s=1)
+    assert report["stop_reason"] == reason
+    assert (report["dsps"][1]["claims"] > 50) == (reason == "completed")
+
+
+def test_a_board_whose_boot_is_given_up_is_not_waited_for() -> None:
+    """Its wires are broken: the host gives it up after 10 ms, and the 0.5 s begin."""
+    events = [(0.1, "break_link", 1), (0.2, "fail", 0), (0.4, "plug", 1)]
+    report = run(events, dsps=1, slots=2, duration_s=2, **{"run.after_stop_s": 1})
+    assert report["stop_reason"] == "no_dsp_left" and 0.9 < report["account_end_s"] < 1.1
 
 
 @pytest.mark.parametrize("cycle", range(0, 40, 3))

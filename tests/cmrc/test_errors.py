@@ -194,6 +194,33 @@ def test_a_limit_of_ones_own_counts() -> None:
     assert noticed[0] < noticed[1] - 0.02
 
 
+def test_a_failure_that_was_repaired_before_an_error_began_is_not_its_cause() -> None:
+    """The second error comes from a DSP that is too slow for the loop, long after the drive was repaired and its error
+    cleared."""
+    failed = [at(0.1, "fail_drive", joint="slew"), at(0.15, "repair_drive", joint="slew"), clear(0.4)]
+    limits = {
+        "errors.following_slew_mrad": 0.06,
+        "errors.following_ms": 20,
+        "errors.stop_s": 0.1,
+        "errors.go_on_s": 0.2,
+    }
+    report, _ = run(2.6, *failed, at(1.5, "slow", dsp=0, factor=0.04), **limits)
+    first, second = report["errors_handled"]
+    assert (first["origin"], first["happened_s"], first["because"]) == ("drive fault", 0.1, "fail_drive slew")
+    assert second["origin"] == "following error" and second["of"] == ["slew"] and second["noticed_s"] > 1.5
+    assert (second["happened_s"], second["because"], second["moved_until_noticed_m"]) == (None, None, 0)
+
+
+def test_a_failure_repaired_while_its_error_lasts_is_its_cause() -> None:
+    lying = [at(2.9, "stick_drive_status", joint="slew"), at(LEG, "fail_drive", joint="slew")]
+    report, _ = run(LEG + 1, *lying)
+    noticed = only(report)["noticed_s"]
+    assert noticed > LEG + 0.05
+    report, _ = run(LEG + 1, *lying, at(noticed - 0.03, "repair_drive", joint="slew"))
+    error = report["errors_handled"][0]
+    assert (error["origin"], error["happened_s"], error["because"]) == ("following error", LEG, "fail_drive slew")
+
+
 # ---- hold, retry
 
 

@@ -111,6 +111,27 @@ def test_the_limit_is_a_setting(tmp_path: Path) -> None:
     assert "Wind above" not in working.report_json_and_text()[1] and working.signals()["payload_z_m"][-1] < 7.1
 
 
+@pytest.mark.parametrize("fast", [{"run.ideal": True}, {"machine.cycle_time_factor": 0.05}])
+def test_no_machine_is_too_fast_for_the_anemometer(fast: dict[str, Any]) -> None:
+    """Process 3 can start before torque compensation has read the wind: after one refresh, on such a machine."""
+    wind = {"dock.wind_mean_m_s": 25.0}
+    config = _core.cmrc.config(settings={"dsps": 4, "duration_s": 0.2, "report.reference": "none", **wind, **fast})
+    simulation = _core.cmrc.Simulation(config)
+    simulation.run()
+    report = json.loads(simulation.report_json())
+    assert report["wind"]["waits"] == 1 and report["wind"]["waited_s"] > 0.17
+    assert report["tasks"]["trajectory_planning.crane"]["released"] == 0
+
+
+def test_an_ideal_run_waits_for_less_wind_as_its_run_does() -> None:
+    config = _core.cmrc.config(settings={"dsps": 4, "duration_s": 0.2, "dock.wind_mean_m_s": 25.0})
+    simulation = _core.cmrc.Simulation(config)
+    simulation.run()
+    report = json.loads(simulation.report_json())
+    assert report["wind"]["waits"] == 1 and report["errors"]["load_m"]["peak"] < 1e-3
+    assert "pid" in report["errors"]["demand"] and "trajectory_planning.crane" not in report["errors"]["demand"]
+
+
 def test_the_servo_holds_in_28_metres_per_second() -> None:
     simulation = simulate(16.0, dock__wind_mean_m_s=28.0, dock__wind_gust_m_s=3.64, dock__wind_direction_deg=60.0)
     report = json.loads(simulation.report_json())

@@ -38,6 +38,21 @@ def test_the_python_of_its_page(
     assert dsps == fewest and last.split()[0] == r1 and int(last.split()[1]) >= 2
 
 
+def test_the_python_of_the_page_on_pages_needs_one_import(tmp_path: Path) -> None:
+    """In a process of its own, in which nobody has imported cmrc.page before."""
+    [shown] = blocks("docs/page.md")
+    program = "import cmrc\n" + shown.replace("duration_s=3", "duration_s=0.03") + "print(len(recording.jobs))\n"
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "PYTHONPATH": str(BUILD / "python")},
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=tmp_path,
+    )
+    assert done.returncode == 0 and int(done.stdout) > 0, done.stderr
+
+
 def test_the_error_of_its_page(capsys: pytest.CaptureFixture[str]) -> None:
     refused = blocks()[1]
     exec("import cmrc\n" + refused, {})  # noqa: S102

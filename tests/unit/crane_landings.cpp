@@ -272,8 +272,28 @@ TEST_CASE("in wind a load hangs between the guides until it is steady") {
   CHECK(near.land(0, windy) == "16+3752 0 0.3");  // 0.2 + 0.1 is more than 0.3
 }
 
+TEST_CASE("before PID has taken the pose the wind at power-on counts, not what torque compensation says") {
+  Crane windy(0.6, true), calm(0.6, false);
+  windy.torque(0);
+  calm.torque(0, true);
+  CHECK(windy.steps.too_windy());
+  CHECK_FALSE(calm.steps.too_windy());
+  for (Crane* c : {&windy, &calm}) {
+    c->host.now = 8;
+    c->torque(0, !c->steps.too_windy());  // of refresh 9, not yet finished when PID is
+    c->pid(9, 0);
+  }
+  CHECK(windy.steps.too_windy());
+  CHECK_FALSE(calm.steps.too_windy());
+  windy.torque(0);
+  calm.torque(0, true);
+  CHECK_FALSE(windy.steps.too_windy());
+  CHECK(calm.steps.too_windy());
+}
+
 TEST_CASE("with too much wind an empty spreader waits above a container") {
   Crane c;
+  c.pid(0, 0);
   c.torque(1000, true);
   CHECK(c.steps.too_windy());
   c.enter(Kind::lower);
@@ -283,6 +303,7 @@ TEST_CASE("with too much wind an empty spreader waits above a container") {
   CHECK_FALSE(c.steps.waits_for_wind());
 
   Crane calmer;
+  calmer.pid(0, 0);
   calmer.torque(1000, true);
   calmer.enter(Kind::lower);
   CHECK(calmer.land(0, 0) == "-");
@@ -291,6 +312,7 @@ TEST_CASE("with too much wind an empty spreader waits above a container") {
   CHECK(calmer.land(1, 0) == "17+8751 0 0.7");
 
   Crane set_down;
+  set_down.pid(0, 0);
   set_down.torque(1000, true);
   set_down.steps.set_down(true);
   set_down.enter(Kind::lower);

@@ -14,9 +14,10 @@ using cmrc::JobKind;
 using Kind = cmrc::Step::Kind;
 
 struct Crane {
-  explicit Crane(double clearance = 0.6) : steps(job_with(clearance), w) {}
-  static cmrc::CraneJob job_with(double clearance) {
+  explicit Crane(double clearance = 0.6, bool too_windy = false) : steps(job_with(clearance, too_windy), w) {}
+  static cmrc::CraneJob job_with(double clearance, bool too_windy) {
     cmrc::CraneJob job;
+    job.too_windy = too_windy;
     job.clearance = clearance;
     job.settle_limit = 2;
     job.refresh_frequency = 1000;
@@ -48,10 +49,11 @@ struct Crane {
     task.tick = static_cast<std::uint32_t>(tick);
     steps.finished(task, bits | used, 0, host);
   }
-  /// Torque compensation reports the mass on the rope, and whether there is too much wind.
+  /// Torque compensation of the next refresh reports the mass on the rope, and whether there is too much wind.
   void torque(Word mass, bool wind = false) {
     cmrc::Task task;
     task.kind = w.program(JobKind::torque_compensation);
+    task.tick = static_cast<std::uint32_t>(host.now + 1);
     steps.finished(task, mass << w.torque_load | (wind ? w.torque_wind : 0), 0, host);
   }
   void block(JobKind kind, Word result, Word notify) {

@@ -77,6 +77,7 @@ class Host final : public cmrc::HostServices {
   void load(const cmrc::Task& task, std::optional<std::int64_t> deadline) override {
     loaded.emplace_back(task, deadline);
   }
+  void load_within(const cmrc::Task& task, report::Time) override { load(task, std::nullopt); }
   void drop(const cmrc::Task&, std::int64_t due, std::int64_t) override { told.push_back(fmt::format("drop {}", due)); }
   void write(Word offset, std::span<const Word> values) override {
     for (const Word value : values) words[offset++] = value;

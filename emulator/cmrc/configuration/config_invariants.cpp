@@ -57,6 +57,7 @@ class Invariants {
             {"bus.latency_timer_clocks", "bus.prefetch"},
             fmt::format("a line of 8 words does not fit into {} clocks", config_.bus.latency_timer_clocks),
             "at least 32 is expected, or bus.prefetch = false");
+    for (const UserTask& task : config_.tasks) check_period(task, config_.rates.refresh_frequency_hz);
     heartbeats();
     own_dsps();
     const machine::Topology topology =

@@ -226,6 +226,12 @@ bool befalls_machine(const TimedEvent& event) {
   return scripted != nullptr && machine::is_of_machine(scripted->target);
 }
 
+bool undoes(const TimedEvent& event, const TimedEvent& begun) {
+  const machine::ScriptedAction* scripted = action_of(event).scripted;
+  return scripted != nullptr && scripted == action_of(begun).scripted && event.number == begun.number &&
+         event.action == scripted->undo && begun.action == scripted->name;
+}
+
 TimedEvent timed_event(const std::map<std::string, Field>& given, const Origin& where) {
   EventFields fields(given, where);
   fields.all_known();

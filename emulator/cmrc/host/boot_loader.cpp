@@ -22,6 +22,10 @@ BootLoader::BootLoader(const Words& words, std::function<std::vector<Word>(unsig
 
 void BootLoader::expect(unsigned slot, Time now) { boots_.push_back({slot, now, now, 0, {}}); }
 
+bool BootLoader::boots(unsigned slot) const {
+  return requested_ || std::ranges::find(boots_, slot, &Boot::slot) != boots_.end();
+}
+
 Time BootLoader::next() const {
   if (requested_) return Time{};
   Time next = machine::never;

@@ -53,6 +53,7 @@ class HostListener {
   virtual ~HostListener() = default;
   virtual void event(const report::Event& event) = 0;
   virtual void failure(const report::FailureReport& failure) = 0;
+  virtual void reset_by_watchdog(unsigned slot) = 0;
 };
 
 class Host : public machine::HostProgram, private HostServices, private ErrorActions {
@@ -72,6 +73,8 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   bool servoing() const { return servoing_; }
   bool job_done() const { return processes_.job_done(); }
   std::optional<Time> first_refresh() const { return first_refresh_; }
+  /// The host sends this slot's DSP its program, or is going to.
+  bool boots(unsigned slot) const { return boots_.boots(slot); }
 
   Time next_wake() const override { return wake_at_; }
   void wake(Time now, machine::HostPort& port) override;
@@ -139,6 +142,10 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   // HostServices
   std::int64_t tick() const override { return tick_; }
   void load(const Task& task, std::optional<std::int64_t> deadline) override;
+  void load_within(const Task& task, Time allowed) override {
+    const Time released = clock_.at(tick_);
+    load_block(task, job_kind(task.kind, words_), released, released + allowed, std::nullopt);
+  }
   void drop(const Task& task, std::int64_t due, std::int64_t deadline) override;
   using HostServices::write;
   void write(Word offset, std::span<const Word> words) override;

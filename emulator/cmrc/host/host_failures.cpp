@@ -160,6 +160,7 @@ void Host::fence_off(unsigned slot) {
 void Host::renew(unsigned slot) {
   // A reset ends the DSP's work and drops the words in its bridge; afterwards it may write again.
   port_->write(words_.reset_dsp, Word{slot});
+  listener_.reset_by_watchdog(slot);
   fence_ |= Word{1} << slot;
   port_->write(words_.fence_mask, fence_);
   renewed_[slot] = tick_;

@@ -99,6 +99,17 @@ std::vector<std::string_view> causes(const ErrorEntry& entry) {
   }
 }
 
+/// How long the cause of such an error has lasted at the least when the error is noticed. Only a failed drive shows a
+/// fault, however late that is read.
+Time lasts(const ErrorEntry& entry, const Config::Errors& limits) {
+  switch (entry.origin) {
+    case ErrorOrigin::following: return report::from_seconds(limits.following_ms * 1e-3);
+    case ErrorOrigin::encoder: return report::from_seconds(limits.encoder_ms * 1e-3);
+    case ErrorOrigin::sway: return limits.sway_samples * plant::tick_latches * plant::latch_period;
+    default: return entry.noticed;
+  }
+}
+
 /// The dock's event is a trip of one of the error's joints.
 bool trips(const ErrorEntry& entry, bool gantry, const plant::Event& event) {
   const auto channels = plant::drive_channels(gantry ? plant::CraneKind::gantry : plant::CraneKind::slewing);
@@ -122,9 +133,14 @@ void find_beginning(const ErrorEntry& entry, const Config& config, const plant::
       handled.happened = time, handled.because = because;
   };
   const auto names = causes(entry);
+  const Time begun = entry.noticed - lasts(entry, config.errors);
   for (const TimedEvent& event : config.events) {
-    if (std::ranges::find(names, event.action) != names.end() && concerns(event.number))
-      meet(report::from_seconds(event.at_s), describe(event));
+    if (std::ranges::find(names, event.action) == names.end() || !concerns(event.number)) continue;
+    const auto over = [&](const TimedEvent& later) {
+      const bool after = later.at_s > event.at_s || (later.at_s == event.at_s && &later > &event);
+      return after && report::from_seconds(later.at_s) < begun && undoes(later, event);
+    };
+    if (std::ranges::none_of(config.events, over)) meet(report::from_seconds(event.at_s), describe(event));
   }
   const bool tripped = entry.origin >= ErrorOrigin::overspeed;
   if (entry.origin != ErrorOrigin::late && !tripped) return;

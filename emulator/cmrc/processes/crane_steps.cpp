@@ -36,7 +36,8 @@ CraneSteps::CraneSteps(const CraneJob& job, const Words& words)
       interval_(job.point_interval),
       next_interval_(job.slowed_interval),
       speeds_(job.speeds),
-      next_speeds_(job.speeds) {}
+      next_speeds_(job.speeds),
+      too_windy_(job.too_windy) {}
 
 std::int64_t CraneSteps::ticks(double seconds) const {
   return static_cast<std::int64_t>(std::ceil(seconds * job_.refresh_frequency));
@@ -271,7 +272,7 @@ void CraneSteps::finished(const Task& done, Word result, Word notify, HostServic
   if (done.kind == words_.program(JobKind::pid))
     pid_finished(done, result, services);
   else if (done.kind == words_.program(JobKind::torque_compensation))
-    torque_finished(result);
+    torque_finished(done, result);
   else if (done.kind == words_.program(JobKind::trajectory_crane))
     chain_.trajectory_done((result & words_.end_of_leg) != 0, (notify & words_.must_inverse) != 0,
                            (notify & words_.must_trajectory) != 0);
@@ -283,8 +284,9 @@ void CraneSteps::finished(const Task& done, Word result, Word notify, HostServic
     begin_leg(1, services), phase_ = Phase::align;
 }
 
-void CraneSteps::torque_finished(Word result) {
-  too_windy_ = (result & words_.torque_wind) != 0;
+// Torque compensation reads the anemometer only after PID has taken the pose at the start.
+void CraneSteps::torque_finished(const Task& done, Word result) {
+  if (servo_began_ && done.tick > *servo_began_) too_windy_ = (result & words_.torque_wind) != 0;
   load_ = static_cast<double>(static_cast<std::int32_t>(result) >> words_.torque_load);
 }
 
@@ -298,6 +300,7 @@ void CraneSteps::dropped(const Task& lost) {
 }
 
 void CraneSteps::pid_finished(const Task& done, Word result, HostServices& services) {
+  if (!servo_began_) servo_began_ = services.tick();
   pid_.tick = done.tick;
   pid_.landed = (result & words_.pid_landed) != 0;
   pid_.locked = (result & words_.pid_locked) != 0;

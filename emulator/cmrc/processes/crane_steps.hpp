@@ -24,6 +24,7 @@ struct CraneJob {
   std::int64_t slowed_interval = 64;  ///< N^_t at the start
   std::int64_t buffer_points = 2;
   std::array<std::uint32_t, 7> speeds{};  ///< the words of CR_SPEED (servo_law.hpp)
+  bool too_windy = false;                 ///< at power-on
   std::int64_t landing_retries = 3;       ///< how often a load that has not landed is lifted, aligned and lowered again
 };
 
@@ -50,7 +51,8 @@ class CraneSteps {
   void abandon() { chain_.abandon(); }
   /// The work is requested again after abandon().
   void resume() { chain_.resume(); }
-  /// Reported by torque compensation: the anemometer's mean is above its limit. Then no lift begins.
+  /// The anemometer's mean is above its limit, by torque compensation's last report, before that by the host's reading
+  /// at power-on. Then no lift begins.
   bool too_windy() const { return too_windy_; }
   /// The load would be lowered to a container, and waits for less wind.
   bool waits_for_wind() const { return phase_ == Phase::down && ramp_pending_ && held(); }
@@ -79,7 +81,7 @@ class CraneSteps {
 
  private:
   void pid_finished(const Task& task, Word result, HostServices& services);
-  void torque_finished(Word result);
+  void torque_finished(const Task& task, Word result);
   void begin_leg(Word leg, HostServices& services);
   bool settled(const HostServices& services) const;
   /// Commands a hoist ramp; false as long as the servo's words cannot be changed.
@@ -120,7 +122,8 @@ class CraneSteps {
   double load_ = 0, hung_ = 0;  // kg on the rope, now and before lowering
   double eased_ = 0;            // m, by which a jammed load has been lifted
   bool freed_ = false;          // since lifting, the corner switches have closed, or the rope has carried the load
-  bool too_windy_ = false;
+  bool too_windy_;
+  std::optional<std::int64_t> servo_began_;  // the refresh at which PID was first found finished
   bool ramp_pending_ = false;
   bool ramp_reported_ = true;
   bool retrying_ = false;

@@ -7,6 +7,7 @@
 #include "cmrc/measures/milestone.hpp"
 #include "cmrc/tasks/task_list.hpp"
 #include "cmrc/tasks/words.hpp"
+#include "report/event.hpp"
 
 namespace cmrc {
 
@@ -17,6 +18,8 @@ class HostServices {
   virtual std::int64_t tick() const = 0;
   /// Loads a block into the list. \param deadline refresh number; none: never late
   virtual void load(const Task& task, std::optional<std::int64_t> deadline) = 0;
+  /// The same; the deadline is `allowed` after the release, wherever that falls between refreshes.
+  virtual void load_within(const Task& task, report::Time allowed) = 0;
   /// A block was due at refresh `due`, but could not be loaded, because the block before it was not finished. It is
   /// dropped, and counts as missed.
   virtual void drop(const Task& task, std::int64_t due, std::int64_t deadline) = 0;

@@ -69,12 +69,15 @@ void place_limits(toolchain::Image& image, const Config& config) {
   const double turns = e.encoder_speed_percent * plant::rated_units / 100;
   word_at(image, constant("K_PD_TURNS")) = static_cast<toolchain::Word>(std::llround(turns));
   word_at(image, constant("K_PD_SAMPLE")) = sample;
-  word_at(image, constant("K_TQ_WIND_LIMIT")) =
-      static_cast<toolchain::Word>(std::llround(config.dock.wind_limit_m_s * 1e3));
+  word_at(image, constant("K_TQ_WIND_LIMIT")) = static_cast<toolchain::Word>(wind_limit_mm_s(config));
   word_at(image, constant("K_PD_SAME")) = static_cast<toolchain::Word>(e.sway_samples);
 }
 
 }  // namespace
+
+std::int32_t wind_limit_mm_s(const Config& config) {
+  return static_cast<std::int32_t>(std::llround(config.dock.wind_limit_m_s * 1e3));
+}
 
 void place_kernel(toolchain::Image& image, toolchain::Word kind, std::string_view label, std::string_view key) {
   const auto program = image.symbols.find(label);

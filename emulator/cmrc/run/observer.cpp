@@ -255,11 +255,10 @@ void RunObserver::fault(const machine::ChipFault& fault) {
 
 void RunObserver::slot(unsigned slot, machine::SlotChange change, Time now) {
   std::vector<report::BootReport>& boots = boots_.at(slot);
-  if (change == machine::SlotChange::reset) ++resets_.at(slot), boots.push_back({now, {}});
+  if (change == machine::SlotChange::reset) boots.push_back({now, {}});
   if (change == machine::SlotChange::booted) {
     ledger_.timeline().slot(slot, SlotState::awake, now);
     if (watcher_ != nullptr) watcher_->booted(slot, now);
-    if (boots.empty()) boots.emplace_back();  // power-on
     boots.back().booted = now;
   }
   if (change == machine::SlotChange::unplugged || change == machine::SlotChange::reset) {

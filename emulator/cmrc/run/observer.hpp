@@ -45,6 +45,8 @@ class RunObserver : public machine::Observer, public HostListener {
   void attach(plant::Dock& dock, Course* course, double wind_limit);
   /// Notes in the profile when jobs begin and end; null: none.
   void set_profile(RunProfile* profile) { profile_ = profile; }
+  /// At power-on the slot's DSP has yet to be booted.
+  void boots_from_power_on(unsigned slot) { boots_.at(slot).emplace_back(); }
   /// The watcher gets what the ledger gets, and the dock; null: none. Not part of the state.
   void watch(RunWatcher* watcher) { watcher_ = watcher, ledger_.watch(watcher); }
 
@@ -76,6 +78,7 @@ class RunObserver : public machine::Observer, public HostListener {
   // HostListener
   void event(const report::Event& event) override { log_.add(event); }
   void failure(const report::FailureReport& failure) override { failures_.push_back(failure); }
+  void reset_by_watchdog(unsigned slot) override { ++resets_.at(slot); }
 
   const std::vector<report::FailureReport>& failures() const { return failures_; }
   const report::Distribution& semaphore_hold() const { return hold_; }
@@ -87,6 +90,7 @@ class RunObserver : public machine::Observer, public HostListener {
   /// Time at full torque by joint, in latches.
   const std::array<std::int64_t, plant::joint_count>& saturated_latches() const { return saturated_; }
   std::uint64_t faults(unsigned slot) const { return slot < faults_.size() ? faults_[slot] : 0; }
+  /// By the watchdog.
   std::uint64_t resets(unsigned slot) const { return slot < resets_.size() ? resets_[slot] : 0; }
   const std::vector<report::BootReport>& boots(unsigned slot) const { return boots_.at(slot); }
   void list_state(state::Visitor& list);

@@ -12,7 +12,7 @@
 namespace cmrc {
 namespace {
 
-// The watchdog resets DSPs that are halted; if none works again after this time, none is left.
+// The watchdog resets DSPs that are halted; if none works or is booted after this time, none is left.
 constexpr Time patience = std::chrono::milliseconds{500};
 
 }  // namespace
@@ -21,10 +21,8 @@ RunEnd::RunEnd(const Config& config, const machine::Machine& machine, plant::Doc
     : config_(config), machine_(machine), dock_(dock), host_(host), end_(report::from_seconds(config.run.duration_s)) {}
 
 void RunEnd::look() {
-  bool alive = false;
   for (unsigned slot = 0; slot < machine_.slots(); ++slot)
-    alive = alive || (machine_.booted(slot) && !machine_.standing(slot));
-  if (alive) last_alive_ = now();
+    if (alive(slot)) last_alive_ = now();
   enabled_ = enabled_ || !dock_.braked();
   if (!enabled_ || !dock_.braked() || !host_.servoing()) last_driven_ = now();
   const Time after = report::from_seconds(config_.run.after_stop_s);
@@ -33,6 +31,11 @@ void RunEnd::look() {
   if (dock_.faulted()) return stop_account(report::StopReason::plant_fault, after);
   if (now() - last_alive_ >= patience) return stop_account(report::StopReason::no_dsp_left, after);
   if (now() - last_driven_ >= std::max(after, patience)) stop_account(report::StopReason::drives_stopped, Time{});
+}
+
+bool RunEnd::alive(unsigned slot) const {
+  if (!machine_.plugged(slot) || machine_.standing(slot)) return false;
+  return machine_.booted(slot) || machine_.in_reset(slot) || host_.boots(slot);
 }
 
 void RunEnd::stop_account(report::StopReason reason, Time after) {

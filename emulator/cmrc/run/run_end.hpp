@@ -50,6 +50,8 @@ class RunEnd {
   void list_state(state::Visitor& list);
 
  private:
+  /// The slot's DSP runs its program, or is on the way to it: in reset, or being booted by the host.
+  bool alive(unsigned slot) const;
   void stop_account(report::StopReason reason, machine::Time after);
 
   const Config& config_;

@@ -10,6 +10,7 @@
 
 #include "cmrc/configuration/clock_deviations.hpp"
 #include "cmrc/configuration/machine_topology.hpp"
+#include "cmrc/programs/kernels.hpp"
 #include "cmrc/programs/servo_law.hpp"
 #include "cmrc/run/ideal_run.hpp"
 #include "cmrc/tasks/ti_float.hpp"
@@ -111,7 +112,7 @@ plant::DockConfig dock_of(const Config& config) {
   return dock;
 }
 
-CraneJob crane_of(const Config& config, const plant::DockConfig& dock) {
+CraneJob crane_of(const Config& config, const plant::DockConfig& layout, plant::Dock& dock) {
   const Intervals n = intervals(config);
   CraneJob job;
   job.clearance = config.dock.clearance_m;
@@ -119,12 +120,13 @@ CraneJob crane_of(const Config& config, const plant::DockConfig& dock) {
   job.ramp_speed = config.dock.ramp_speed_m_s;
   job.settle_limit = config.dock.settle_limit_s;
   job.landing_retries = config.dock.landing_retries_max;
-  job.speeds = speed_words(config.control, dock.crane.machine);
+  job.speeds = speed_words(config.control, layout.crane.machine);
   job.refresh_frequency = config.rates.refresh_frequency_hz;
   job.servo_interval = n.servo;
   job.point_interval = n.crane_point;
   job.slowed_interval = n.crane_slowed;
   job.buffer_points = config.scheduling.buffer_points;
+  job.too_windy = std::abs(dock.wind_mean(machine::Time{0})) > wind_limit_mm_s(config);
   return job;
 }
 

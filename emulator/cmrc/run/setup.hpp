@@ -21,7 +21,8 @@ namespace cmrc {
 /// With clock deviations if run.phase_jitter is set (clock_deviations.hpp).
 plant::DockConfig dock_of(const Config& config);
 plant::DockConfig nominal_dock_of(const Config& config);
-CraneJob crane_of(const Config& config, const plant::DockConfig& dock);
+/// \param dock at power-on
+CraneJob crane_of(const Config& config, const plant::DockConfig& layout, plant::Dock& dock);
 FleetJob fleet_of(const Config& config, const plant::DockConfig& dock);
 /// \throws machine::BoardError
 machine::Config machine_of(const Config& config);

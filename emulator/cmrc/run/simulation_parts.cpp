@@ -36,7 +36,7 @@ Simulation::Parts::Parts(const Config& given, std::shared_ptr<Course> recorded,
       machine_config(machine_of(config)),
       ledger(ledger_of(config, machine_config)),
       observer(words, ledger, log, static_cast<std::size_t>(config.report.samples_max)),
-      host(config, words, crane_of(config, dock_config), fleet_of(config, dock_config), ledger, observer,
+      host(config, words, crane_of(config, dock_config, dock), fleet_of(config, dock_config), ledger, observer,
            [this](unsigned slot) { return machine.boot_stream(slot); }),
       machine(machine_config, image, &dock, &host),
       run_end(config, machine, dock, host),
@@ -57,8 +57,10 @@ Simulation::Parts::Parts(const Config& given, std::shared_ptr<Course> recorded,
                         image.symbol("PD_SERVOING"));
   observer.attach(dock, course->recorded() ? course.get() : nullptr, config.dock.wind_limit_m_s);
   machine.set_observer(&observer);
-  for (unsigned slot = 0; slot < machine.slots(); ++slot)
+  for (unsigned slot = 0; slot < machine.slots(); ++slot) {
+    if (machine.plugged(slot) && !machine.booted(slot)) observer.boots_from_power_on(slot);
     ledger.timeline().slot(slot, machine.booted(slot) ? SlotState::awake : SlotState::off, Time{0});
+  }
   for (const TimedEvent& event : config.events)
     if (event.action == "set") host.change(report::from_seconds(event.at_s), event);
 }

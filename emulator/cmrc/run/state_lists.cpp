@@ -62,6 +62,7 @@ void CraneSteps::list_state(state::Visitor& list) {
   list("eased", eased_);
   list("freed", freed_);
   list("too_windy", too_windy_);
+  list("servo_began", servo_began_);
   list("ramp_pending", ramp_pending_);
   list("ramp_reported", ramp_reported_);
   list("retrying", retrying_);

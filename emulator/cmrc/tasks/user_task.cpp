@@ -124,6 +124,7 @@ UserTask user_task(const std::map<std::string, Field>& given, const Origin& wher
   if (task.period_ms != 0 && task.period_ms < 0.01)
     refuse(given.at("period_ms").origin, "tasks.period_ms", fmt::format("{} is out of range", task.period_ms),
            "a number from 0.01 to 1e6, or 0, is expected");
+  task.period_origin = given.contains("period_ms") ? given.at("period_ms").origin : where;
   task.deadline_ms = fields.number("deadline_ms", 0, 0, 1e6);
   task.heartbeat_ms = fields.number("heartbeat_ms", 0, 0, 1e6);
   task.argument = fields.integer("argument", 0, -2147483648LL, 4294967295LL);
@@ -176,6 +177,25 @@ std::string to_toml(const UserTask& task) {
   for (std::size_t i = 0; i < task.parameters.size(); ++i)
     text += fmt::format("parameter_{} = {}\n", i, show(task.parameters[i]));
   return text;
+}
+
+std::int64_t period_refreshes(const UserTask& task, double refresh_frequency) {
+  return std::llround(task.period_ms * 1e-3 * refresh_frequency);
+}
+
+void check_period(const UserTask& task, double refresh_frequency) {
+  constexpr double as_good_as_whole = 1e-5;  // refreshes: periods like 0.333333 ms are written with few digits
+  const double asked = task.period_ms * 1e-3 * refresh_frequency;
+  const auto whole = static_cast<double>(period_refreshes(task, refresh_frequency));
+  if (task.period_ms == 0 || (whole >= 1 && std::fabs(asked - whole) <= as_good_as_whole)) return;
+  const auto ms = [&](double refreshes) { return show(Value{refreshes * 1e3 / refresh_frequency}); };
+  const double below = std::floor(asked);
+  refuse(task.period_origin, "tasks.period_ms",
+         fmt::format("{} ms of \"{}\" are {:g} refreshes: a task is released at a refresh, every {} ms",
+                     show(Value{task.period_ms}), task.name, asked, ms(1)),
+         below < 1
+             ? fmt::format("{} is the shortest period, or more rates.refresh_frequency_hz is expected", ms(1))
+             : fmt::format("{} or {} is expected, or another rates.refresh_frequency_hz", ms(below), ms(below + 1)));
 }
 
 std::uint32_t importance(const UserTask& task, std::int64_t t) {

@@ -20,7 +20,8 @@ struct UserTask {
   std::uint32_t importance = 0;          ///< J from t = due_refreshes on
   std::uint32_t importance_waiting = 0;  ///< J before that; 0: the task must not run early
   std::int64_t due_refreshes = 0;
-  double period_ms = 0;
+  double period_ms = 0;  ///< a whole number of refreshes, which is checked; 0: none
+  Origin period_origin;
   double deadline_ms = 0;       ///< after its release; 0: none
   double heartbeat_ms = 0;      ///< limit between two beats of its program (lib/alive.asm); 0: no heartbeat
   std::int64_t argument = 0;    ///< TB_ARGUMENT
@@ -40,6 +41,10 @@ void check_user_tasks(std::span<const UserTask> tasks);
 bool own_blocks(std::span<const UserTask> tasks);
 /// The task's fields as TOML, one line each.
 std::string to_toml(const UserTask& task);
+/// The task's period in refreshes; 0: none.
+std::int64_t period_refreshes(const UserTask& task, double refresh_frequency);
+/// Checks that the task's period is a whole number of refreshes. \throws ConfigError
+void check_period(const UserTask& task, double refresh_frequency);
 /// J of task `task` after t refreshes of waiting.
 std::uint32_t importance(const UserTask& task, std::int64_t t);
 

@@ -1,17 +1,11 @@
 #include "cmrc/tasks/user_tasks.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 namespace cmrc {
 
 UserTasks::UserTasks(std::span<const UserTask> tasks, const Words& words, double refresh_frequency) : words_(words) {
-  const auto refreshes = [&](double ms) {
-    return std::max<std::int64_t>(1, std::llround(ms * 1e-3 * refresh_frequency));
-  };
   for (const UserTask& task : tasks) {
-    const std::int64_t period = task.period_ms > 0 ? refreshes(task.period_ms) : 0;
-    rows_.push_back({task, period, task.deadline_ms > 0 ? refreshes(task.deadline_ms) : 0, period, false});
+    const std::int64_t period = period_refreshes(task, refresh_frequency);
+    rows_.push_back({task, period, period, false});
   }
 }
 
@@ -23,12 +17,15 @@ void UserTasks::refresh(HostServices& services) {
     if (row.out) continue;
     row.out = true;
     const auto number = static_cast<Word>(i);
-    services.load({.x = row.task.x,
-                   .kind = words_.kind_user + number,
-                   .area = words_.us_base + number * words_.us_words,
-                   .tick = static_cast<std::uint32_t>(services.tick()),
-                   .argument = static_cast<std::uint32_t>(row.task.argument)},
-                  row.deadline > 0 ? std::optional(services.tick() + row.deadline) : std::nullopt);
+    const Task block{.x = row.task.x,
+                     .kind = words_.kind_user + number,
+                     .area = words_.us_base + number * words_.us_words,
+                     .tick = static_cast<std::uint32_t>(services.tick()),
+                     .argument = static_cast<std::uint32_t>(row.task.argument)};
+    if (row.task.deadline_ms > 0)
+      services.load_within(block, report::from_seconds(row.task.deadline_ms * 1e-3));
+    else
+      services.load(block, std::nullopt);
   }
 }
 

@@ -39,7 +39,7 @@ class UserTasks {
  private:
   struct Row {
     UserTask task;
-    std::int64_t period, deadline;  // refreshes
+    std::int64_t period;  // refreshes
     std::int64_t next;
     bool out = false;
     bool stopped = false;  // given up

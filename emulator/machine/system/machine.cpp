@@ -359,6 +359,7 @@ unsigned Machine::slots() const { return parts_->config.slots; }
 bool Machine::plugged(unsigned slot) const { return parts_->dsps.at(slot).plugged(); }
 bool Machine::booted(unsigned slot) const { return parts_->dsps.at(slot).booted(); }
 bool Machine::standing(unsigned slot) const { return parts_->dsps.at(slot).standing(); }
+bool Machine::in_reset(unsigned slot) const { return parts_->dsps.at(slot).in_reset(); }
 c40::Chip& Machine::chip(unsigned slot) { return parts_->dsps.at(slot).chip(); }
 const c40::Chip& Machine::chip(unsigned slot) const { return parts_->dsps.at(slot).chip(); }
 Spent Machine::spent(unsigned slot) const { return parts_->dsps.at(slot).spent(parts_->time); }

@@ -237,6 +237,7 @@ class Machine {
   bool plugged(unsigned slot) const;
   bool booted(unsigned slot) const;    ///< a board is in the slot, and its program has run since its last reset
   bool standing(unsigned slot) const;  ///< halted by a fault, Action::fail or Action::hang
+  bool in_reset(unsigned slot) const;  ///< RESET is low
   c40::Chip& chip(unsigned slot);
   const c40::Chip& chip(unsigned slot) const;
   Spent spent(unsigned slot) const;  ///< up to time()
