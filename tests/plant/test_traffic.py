@@ -277,6 +277,33 @@ x_m = 0.0
 y_m = 24.0
 tier = 1
 [[boxes]]
+@pytest.mark.parametrize("wheels", [(-120, 120), (0, 240), (120, -120)])
+def test_a_turning_vehicle_stops_and_says_so_when_no_set_points_are_left(wheels):
+    d = dock(drive=plant.AgvDrive.differential)
+    d.agv_period(0, 50000, 0)
+    for _ in range(40):
+        d.agv_push_wheels(0, *wheels, d.time)
+        d.advance_to(d.time + 50 * MS)
+    before = abs(d.agv(0).yaw_rate)
+    assert before == pytest.approx(0.24 / d.config.agv.track, rel=0.05)
+    d.advance_to(d.time + 600 * MS)
+    assert 0.2 * before < abs(d.agv(0).yaw_rate) < 0.8 * before  # it brakes; it is not stopped at once
+    d.advance_to(d.time + 3 * SECOND)
+    assert d.agv(0).yaw_rate == 0.0 and d.agv_status(0, d.time) & 0x40
+    assert [event.kind for event in d.events] == ["agv_dry"]
+
+
+def test_a_vehicle_without_set_points_keeps_its_curve_while_it_brakes():
+    d = dock(drive=plant.AgvDrive.differential)
+    d.agv_period(0, 50000, 0)
+    for _ in range(120):
+        d.agv_push_wheels(0, 2200, 1800, d.time)
+        d.advance_to(d.time + 50 * MS)
+    d.advance_to(d.time + SECOND)
+    assert 0.5 < d.agv(0).speed < 1.8
+    assert d.agv(0).yaw_rate / d.agv(0).speed == pytest.approx(-0.4 / d.config.agv.track / 2.0, rel=0.25)
+
+
 x_m = [-40, -38]
 y_m = [0, 2]
 z_m = [0, 3]
