@@ -30,7 +30,7 @@ Solid solid_of(Solid::Kind kind, const Box& b) {
 }
 
 Solid solid_of(const AgvParameters& p, int index, double x, double y, double heading) {
-  constexpr double underside = 0.3;  // m
+  const double underside = std::min(0.3, 0.5 * p.deck_height);  // m
   return make_solid(Solid::Kind::agv, index, x, y, heading, 0.5 * p.length, 0.5 * p.width, underside, p.deck_height);
 }
 

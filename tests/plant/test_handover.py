@@ -267,3 +267,32 @@ def test_the_warehouse_takes_what_stands_within_its_radius_for_its_time(radius, 
     assert not takes or times["delivered"] - times["agv_arrived"] == 250_000_000_000
     assert dock.containers[0].state == ("delivered" if takes else "on_agv")
     assert dock.delivered == int(takes)
+
+
+@pytest.mark.parametrize("height", [0.5, 1.4, 2.2])
+def test_a_vehicle_does_not_collide_with_what_is_set_on_it(height):
+    """The container settles a little into its deck."""
+    config = quiet_dock(above=(22, 13), z=2.9)
+    config.agv.deck_height = height
+    config.crane.sway_damping = 0.4
+    config.layout.containers = [plant.ContainerPlace(22, 13, 0, 0, 8e3)]
+    dock = plant.Dock(config)
+    crane = Crane(dock)
+    crane.hold(0.3)
+    crane.move(crane.pose(22, 13, 2.51), 3.0)
+    crane.hold(0.8)
+    dock.spreader_command(1, crane.t)
+    crane.hold(1.2)
+    crane.move(crane.pose(22, 13, 7.0), 8.0)
+    crane.move(crane.pose(22, 8, 7.0), 12.0)
+    crane.hold(6.0)
+    crane.move(crane.pose(22, 8, height + 2.7), 8.0)
+    crane.hold(3.0)
+    crane.move(crane.pose(22, 8, height + 2.5), 3.0)
+    crane.hold(0.8)
+    dock.spreader_command(0, crane.t)
+    crane.hold(1.5)
+    assert dock.containers[0].state == "on_agv"
+    vehicle = dock.agv(0)
+    assert (vehicle.x, vehicle.y) == pytest.approx((22, 8), abs=1e-9)
+    assert not [event for event in dock.events if event.kind == "collision"]
