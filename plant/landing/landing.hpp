@@ -59,6 +59,7 @@ class Landing {
   Solid footprint(const DockState&, double x, double y, double z, double yaw) const;
   static double highest_under(const Solid& foot, const Solid&);
   double clearance_of(const DockState&, const Solid& foot);
+  Solid around(const DockState&) const;
   const Solid* support(double x, double y, double z) const;
   void find_near(const DockState&);
 

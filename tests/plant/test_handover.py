@@ -296,3 +296,45 @@ def test_a_vehicle_does_not_collide_with_what_is_set_on_it(height):
     vehicle = dock.agv(0)
     assert (vehicle.x, vehicle.y) == pytest.approx((22, 8), abs=1e-9)
     assert not [event for event in dock.events if event.kind == "collision"]
+
+
+def test_a_load_that_tips_over_an_edge_comes_to_rest_on_the_ground():
+    """A container is set with its end on another one, and its rope goes slack: its free end lies on the ground."""
+    config = plant.default_dock(0)
+    config.crane.portal.leg = 0.0
+    config.crane.sway_damping = 0.4
+    config.layout.containers = [plant.ContainerPlace(18, -6, 0, 0, 8e3), plant.ContainerPlace(26, -12, 0, 0, 8e3)]
+    config.home = plant.CranePose(0, 18, -6, 2.591 + 0.25, 0)
+    dock = plant.Dock(config)
+    crane = Crane(dock)
+    crane.hold(0.5)
+    crane.move(crane.pose(18, -6, 2.511), 3.0)
+    crane.hold(0.8)
+    dock.spreader_command(1, crane.t)
+    crane.hold(1.2)
+    crane.move(crane.pose(18, -6, 7.0), 10.0)
+    crane.move(crane.pose(18, -12, 7.0), 20.0)
+    crane.hold(5.0)
+    crane.move(crane.pose(18, -12, 2 * 2.591 + 0.1), 10.0)
+    crane.hold(3.0)
+
+    def lowest():
+        box = dock.containers[0]
+        up = np.array(box.up)
+        along = np.array([np.cos(box.yaw), np.sin(box.yaw), 0.0])
+        along -= up * (up @ along)
+        along /= np.linalg.norm(along)
+        middle = np.array([box.x, box.y, box.z]) - 2.591 * up
+        across = np.cross(up, along)
+        return min((middle + u * 6.096 * along + v * 1.219 * across)[2] for u in (1, -1) for v in (1, -1))
+
+    slack = list(crane.reference)
+    slack[3] += 4.5
+    seen = []
+    crane.move(slack, 8.0, stop=lambda: seen.append(lowest()))
+    for _ in range(30):
+        crane.hold(0.05)
+        seen.append(lowest())
+    assert min(seen) > -0.05 and abs(seen[-1]) < 0.03
+    tilt = np.arccos(dock.containers[0].up[2])
+    assert 0.30 < tilt < 0.36 and dock.signal.tension == 0.0
