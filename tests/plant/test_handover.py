@@ -298,6 +298,50 @@ def test_a_vehicle_does_not_collide_with_what_is_set_on_it(height):
     assert not [event for event in dock.events if event.kind == "collision"]
 
 
+def to_and_fro(crane, start, end):
+    """Up from one place and down on another one, (x, y, height of the spreader), each after a rest."""
+    crane.move(crane.pose(*start[:2], start[2] + 0.7), 5.0)
+    crane.move(crane.pose(*start[:2], 9.0), 12.0)
+    crane.move(crane.pose(*end[:2], 9.0), 20.0)
+    crane.hold(8.0)
+    crane.move(crane.pose(*end[:2], end[2] + 0.15), 12.0)
+    crane.hold(4.0)
+    crane.move(crane.pose(*end[:2], end[2] - 0.12), 4.0)
+    crane.hold(1.0)
+
+
+def test_the_locks_do_not_open_over_what_a_vehicle_carries():
+    """What is set on a vehicle's load would hang in the air once the vehicle drives off."""
+    config = plant.default_dock()
+    config.crane.portal.leg = 0.0
+    config.crane.sway_damping = 0.4
+    config.layout.containers = [plant.ContainerPlace(22, y, z, 0, 8e3) for y, z in ((8, 1.6), (13, 0))]
+    config.home = plant.CranePose(0.0, 22.0, 8.0, 4.191 + 0.3, 0.0)
+    dock = plant.Dock(config)
+    crane = Crane(dock)
+    crane.hold(0.2)
+    crane.move(crane.pose(22.0, 8.0, 4.191 - 0.08), 3.0)
+    crane.hold(0.5)
+    for command in (1, 0):
+        dock.spreader_command(command, crane.t)
+        crane.hold(1.2)
+    assert dock.containers[0].state == "on_agv"
+    to_and_fro(crane, (22, 8, 4.191), (22, 13, 2.591))
+    dock.spreader_command(1, crane.t)
+    crane.hold(1.2)
+    to_and_fro(crane, (22, 13, 2.591), (22, 8, 1.6 + 2 * 2.591))
+    assert dock.spreader_status(crane.t) & 0xF == 0xF
+    dock.spreader_command(0, crane.t)
+    crane.hold(2.0)
+    assert dock.spreader_status(crane.t) & 0x1F == 0x1F and dock.containers[1].state == "carried"
+    assert "refused" not in [event.kind for event in dock.events]
+    to_and_fro(
+        crane, (22, 8, 1.6 + 2 * 2.591), (22, 17, 2.591)
+    )  # the command waits for a place where the container can stay
+    crane.hold(1.2)
+    assert dock.containers[1].state == "on_ground" and dock.containers[1].z == pytest.approx(2.591, abs=0.01)
+
+
 def test_a_load_that_tips_over_an_edge_comes_to_rest_on_the_ground():
     """A container is set with its end on another one, and its rope goes slack: its free end lies on the ground."""
     config = plant.default_dock(0)
