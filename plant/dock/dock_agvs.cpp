@@ -13,7 +13,9 @@ void DockCore::move_agvs() {
   if (config.collisions) {
     solids_.clear();
     each_solid(config, state, -1, [this](const Solid& solid) {
-      if (solid.bottom < 1.5) solids_.push_back(solid);  // not above every vehicle, nor carried by one
+      const bool load =
+          solid.kind == Solid::Kind::container && state.containers[static_cast<std::size_t>(solid.index)].agv >= 0;
+      if (!load && solid.bottom < config.agv.deck_height) solids_.push_back(solid);  // not above every vehicle
     });
     traffic.collide(state.agvs, solids_, [this](std::size_t agv, int other, double speed) {
       report(EventKind::collision, static_cast<int>(agv), speed, other);

@@ -24,8 +24,11 @@ DockCore::DockCore(const DockConfig& c)
       landing(c),
       wind(c.wind) {
   state.crane.q = inverse_kinematics(config.crane, config.home);
-  for (const ContainerPlace& place : config.layout.containers)
-    state.containers.push_back({ContainerState::on_ship, -1, place.x, place.y, place.z, place.yaw, place.mass});
+  for (const ContainerPlace& place : config.layout.containers) {
+    const bool on_ship = stands_on_ship(config.layout, place);
+    state.containers.push_back({on_ship ? ContainerState::on_ship : ContainerState::on_ground, -1, place.x, place.y,
+                                place.z, place.yaw, place.mass, on_ship});
+  }
   for (int i = 0; i < config.agv_count; ++i) {
     const Pose at = start_of_agv(config.layout, i);
     AgvState agv;

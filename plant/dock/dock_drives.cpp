@@ -56,26 +56,35 @@ void DockCore::watch_updates() {
   }
 }
 
-// A closed brake slips until the joint is almost at rest, then it holds; too great a load makes it slip again.
+// A closed brake slips until the joint is almost at rest and the brake can hold it, then it holds; too great a load
+// makes it slip again.
 void DockCore::apply_brakes() {
   CraneVector holding{};
   bool asked = false;
+  const auto too_much = [this](std::size_t j, const CraneVector& force) {
+    const DriveParameters& drive = config.crane.drives[j];
+    return std::fabs(force[coordinate_of(j)]) > drive.brake * drive.rated_force();
+  };
   // A gantry's psi is held by its construction, not by a brake that could slip.
   const std::uint32_t unbraked = config.crane.machine == CraneKind::gantry ? state.enabled | slew_bit : state.enabled;
   for (std::size_t j = 0; j < joint_count; ++j) {
     if (bit(unbraked, j)) continue;
     const std::size_t k = coordinate_of(j);
-    const DriveParameters& drive = config.crane.drives[j];
     if (!bit(state.inputs.locked, k)) {
-      if (std::fabs(state.crane.qd[k]) > 1e-3 * drive.rated_joint_speed()) continue;
-      crane.stop(state.crane, state.inputs, k);
-      state.inputs.braked[j] = false;
-      state.inputs.locked |= 1U << k;
+      if (std::fabs(state.crane.qd[k]) > 1e-3 * config.crane.drives[j].rated_joint_speed()) continue;
+      CraneState still = state.crane;
+      CraneInputs held = state.inputs;
+      crane.stop(still, held, k);
+      held.braked[j] = false;
+      held.locked |= 1U << k;
+      if (too_much(j, crane.holding_force(still, held))) continue;
+      state.crane = still;
+      state.inputs = held;
       continue;
     }
     if (!asked) holding = crane.holding_force(state.crane, state.inputs);
     asked = true;
-    if (std::fabs(holding[k]) > drive.brake * drive.rated_force()) {
+    if (too_much(j, holding)) {
       state.inputs.locked &= ~(1U << k);
       state.inputs.braked[j] = true;
     }

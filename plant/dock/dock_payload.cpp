@@ -97,8 +97,10 @@ void DockCore::watch_handover(bool turned) {
 }
 
 void DockCore::turn_locks() {
-  const bool landed = state.landing.active && state.landing.corners == 0xF && accepted();
   const bool wants_lock = (state.spreader_command & 1U) != 0;
+  const bool opens = !wants_lock && (state.lock == Lock::locked || state.lock == Lock::opening);
+  const bool landed =
+      state.landing.active && state.landing.corners == 0xF && accepted() && (!opens || landing.may_release(state));
   switch (state.lock) {
     case Lock::open:
     case Lock::locked:

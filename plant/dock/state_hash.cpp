@@ -54,7 +54,10 @@ class Hash {
   void add(const LandingState& s) {
     (*this)(s.active, s.body, s.slack, s.next, s.touched, s.contacts, s.clear, s.tension, s.corners, s.landed);
   }
-  void add(const ContainerData& s) { (*this)(s.state, s.agv, s.x, s.y, s.z, s.yaw, s.mass); }
+  void add(const ContainerData& s) {
+    (*this)(s.state, s.agv, s.x, s.y, s.z, s.yaw, s.mass);
+    if (!s.from_ship) word(1);
+  }
   void add(const AgvSetPoint& s) {
     (*this)(s.speed, s.front, s.rear);
     if (s.turn != 0.0) add(s.turn);

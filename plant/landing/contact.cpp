@@ -2,6 +2,7 @@
 
 #include <ode/ode.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "plant/numerics/math.hpp"
@@ -110,7 +111,7 @@ struct ContactEngine::Implementation {
 
   // Contact joints between one shape of the body and the solid. The surface is a spring and damper
   // (plant-and-bus.md 1.7).
-  int touch(dGeomID shape, dBodyID below, bool crane, double h, int count) {
+  int touch(dGeomID shape, dBodyID below, bool crane, double h, int count, double& depth) {
     std::array<dContact, most_contacts> contacts{};
     const int n = dCollide(shape, solid, most_contacts, &contacts[0].geom, sizeof(dContact));
     for (int i = 0; i < n && count < static_cast<int>(felt.size()); ++i) {
@@ -123,6 +124,7 @@ struct ContactEngine::Implementation {
       dJointAttach(joint, body, below);
       Felt& here = felt[static_cast<std::size_t>(count)];
       here.by_crane = crane;
+      depth = std::max(depth, c.geom.depth);
       dJointSetFeedback(joint, &here.force);
       ++count;
     }
@@ -149,18 +151,23 @@ ContactResult ContactEngine::step(BodyState& state, const BodyShape& shape, cons
   s.place(state, shape);
   int count = 0;
   std::size_t carriers = 0;
+  ContactResult result;
+  double most = -1.0;
   for (const Solid& solid : solids) {
+    double depth = -1.0;
     s.place(solid);
     auto* const below = s.carrier_of(solid, carriers);
     const bool crane = solid.kind == Solid::Kind::crane;
-    for (auto* foot : s.feet) count = s.touch(foot, below, crane, seconds, count);
+    for (auto* foot : s.feet) count = s.touch(foot, below, crane, seconds, count, depth);
     for (std::size_t i = 0; i < static_cast<std::size_t>(shape.hull_count); ++i)
-      count = s.touch(s.hulls[i], below, crane, seconds, count);
+      count = s.touch(s.hulls[i], below, crane, seconds, count, depth);
+    if (depth <= most) continue;
+    most = depth;
+    result.deepest = &solid;
   }
   dBodyAddForce(s.body, force[0], force[1], force[2]);
   dBodyAddTorque(s.body, torque[0], torque[1], torque[2]);
   dWorldStep(s.world, seconds);
-  ContactResult result;
   result.contacts = count;
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
     const dReal* push = s.felt[i].force.f1;

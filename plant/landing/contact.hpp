@@ -32,6 +32,7 @@ struct ContactResult {
   int contacts = 0;
   double normal_force = 0.0;         // N, sum of the upward parts
   std::array<double, 3> by_crane{};  // N, the push by the crane's own legs
+  const Solid* deepest = nullptr;    // the solid with the deepest contact
 };
 
 class ContactEngine {

@@ -105,12 +105,39 @@ double Landing::clearance(const DockState& s, const Crane& crane) {
   return clearance_of(s, footprint(s, at[0], at[1], at[2], s.crane.q[Q_PSI] + s.crane.q[Q_KAPPA]));
 }
 
+// The upright box around the body, along its heading.
+Solid Landing::around(const DockState& s) const {
+  const Frame frame(s.landing.body.turn);
+  const BodyShape body = shape(s);
+  const double yaw = yaw_of(frame);
+  const auto [sy, cy] = sin_cos(yaw);
+  Vector3 least{1e9, 1e9, 1e9}, most{-1e9, -1e9, -1e9};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(body.hull_count); ++i) {
+    const auto& hull = body.hulls[i];
+    const auto [sh, ch] = sin_cos(hull.yaw);
+    for (const auto& [u, v] : corner_sign)
+      for (const double w : {-1.0, 1.0}) {
+        const double dx = u * hull.half[0], dy = v * hull.half[1];
+        const Vector3 corner = frame(Vector3{hull.centre[0] + ch * dx - sh * dy, hull.centre[1] + sh * dx + ch * dy,
+                                             hull.centre[2] + w * hull.half[2]});
+        const Vector3 seen{cy * corner[0] + sy * corner[1], -sy * corner[0] + cy * corner[1], corner[2]};
+        for (std::size_t k = 0; k < 3; ++k) {
+          least[k] = std::min(least[k], seen[k]);
+          most[k] = std::max(most[k], seen[k]);
+        }
+      }
+  }
+  const double along = 0.5 * (least[0] + most[0]), across = 0.5 * (least[1] + most[1]);
+  const Vector3 at = s.landing.body.position;
+  return make_solid(Solid::Kind::fixed, -1, at[0] + cy * along - sy * across, at[1] + sy * along + cy * across, yaw,
+                    0.5 * (most[0] - least[0]), 0.5 * (most[1] - least[1]), at[2] + least[2], at[2] + most[2]);
+}
+
 void Landing::find_near(const DockState& s) {
-  const Vector3 at = payload_position(s);
-  const Solid foot = footprint(s, at[0], at[1], at[2], payload_yaw(s));
+  const Solid body = around(s);
   near_.clear();
   const auto look = [&](const Solid& solid) {
-    if (foot.bottom - 0.5 < solid.top_at(foot.x, foot.y) && overlaps(foot, solid, 0.5)) near_.push_back(solid);
+    if (body.bottom - 0.5 < solid.top_at(body.x, body.y) && overlaps(body, solid, 0.5)) near_.push_back(solid);
   };
   each_solid(config_, s, s.carried, std::cref(look));
 }

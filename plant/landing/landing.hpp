@@ -38,6 +38,8 @@ class Landing {
   // or -1).
   int take(DockState&);
   int release(DockState&);
+  // Whether what hangs there stays where it is let go: not on a vehicle's load, a mover or a crane's leg.
+  bool may_release(const DockState&);
 
   std::array<double, 3> payload_position(const DockState&) const;  // of the body: middle of the spreader's underside
   double payload_yaw(const DockState&) const;
@@ -57,9 +59,11 @@ class Landing {
   void add_guides(const DockState&, Forces&) const;
   void read_corners(DockState&) const;
   Solid footprint(const DockState&, double x, double y, double z, double yaw) const;
+  Solid around(const DockState&) const;
   static double highest_under(const Solid& foot, const Solid&);
   double clearance_of(const DockState&, const Solid& foot);
   const Solid* support(double x, double y, double z) const;
+  std::array<double, 3> carried_at(const DockState&) const;  // middle of the container's underside; upright
   void find_near(const DockState&);
 
   DockConfig config_;

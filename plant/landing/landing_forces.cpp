@@ -128,10 +128,10 @@ Landing::Outcome Landing::step(DockState& s, const Crane& crane, const Vector3& 
   s.landing.contacts = result.contacts;
   if (result.contacts > 0 && !s.landing.touched) {
     s.landing.touched = outcome.touched = true;
-    Vector3 against = velocity;  // what lies below may ride on a ship
+    // What is touched may move: a container on a ship, a vehicle, a mover, a leg of the travelling crane.
     const Vector3 middle =
         s.landing.body.position + Frame(s.landing.body.turn)(Vector3{0.0, 0.0, shape(s).corners[0][2]});
-    if (const Solid* below = support(middle[0], middle[1], middle[2])) against = against - below->velocity_at(middle);
+    const Vector3 against = velocity - result.deepest->velocity_at(middle);
     outcome.vertical = -against[2];
     outcome.horizontal = std::sqrt(against[0] * against[0] + against[1] * against[1]);
   }

@@ -42,18 +42,33 @@ int Landing::take(DockState& s) {
   return number;
 }
 
+Vector3 Landing::carried_at(const DockState& s) const {
+  const Vector3 at = payload_position(s);
+  const auto [sy, cy] = sin_cos(payload_yaw(s));
+  return {at[0] + cy * s.grip.x - sy * s.grip.y, at[1] + sy * s.grip.x + cy * s.grip.y,
+          at[2] + s.grip.top - container_height};
+}
+
+bool Landing::may_release(const DockState& s) {
+  if (s.carried < 0) return true;
+  find_near(s);
+  const Vector3 at = carried_at(s);
+  const Solid* below = support(at[0], at[1], at[2]);
+  if (below == nullptr) return true;
+  if (below->kind == Solid::Kind::container) return s.containers[static_cast<std::size_t>(below->index)].agv < 0;
+  return below->kind != Solid::Kind::mover && below->kind != Solid::Kind::crane;
+}
+
 int Landing::release(DockState& s) {
   if (s.carried < 0) return -1;
   find_near(s);
   const Frame frame(s.landing.body.turn);
   const Vector3 at = payload_position(s);
   const double yaw = yaw_of(frame);
-  const auto [sy, cy] = sin_cos(yaw);
   const int number = s.carried;
   ContainerData& c = s.containers[static_cast<std::size_t>(number)];
-  c.x = at[0] + cy * s.grip.x - sy * s.grip.y;
-  c.y = at[1] + sy * s.grip.x + cy * s.grip.y;
-  c.z = at[2] + s.grip.top - container_height;
+  const Vector3 standing = carried_at(s);
+  c.x = standing[0], c.y = standing[1], c.z = standing[2];
   c.yaw = wrap_angle(yaw + s.grip.yaw);
   c.state = ContainerState::on_ground;
   c.agv = -1;

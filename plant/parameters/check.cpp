@@ -190,6 +190,10 @@ void check(const DockConfig& c) {
     for (const double x : {at.x, at.y, at.heading})
       refuse(!std::isfinite(x), "spot and warehouse must be poses of numbers", x);
   check(c.crane);
+  // Near contact the load is a body of its own, and only the rotor's inertia is left to these two joints.
+  require_positive(
+      {{"the hoist's rotor_inertia", c.crane.drives[static_cast<std::size_t>(Joint::hoist)].rotor_inertia},
+       {"the rotator's rotor_inertia", c.crane.drives[static_cast<std::size_t>(Joint::rotator)].rotor_inertia}});
   check(c.landing);
   check(c.agv);
   check(c.wind);

@@ -15,8 +15,8 @@ constexpr double curve_speed = 3.0, straight_speed = 5.0;  // m/s
 // Five forward segments make the loop: along the quay past the spot, round, back past the warehouse, round.
 std::array<std::vector<LaneSegment>, 3> default_loop(const Layout& layout, int agvs) {
   const double half_turn = std::numbers::pi * turn_radius;
-  const double right = layout.spot.x + 20.0;
-  const double left = std::min(-8.0, layout.spot.x - layout.slot_spacing * agvs - 8.0);
+  const double right = std::max(layout.spot.x + 20.0, layout.warehouse.x);
+  const double left = std::min({-8.0, layout.spot.x - layout.slot_spacing * agvs - 8.0, layout.warehouse.x});
   const double near = layout.spot.y;
   const double far = near - 2.0 * turn_radius;
   const double west = std::numbers::pi;

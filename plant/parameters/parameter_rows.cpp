@@ -66,7 +66,7 @@ std::span<const ParameterRow<DriveParameters>> drive_rows() {
       {MEMBER(gear), "gear", "", 1e-3, 1e7, "n: motor rotation per joint rotation", document, Where::turning},
       {MEMBER(gear), "gear_rad_m", "rad/m", 1e-3, 1e7, "n: motor rotation per joint rotation", document,
        Where::sliding},
-      {MEMBER(rotor_inertia), "rotor_inertia_kg_m2", "kg m2", 0, huge, "inertia of the motors' rotors", document},
+      {MEMBER(rotor_inertia), "rotor_inertia_kg_m2", "kg m2", 1e-3, huge, "inertia of the motors' rotors", document},
       {MEMBER(efficiency), "efficiency", "", 0.01, 1, "eta of the gear", document},
       {MEMBER(torque_lag), "torque_lag_s", "s", 1e-5, 10, "lag of the current loop, first order", document},
       {MEMBER(coulomb), "coulomb", "", 0, 1, "F_c as a share of the rated joint force", document},

@@ -30,7 +30,7 @@ Solid solid_of(Solid::Kind kind, const Box& b) {
 }
 
 Solid solid_of(const AgvParameters& p, int index, double x, double y, double heading) {
-  constexpr double underside = 0.3;  // m
+  const double underside = std::min(0.3, 0.5 * p.deck_height);  // m
   return make_solid(Solid::Kind::agv, index, x, y, heading, 0.5 * p.length, 0.5 * p.width, underside, p.deck_height);
 }
 
@@ -100,6 +100,23 @@ Solid solid_of(const ContainerData& container, int index, const std::vector<AgvS
   if (c.state == ContainerState::on_ship && ship.moves) ride(solid, ship);
   if (c.state == ContainerState::on_agv) ride(solid, agvs[static_cast<std::size_t>(c.agv)]);
   return solid;
+}
+
+bool stands_on_ship(const Layout& layout, const ContainerPlace& place) {
+  double under = 0.0;
+  bool ship = false;
+  const auto look = [&](const Solid& solid, const auto& rides) {
+    if (solid.top >= place.z + 0.5 * container_height || !covers(solid, place.x, place.y) || solid.top <= under) return;
+    under = solid.top;
+    ship = rides();
+  };
+  look(solid_of(Solid::Kind::ship, layout.ship), [] { return true; });
+  for (const Box& box : layout.no_go) look(solid_of(Solid::Kind::fixed, box), [] { return false; });
+  for (const ContainerPlace& other : layout.containers)
+    look(make_solid(Solid::Kind::container, -1, other.x, other.y, other.yaw, 0.5 * container_length,
+                    0.5 * container_width, other.z, other.z + container_height),
+         [&] { return stands_on_ship(layout, other); });
+  return ship;
 }
 
 void each_leg(const Portal& portal, double travel, double speed, const VisitSolid& visit) {

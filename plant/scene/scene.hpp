@@ -15,6 +15,7 @@ struct ContainerData {
   int agv = -1;
   double x = 0.0, y = 0.0, z = 0.0, yaw = 0.0;  // centre of the underside; on an AGV relative to its centre and heading
   double mass = 0.0;
+  bool from_ship = true;  // it was on the ship at the start
 };
 
 // A box turned about the vertical by yaw; on a rolling ship then tilted about the middle of its top.
@@ -45,6 +46,9 @@ Solid solid_of(const AgvParameters&, int index, double x, double y, double headi
 
 // A container as a solid, in any place. A container that is not visible (carried, delivered) is at its last place.
 Solid solid_of(const ContainerData&, int index, const std::vector<AgvState>&, const ShipPose&);
+
+// A container at its place at the start: on the ship if it stands there, or on a container that does.
+bool stands_on_ship(const Layout&, const ContainerPlace&);
 
 // The place and speed of a mover at `seconds`.
 struct MoverPlace {

@@ -55,9 +55,11 @@ ShipPose ship_at(const DockConfig& config, const std::vector<ContainerData>& con
   if (!pose.moves) return pose;
   const auto wave = [&](std::size_t i) { return sum_of(config.ship, i, seconds); };
   const Value surge = wave(0), sway = wave(1), heave = wave(2), roll = wave(3), pitch = wave(4);
-  double gone = 0.0;
-  for (const ContainerData& c : containers)
-    if (c.state != ContainerState::on_ship) gone += c.mass;
+  double gone = 0.0;  // kg, since the start
+  for (const ContainerData& c : containers) {
+    const bool on_ship = c.state == ContainerState::on_ship;
+    if (on_ship != c.from_ship) gone += on_ship ? -c.mass : c.mass;
+  }
   const Box& ship = config.layout.ship;
   pose.middle = {0.5 * (ship.x_min + ship.x_max), 0.5 * (ship.y_min + ship.y_max), 0.0};
   pose.shift = {surge.now, sway.now, heave.now + config.ship.draught * gone};

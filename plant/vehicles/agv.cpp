@@ -96,13 +96,21 @@ void AgvMotion::derivative(void* data, double, const double* y, double* yd) {
   yd[A_YAW_RATE] = turn_rate;
 }
 
+// The rate at which a vehicle with differential drive is to turn now. Without set-points it keeps its curve while it
+// brakes, and a turn on the spot ends.
+double AgvMotion::turn_of(const AgvState& s) {
+  if (!s.dry) return s.current.turn;
+  return s.current.speed == 0.0 ? 0.0 : s.current.turn * std::clamp(s.reference / s.current.speed, 0.0, 1.0);
+}
+
 // Two wheels beside the middle follow their commanded speeds with the drive's lag and push by their slip; castors carry
 // the rest.
 void AgvMotion::differential(const double* y, double* yd) const {
   const AgvState& s = *state_;
   const double half_track = 0.5 * p_.track;
-  yd[A_LEFT] = (s.reference - s.current.turn * half_track - y[A_LEFT]) / p_.drive_lag;
-  yd[A_RIGHT] = (s.reference + s.current.turn * half_track - y[A_RIGHT]) / p_.drive_lag;
+  const double turn = turn_of(s);
+  yd[A_LEFT] = (s.reference - turn * half_track - y[A_LEFT]) / p_.drive_lag;
+  yd[A_RIGHT] = (s.reference + turn * half_track - y[A_RIGHT]) / p_.drive_lag;
   yd[A_FORCE] = 0.0;
   if (s.standing) {
     std::fill(yd, yd + A_FRONT, 0.0);
@@ -135,6 +143,7 @@ void AgvMotion::advance(AgvState& state, double seconds) {
 void AgvMotion::drive_tick(AgvState& s, double allowed) const {
   const double target = s.dry || s.bumped ? 0.0 : std::min(s.current.speed, allowed);
   const double speed = s.y[A_SPEED];
+  const bool at_rest = std::fabs(speed) < 0.02 && std::fabs(s.y[A_YAW_RATE]) < 0.02;
   const auto stop = [&s, this] {
     s.standing = true;
     s.reference = s.integral = s.command = 0.0;
@@ -144,12 +153,12 @@ void AgvMotion::drive_tick(AgvState& s, double allowed) const {
   if (s.bumped) {  // the bumper switches the drive off, and the brakes act fully
     s.reference = s.integral = 0.0;
     s.command = -p_.emergency * mass(s) * tanh(speed / 0.05);
-    if (std::fabs(speed) < 0.02 && std::fabs(s.y[A_YAW_RATE]) < 0.02) stop();
+    if (at_rest) stop();
     return;
   }
   if (p_.drive == AgvDrive::differential && s.current.turn != 0.0 && !s.dry)
     s.standing = false;
-  else if (target == 0.0 && (s.standing || (std::fabs(s.reference) < 1e-9 && std::fabs(speed) < 0.02)))
+  else if (target == 0.0 && (s.standing || (std::fabs(s.reference) < 1e-9 && at_rest)))
     return stop();
   s.standing = false;
 
@@ -172,7 +181,7 @@ void AgvMotion::drive_tick(AgvState& s, double allowed) const {
 bool AgvMotion::take_set_point(AgvState& s, Time now) {
   if (s.running && now < s.due) return false;
   if (s.waiting == 0) {
-    const bool was_driving = s.running && s.current.speed != 0.0;
+    const bool was_driving = s.running && (s.current.speed != 0.0 || s.current.turn != 0.0);
     s.running = false;
     s.dry = s.dry || was_driving;
     return was_driving;

@@ -70,6 +70,7 @@ class AgvMotion {
  private:
   static void derivative(void* self, double t, const double* y, double* yd);
   void differential(const double* y, double* yd) const;
+  static double turn_of(const AgvState&);
   double mass(const AgvState& s) const { return p_.mass + s.load_mass; }
 
   AgvParameters p_;

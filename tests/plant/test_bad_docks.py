@@ -21,6 +21,12 @@ def first_container(config, **changes):
     config.layout.containers = [place(containers[0], **changes), *containers[1:]]
 
 
+def rotor(config, joint, inertia):
+    drives = config.crane.drives
+    drives[joint].rotor_inertia = inertia
+    config.crane.drives = drives
+
+
 def boxes(config, *where):
     config.layout.no_go = [box(*at) for at in where]
 
@@ -54,6 +60,8 @@ def boxes(config, *where):
         (lambda c: setattr(c, "home", plant.CranePose(0, 60, 60, 5, 0)), "the jib reaches"),
         (lambda c: setattr(c.crane, "jib", 15.0), "reach"),
         (lambda c: setattr(c.crane, "spreader_mass", -1.0), "spreader_mass must be positive"),
+        (lambda c: rotor(c, 3, 0.0), "the hoist's rotor_inertia must be positive"),
+        (lambda c: rotor(c, 4, 0.0), "the rotator's rotor_inertia must be positive"),
         (lambda c: setattr(c.agv, "mass", 0.0), "an AGV's mass must be positive"),
         (lambda c: setattr(c.agv, "steer_limit", 2.0), "steer_limit"),
         (lambda c: setattr(c.landing, "corner_stiffness", -1e7), "corner_stiffness must be positive"),

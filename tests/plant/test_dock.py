@@ -104,6 +104,26 @@ def test_no_reader_disturbs_the_dock():
     assert run(False) == run(True)
 
 
+@pytest.mark.parametrize("share", [0.0, 0.02, 2.0])
+def test_a_brake_slips_under_more_than_it_holds(share):
+    """Wind along the rails, at a crane that hangs its load rigidly and rolls without friction: what the brake does not
+    hold accelerates the crane."""
+    config = plant.default_dock(0)
+    config.rigid = True
+    config.wind.mean, config.wind.direction = 40.0, 0.0
+    drives = config.crane.drives
+    drives[0].coulomb = drives[0].viscous = 0.0
+    drives[0].brake = share
+    config.crane.drives = drives
+    dock = plant.Dock(config)
+    dock.advance_to(2 * 10**12)
+    p, drive = config.crane, drives[0]
+    wind = 0.5 * 1.225 * config.wind.spreader_area * 40.0**2
+    mass = p.gantry_mass + p.jib_mass + p.counterweight + p.spreader_mass + drive.rotor_inertia * drive.gear**2
+    pull = max(0.0, wind - share * drive.gear * drive.rated_torque)
+    assert dock.signal.q[0] == pytest.approx(0.5 * pull / mass * 2.0**2, rel=0.02, abs=1e-9)
+
+
 def test_brakes_hold_when_the_drives_are_off():
     dock = plant.Dock(quiet_dock())
     before = np.array(dock.signal.q)

@@ -130,3 +130,11 @@ def test_the_held_slewing_has_its_row_of_the_mass_matrix_too():
     q, m = crane.state.q, crane.mass_matrix()
     p = crane.parameters
     assert m[0, 1] == m[1, 0] == pytest.approx(40e3 * 5.0 - (p.jib_mass + p.spreader_mass + 20e3) * q[2])
+
+
+@pytest.mark.parametrize("make", [plant.default_dock, plant.gantry_dock])
+@pytest.mark.parametrize("agvs", range(17))
+def test_every_number_of_vehicles_has_its_loop(make, agvs):
+    legs = make(agvs).layout.legs
+    assert all(segment.length >= 0.0 for lane in legs for segment in lane)
+    plant.Dock(make(agvs))

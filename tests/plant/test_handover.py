@@ -267,3 +267,118 @@ def test_the_warehouse_takes_what_stands_within_its_radius_for_its_time(radius, 
     assert not takes or times["delivered"] - times["agv_arrived"] == 250_000_000_000
     assert dock.containers[0].state == ("delivered" if takes else "on_agv")
     assert dock.delivered == int(takes)
+
+
+@pytest.mark.parametrize("height", [0.5, 1.4, 2.2])
+def test_a_vehicle_does_not_collide_with_what_is_set_on_it(height):
+    """The container settles a little into its deck."""
+    config = quiet_dock(above=(22, 13), z=2.9)
+    config.agv.deck_height = height
+    config.crane.sway_damping = 0.4
+    config.layout.containers = [plant.ContainerPlace(22, 13, 0, 0, 8e3)]
+    dock = plant.Dock(config)
+    crane = Crane(dock)
+    crane.hold(0.3)
+    crane.move(crane.pose(22, 13, 2.51), 3.0)
+    crane.hold(0.8)
+    dock.spreader_command(1, crane.t)
+    crane.hold(1.2)
+    crane.move(crane.pose(22, 13, 7.0), 8.0)
+    crane.move(crane.pose(22, 8, 7.0), 12.0)
+    crane.hold(6.0)
+    crane.move(crane.pose(22, 8, height + 2.7), 8.0)
+    crane.hold(3.0)
+    crane.move(crane.pose(22, 8, height + 2.5), 3.0)
+    crane.hold(0.8)
+    dock.spreader_command(0, crane.t)
+    crane.hold(1.5)
+    assert dock.containers[0].state == "on_agv"
+    vehicle = dock.agv(0)
+    assert (vehicle.x, vehicle.y) == pytest.approx((22, 8), abs=1e-9)
+    assert not [event for event in dock.events if event.kind == "collision"]
+
+
+def to_and_fro(crane, start, end):
+    """Up from one place and down on another one, (x, y, height of the spreader), each after a rest."""
+    crane.move(crane.pose(*start[:2], start[2] + 0.7), 5.0)
+    crane.move(crane.pose(*start[:2], 9.0), 12.0)
+    crane.move(crane.pose(*end[:2], 9.0), 20.0)
+    crane.hold(8.0)
+    crane.move(crane.pose(*end[:2], end[2] + 0.15), 12.0)
+    crane.hold(4.0)
+    crane.move(crane.pose(*end[:2], end[2] - 0.12), 4.0)
+    crane.hold(1.0)
+
+
+def test_the_locks_do_not_open_over_what_a_vehicle_carries():
+    """What is set on a vehicle's load would hang in the air once the vehicle drives off."""
+    config = plant.default_dock()
+    config.crane.portal.leg = 0.0
+    config.crane.sway_damping = 0.4
+    config.layout.containers = [plant.ContainerPlace(22, y, z, 0, 8e3) for y, z in ((8, 1.6), (13, 0))]
+    config.home = plant.CranePose(0.0, 22.0, 8.0, 4.191 + 0.3, 0.0)
+    dock = plant.Dock(config)
+    crane = Crane(dock)
+    crane.hold(0.2)
+    crane.move(crane.pose(22.0, 8.0, 4.191 - 0.08), 3.0)
+    crane.hold(0.5)
+    for command in (1, 0):
+        dock.spreader_command(command, crane.t)
+        crane.hold(1.2)
+    assert dock.containers[0].state == "on_agv"
+    to_and_fro(crane, (22, 8, 4.191), (22, 13, 2.591))
+    dock.spreader_command(1, crane.t)
+    crane.hold(1.2)
+    to_and_fro(crane, (22, 13, 2.591), (22, 8, 1.6 + 2 * 2.591))
+    assert dock.spreader_status(crane.t) & 0xF == 0xF
+    dock.spreader_command(0, crane.t)
+    crane.hold(2.0)
+    assert dock.spreader_status(crane.t) & 0x1F == 0x1F and dock.containers[1].state == "carried"
+    assert "refused" not in [event.kind for event in dock.events]
+    to_and_fro(
+        crane, (22, 8, 1.6 + 2 * 2.591), (22, 17, 2.591)
+    )  # the command waits for a place where the container can stay
+    crane.hold(1.2)
+    assert dock.containers[1].state == "on_ground" and dock.containers[1].z == pytest.approx(2.591, abs=0.01)
+
+
+def test_a_load_that_tips_over_an_edge_comes_to_rest_on_the_ground():
+    """A container is set with its end on another one, and its rope goes slack: its free end lies on the ground."""
+    config = plant.default_dock(0)
+    config.crane.portal.leg = 0.0
+    config.crane.sway_damping = 0.4
+    config.layout.containers = [plant.ContainerPlace(18, -6, 0, 0, 8e3), plant.ContainerPlace(26, -12, 0, 0, 8e3)]
+    config.home = plant.CranePose(0, 18, -6, 2.591 + 0.25, 0)
+    dock = plant.Dock(config)
+    crane = Crane(dock)
+    crane.hold(0.5)
+    crane.move(crane.pose(18, -6, 2.511), 3.0)
+    crane.hold(0.8)
+    dock.spreader_command(1, crane.t)
+    crane.hold(1.2)
+    crane.move(crane.pose(18, -6, 7.0), 10.0)
+    crane.move(crane.pose(18, -12, 7.0), 20.0)
+    crane.hold(5.0)
+    crane.move(crane.pose(18, -12, 2 * 2.591 + 0.1), 10.0)
+    crane.hold(3.0)
+
+    def lowest():
+        box = dock.containers[0]
+        up = np.array(box.up)
+        along = np.array([np.cos(box.yaw), np.sin(box.yaw), 0.0])
+        along -= up * (up @ along)
+        along /= np.linalg.norm(along)
+        middle = np.array([box.x, box.y, box.z]) - 2.591 * up
+        across = np.cross(up, along)
+        return min((middle + u * 6.096 * along + v * 1.219 * across)[2] for u in (1, -1) for v in (1, -1))
+
+    slack = list(crane.reference)
+    slack[3] += 4.5
+    seen = []
+    crane.move(slack, 8.0, stop=lambda: seen.append(lowest()))
+    for _ in range(30):
+        crane.hold(0.05)
+        seen.append(lowest())
+    assert min(seen) > -0.05 and abs(seen[-1]) < 0.03
+    tilt = np.arccos(dock.containers[0].up[2])
+    assert 0.30 < tilt < 0.36 and dock.signal.tension == 0.0

@@ -126,6 +126,33 @@ def test_the_leg_pushes_the_crane_as_it_pushes_the_load():
     assert (speeds[12000] - speeds[8000]) / 4.0 == pytest.approx(-force / mass, rel=0.01)
 
 
+def test_a_touch_at_a_leg_is_as_fast_as_the_load_is_against_the_leg():
+    """The crane rolls, and its leg comes to the load that swings below it."""
+    config = plant.default_dock(0)
+    config.home = plant.CranePose(0, 12.15, 5.0, 5.0, 0)
+    drives = config.crane.drives
+    drives[0].coulomb = drives[0].viscous = 0.0
+    config.crane.drives = drives
+    config.layout.containers, config.drive_timeout = [], 0.0
+    dock = plant.Dock(config)
+    dock.enable_drives(1, 0)
+    dock.set_torque_code(0, 1000, 0)
+    dock.advance_to(1500 * SECOND // 1000)
+    dock.set_torque_code(0, 0, dock.time)
+    touches, before, against = [], dock.signal, 0.0
+    while dock.time < 16 * SECOND:
+        dock.advance_to(dock.time + SECOND // 1000)
+        now = dock.signal
+        events = [event for event in dock.events if event.kind == "touch"]
+        if len(events) > len(touches):
+            touches.append((events[-1].values[1], against))
+        against = abs((now.payload[0] - before.payload[0]) * 1e3 - now.qd[0])
+        before = now
+    assert len(touches) == 2
+    for shown, true in touches:
+        assert shown == pytest.approx(true, abs=0.005)
+
+
 def test_layouts_say_where_the_legs_stand():
     config = plant.default_dock()
     plant.apply_layout(config, "[portal]\nalong_m = 4\nwaterside_m = 4.5\nleg_m = 0.8\n")

@@ -244,3 +244,32 @@ def test_a_container_set_back_on_deck_stands_where_it_stood():
 def test_a_wrong_scale_is_refused():
     with pytest.raises(ValueError, match="scale of motion"):
         plant.Dock(moving(scale=-1.0))
+
+
+def test_only_what_stands_on_the_ship_moves_with_it():
+    """One container on the quay, one on top of it, one on a box beyond the ship, and one on deck."""
+    config = moving()
+    config.ship.draught = 1e-6
+    config.layout.no_go = [plant.Box(20, 36, 14, 18, 0.0, 2.0)]
+    config.layout.containers = [
+        plant.ContainerPlace(22, -6, 0, 0, 20e3),
+        plant.ContainerPlace(22, -6, 2.591, 0, 20e3),
+        plant.ContainerPlace(28, 16, 2.0, 0, 20e3),
+        plant.ContainerPlace(0, 24, 3.909, 0, 20e3),
+    ]
+    dock = plant.Dock(config)
+    assert [c.state for c in dock.containers] == ["on_ground"] * 3 + ["on_ship"]
+    alone = moving()
+    alone.ship.draught = 1e-6
+    alone.layout.containers = config.layout.containers[3:]
+    other = plant.Dock(alone)
+    for second in (1, 4, 11):
+        for each in (dock, other):
+            each.advance_to(second * SECOND)
+        *quay, deck = dock.containers
+        for container, place in zip(quay, config.layout.containers, strict=False):
+            assert (container.x, container.y, container.z) == (place.x, place.y, place.z + 2.591)
+            assert tuple(container.up) == (0.0, 0.0, 1.0)
+        # What never was on the ship does not raise it.
+        assert (deck.x, deck.y, deck.z) == (other.containers[0].x, other.containers[0].y, other.containers[0].z)
+        assert deck.z != 6.5

@@ -63,6 +63,24 @@ def test_a_moving_vehicle_shares_its_momentum_with_the_one_ahead():
     assert d.agv(1).speed < -0.1 and len(collisions(d)) == 1
 
 
+@pytest.mark.parametrize("height", [0.15, 0.25, 0.5, 1.4, 1.6, 3.0])
+def test_vehicles_collide_whatever_the_height_of_their_decks(height):
+    d = dock(2, deck_height=height)
+    run(d, 6.0, (1, 1500, 0, 0))
+    assert [hit.index for hit in collisions(d)] == [0] and d.agv(0).x - d.agv(1).x >= d.config.agv.length - 0.01
+
+
+@pytest.mark.parametrize(
+    ("deck", "bottom", "hits"), [(2.5, 1.4, 1), (2.5, 1.6, 1), (2.5, 2.4, 1), (2.5, 2.6, 0), (1.0, 1.2, 0)]
+)
+def test_a_vehicle_runs_into_a_box_that_begins_below_its_deck(deck, bottom, hits):
+    config = changed(plant.default_dock(1), deck_height=deck)
+    config.layout.no_go = [plant.Box(33, 35, 5, 11, bottom, 4.0)]
+    d = plant.Dock(config)
+    run(d, 8.0, (0, 1500, 0, 0))
+    assert len(collisions(d)) == hits and (d.agv(0).x < 26.0) == (hits == 1)
+
+
 @pytest.mark.parametrize(
     ("begin", "end", "along"),
     [((35, 8), (28, 8), 2), ((9, 8), (16, 8), 2), ((22, 3), (22, 7), 3), ((24, 14), (24, 9), 3)],
@@ -257,6 +275,33 @@ def test_differential_drive_takes_the_steered_set_points_too(front, rear):
     run(d, 8.0, (0, 1000, round(1e6 * front), round(1e6 * rear)))
     signal = d.agv(0)
     assert signal.yaw_rate / signal.speed == pytest.approx((math.tan(front) - math.tan(rear)) / 9.0, rel=0.03)
+
+
+@pytest.mark.parametrize("wheels", [(-120, 120), (0, 240), (120, -120)])
+def test_a_turning_vehicle_stops_and_says_so_when_no_set_points_are_left(wheels):
+    d = dock(drive=plant.AgvDrive.differential)
+    d.agv_period(0, 50000, 0)
+    for _ in range(40):
+        d.agv_push_wheels(0, *wheels, d.time)
+        d.advance_to(d.time + 50 * MS)
+    before = abs(d.agv(0).yaw_rate)
+    assert before == pytest.approx(0.24 / d.config.agv.track, rel=0.05)
+    d.advance_to(d.time + 600 * MS)
+    assert 0.2 * before < abs(d.agv(0).yaw_rate) < 0.8 * before  # it brakes; it is not stopped at once
+    d.advance_to(d.time + 3 * SECOND)
+    assert d.agv(0).yaw_rate == 0.0 and d.agv_status(0, d.time) & 0x40
+    assert [event.kind for event in d.events] == ["agv_dry"]
+
+
+def test_a_vehicle_without_set_points_keeps_its_curve_while_it_brakes():
+    d = dock(drive=plant.AgvDrive.differential)
+    d.agv_period(0, 50000, 0)
+    for _ in range(120):
+        d.agv_push_wheels(0, 2200, 1800, d.time)
+        d.advance_to(d.time + 50 * MS)
+    d.advance_to(d.time + SECOND)
+    assert 0.5 < d.agv(0).speed < 1.8
+    assert d.agv(0).yaw_rate / d.agv(0).speed == pytest.approx(-0.4 / d.config.agv.track / 2.0, rel=0.25)
 
 
 def test_wheels_slip_when_more_is_asked_than_the_ground_gives():
