@@ -52,11 +52,16 @@ def save(result: Result, path: str | os.PathLike[str]) -> None:
             archive.writestr(entry, content)
 
 
+def is_archive(path: str | os.PathLike[str]) -> bool:
+    """A saved result, by its form. A device or a pipe is none: it cannot be read from its end."""
+    return os.path.isfile(path) and zipfile.is_zipfile(path)
+
+
 def load(path: str | os.PathLike[str]) -> dict[str, Any]:
     """The parts of a ``Result``. Raises OSError; ValueError with the file's name for a file that is not a result."""
     name = arguments.path("path", path, "the path of a result that Result.save wrote")
     try:
-        with zipfile.ZipFile(name) as archive:
+        with files.open_anywhere(name) as file, zipfile.ZipFile(file) as archive:
             return _unpacked(archive)
     except SchemaError as error:
         raise SchemaError(f"{name}: {error}") from None
@@ -132,7 +137,7 @@ def checked_report(report: Any) -> dict[str, Any]:
 def load_report(path: str | os.PathLike[str]) -> dict[str, Any]:
     """The report of a saved result, or of a JSON report (``emulator --report``). Raises OSError, ValueError."""
     name = arguments.path("path", path, "the path of a saved result or a JSON report")
-    if zipfile.is_zipfile(name):
+    if is_archive(name):
         report: dict[str, Any] = load(name)["report"]
         return report
     try:

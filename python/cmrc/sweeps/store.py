@@ -42,6 +42,7 @@ COLUMNS = (
 )
 """Columns of a part (docs/sweeps.md)."""
 COMPACT_BATCH = 1000
+LARGEST_HEAD = 1 << 20
 Row = dict[str, Any]
 
 
@@ -116,7 +117,7 @@ class Folder:
     def head(self) -> dict[str, Any] | None:
         """The description of the folder's writer; None for a new folder. Raises SweepError."""
         try:
-            found = json.loads((self.path / HEAD).read_text(encoding="utf-8"))
+            found = json.loads(files.read(self.path / HEAD, LARGEST_HEAD))
         except FileNotFoundError:
             return None
         except (OSError, ValueError) as error:
@@ -138,7 +139,7 @@ class Folder:
             part = parts.pop(0)
             try:
                 # A file, not its name: pyarrow takes no name with a byte that is no UTF-8.
-                with open(part, "rb") as file, parquet.ParquetFile(file) as opened:
+                with files.open_anywhere(part) as file, parquet.ParquetFile(file) as opened:
                     for batch in opened.iter_batches(batch_size=COMPACT_BATCH, columns=names):
                         for row in batch.to_pylist():
                             if row["key"] not in seen:
