@@ -7,13 +7,12 @@ import difflib
 import math
 import os
 import stat
-import sys
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
 from cmrc import files
-from cmrc.commands import signals
+from cmrc.commands import signals, streams
 from cmrc.extras import needed
 from cmrc.simulation import ConfigError, Setting
 
@@ -34,8 +33,12 @@ class Parser(argparse.ArgumentParser):
         return found, left
 
     def error(self, message: str) -> NoReturn:
-        print(f"{self.prog}: {files.printable(message)} ({self.prog} --help lists options)", file=sys.stderr)
+        streams.say(f"{self.prog}: {files.printable(message)} ({self.prog} --help lists options)")
         raise SystemExit(2)
+
+    def _print_message(self, message: str, file: Any = None) -> None:
+        """Of ``--help`` and ``--version``. argparse itself ignores that standard output is full."""
+        streams.show(message)
 
 
 def command(
@@ -55,13 +58,13 @@ def status_of(name: str, do: Callable[[argparse.Namespace], int], given: argpars
     try:
         return do(given)
     except (OSError, ImportError, ConfigError, GridError, SweepError, ValueError, TypeError, KeyError) as error:
-        print(f"cmrc {name}: {files.printable(_words(error))}", file=sys.stderr)
+        streams.say(f"cmrc {name}: {files.printable(_words(error))}")
         return 2
     except RuntimeError as error:
-        print(f"cmrc {name}: {files.printable(str(error))}", file=sys.stderr)
+        streams.say(f"cmrc {name}: {files.printable(str(error))}")
         return 1
     except KeyboardInterrupt as stop:
-        print(f"cmrc {name}: interrupted", file=sys.stderr)
+        streams.say(f"cmrc {name}: interrupted")
         return signals.status(stop)
 
 

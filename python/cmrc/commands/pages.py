@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
 from cmrc import demo, events, files, page
+from cmrc.commands import streams
 from cmrc.commands.common import Commands, check_files, command, folder, picture, settings
 from cmrc.progress import ProgressLine
 from cmrc.simulation import Setting, Simulation, configured
@@ -49,7 +49,7 @@ def _demo(given: argparse.Namespace) -> int:
 
         def tell(text: str) -> None:
             line.clear()
-            print(text, flush=True)
+            streams.show(f"{text}\n")
 
         demo.main(Path(given.out), tell)
     return 0
@@ -69,13 +69,13 @@ def _events(given: argparse.Namespace) -> int:
             batches = events.of_trace(run)
         with line.beating("writing the table" if run.suffix != ".toml" else "running"):
             count = events.write(batches, table)
-    print(f"{files.printable(str(table))}: {count} events")
+    streams.show(f"{files.printable(str(table))}: {count} events\n")
     return 0
 
 
 def _page(given: argparse.Namespace) -> int:
     if given.command == "replay":
-        print("cmrc replay: the command is now cmrc page, and writes the same page", file=sys.stderr)
+        streams.say("cmrc replay: the command is now cmrc page, and writes the same page")
     run, plots = Path(given.run), Path(given.plots) if given.plots else None
     if run.suffix == ".toml":
         _write(run, Path(given.out or run.with_suffix(".html")), plots, settings(given))

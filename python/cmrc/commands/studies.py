@@ -8,7 +8,7 @@ from typing import Any
 
 import cmrc
 from cmrc import _core, files, studies
-from cmrc.commands import signals
+from cmrc.commands import signals, streams
 from cmrc.commands.common import Commands, check_files, command, numbers, settings
 from cmrc.progress import ProgressLine
 from cmrc.simulation import configured
@@ -92,9 +92,12 @@ def _do_compare(given: argparse.Namespace) -> int:
 
 
 def _show(given: argparse.Namespace, text: str, report: dict[str, Any]) -> None:
-    print(files.printable_lines(text), end="")
-    if given.json is not None:
-        files.write(given.json, json.dumps(report, indent=2) + "\n")
+    """The file first, so that it is there if standard output is closed or full; the text also if the file fails."""
+    try:
+        if given.json is not None:
+            files.write(given.json, json.dumps(report, indent=2) + "\n")
+    finally:
+        streams.show(files.printable_lines(text))
 
 
 def _diff(commands: Commands) -> None:
@@ -109,7 +112,5 @@ def _do_diff(given: argparse.Namespace) -> int:
     check_files({"A": given.left, "B": given.right}, {"--json": given.json})
     with ProgressLine("cmrc diff") as line, line.beating("reading"):
         found = cmrc.diff(given.left, given.right)
-    print(files.printable_lines(found.text(len(found.metrics) if given.all else 40)), end="")
-    if given.json is not None:
-        files.write(given.json, json.dumps(found.to_dict(), indent=2) + "\n")
+    _show(given, found.text(len(found.metrics) if given.all else 40), found.to_dict())
     return 1 if found else 0

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cmrc import files
+from cmrc.commands import streams
 from cmrc.commands.common import Commands, check_files, check_outside, command, picture
 from cmrc.progress import ProgressLine, shown
 from cmrc.simulation import ConfigError, Setting, configured
@@ -86,12 +87,14 @@ def _do_sweep(given: argparse.Namespace) -> int:
             found = sweep(grid, folder, again_failed=given.again_failed, on_progress=on_progress, **_place(given))
         line.reported = "reading the reports"
         text = found.text(*metrics)
-        line.clear()
-        print(files.printable_lines(text), end="", flush=True)
-        if given.csv is not None:
-            files.write(given.csv, _csv(found, metrics))
-        if given.plot is not None:
-            _draw(found, metrics, Path(given.plot))
+        try:
+            if given.csv is not None:
+                files.write(given.csv, _csv(found, metrics))
+            if given.plot is not None:
+                _draw(found, metrics, Path(given.plot))
+        finally:
+            line.clear()
+            streams.show(files.printable_lines(text))
     counts = found.counts()
     return 1 if counts["failed"] or not counts["done"] else 0
 
@@ -152,5 +155,5 @@ def _do_search(given: argparse.Namespace) -> int:
 
     with ProgressLine("cmrc search") as line, line.beating("beginning"):
         found = search(given.file, _folder(given), on_progress=shown(line), **_place(given))
-    print(found.text(), end="")
+    streams.show(found.text())
     return 0 if found.best is not None and found.check_passed is not False else 1
