@@ -6,7 +6,6 @@ import io
 import json
 import os
 import zipfile
-import zlib
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -60,22 +59,14 @@ def is_archive(path: str | os.PathLike[str]) -> bool:
 def load(path: str | os.PathLike[str]) -> dict[str, Any]:
     """The parts of a ``Result``. Raises OSError; ValueError with the file's name for a file that is not a result."""
     name = arguments.path("path", path, "the path of a result that Result.save wrote")
-    try:
-        with files.open_anywhere(name) as file, zipfile.ZipFile(file) as archive:
-            return _unpacked(archive)
-    except SchemaError as error:
-        raise SchemaError(f"{name}: {error}") from None
-    except (
-        zipfile.BadZipFile,
-        zlib.error,
-        KeyError,
-        ValueError,
-        TypeError,
-        EOFError,
-        NotImplementedError,
-        RecursionError,
-    ) as error:
-        raise ValueError(f"{name}: no saved result ({_shown(error)}); Result.save writes one") from error
+    with files.open_anywhere(name) as file:
+        try:
+            with zipfile.ZipFile(file) as archive:
+                return _unpacked(archive)
+        except SchemaError as error:
+            raise SchemaError(f"{name}: {error}") from None
+        except Exception as error:  # zipfile and its decompressors raise errors of many kinds for a damaged file
+            raise ValueError(f"{name}: no saved result ({_shown(error)}); Result.save writes one") from error
 
 
 def _unpacked(archive: zipfile.ZipFile) -> dict[str, Any]:
@@ -94,6 +85,8 @@ def _unpacked(archive: zipfile.ZipFile) -> dict[str, Any]:
     if head["profile"]:
         profile = Profile(json.loads(read("profile.json")), read("profile.txt").decode())
     with np.load(io.BytesIO(read("signals.npz")), allow_pickle=False) as arrays:
+        if sum(entry.file_size for entry in arrays.zip.infolist()) > _LARGEST:
+            raise ValueError(f"signals.npz is larger than {_LARGEST} bytes")
         signals = Table({column: arrays[column] for column in arrays.files})
     if len({len(column) for column in signals.values()}) > 1:
         raise ValueError("signals of different lengths")
