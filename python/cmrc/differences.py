@@ -148,9 +148,7 @@ def _taken(name: str, of: Comparable) -> tuple[dict[str, Any], str | None]:
         raise TypeError(
             f"{name}: {type(of).__name__} cannot be used; a Result, a report or the path of a file is expected"
         )
-    import zipfile
-
-    if zipfile.is_zipfile(of):
+    if saved_result.is_archive(of):
         parts = saved_result.load(of)
         return parts["report"], parts["events"]
     return saved_result.load_report(of), None

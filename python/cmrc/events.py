@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 HEADER = "# cmrc event trace 1"
 BATCH = 1 << 17
+LONGEST_LINE = 1 << 16
 RECORD = np.dtype([("time", "<i8"), ("component", "<u2"), ("event", "<u2"), ("arguments", "<u4", 5)])
 """An event in the layout of the run's hash (docs/trace.md)."""
 SIGNED = {"latch", "push"}
@@ -81,11 +82,13 @@ def of_trace(path: str | os.PathLike[str]) -> Iterator[pa.RecordBatch]:
     pa = needed()
     tasks = dict(enumerate(built_in_tasks()))
     numbers = {name: number for number, (name, _) in _core.report.event_names().items()}
-    with open(path, encoding="utf-8", errors="strict") as lines:
-        if lines.readline().rstrip("\n") != HEADER:
+    with open(path, encoding="utf-8", errors="replace") as lines:
+        if lines.readline(LONGEST_LINE).rstrip("\n") != HEADER:
             raise ValueError(f'{path}: line 1: not an event trace; one begins with "{HEADER}"')
         rows: list[tuple[int, str, str, dict[str, int]]] = []
-        for number, line in enumerate(lines, 2):
+        for number, line in enumerate(iter(lambda: lines.readline(LONGEST_LINE), ""), 2):
+            if len(line) == LONGEST_LINE:
+                raise ValueError(f"{path}: line {number}: not a line of an event trace: it is too long")
             if line.startswith("#") or not line.strip():
                 continue
             try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import BinaryIO
@@ -24,14 +25,29 @@ def printable_lines(text: str) -> str:
     return "\n".join(map(printable, text.split("\n")))
 
 
+LARGEST_STREAM = 64 << 20
+"""Bytes that are read of a device or a pipe, which may have no end; as emulator/io/input_file.hpp has it."""
+
+
 def read(path: str | os.PathLike[str], most: int) -> bytes:
-    """A whole file with at most this number of bytes; a file without an end (a device, a pipe) is an error. Raises
-    OSError, ValueError."""
+    """A whole file with at most this number of bytes, of a device or a pipe at most 64 MiB. Raises OSError,
+    ValueError."""
     with open(path, "rb") as file:
-        content = file.read(most + 1)
-    if len(content) > most:
-        raise ValueError(f"{os.fspath(path)}: more than {most} bytes; a smaller file is expected")
+        there = os.fstat(file.fileno())
+        regular = stat.S_ISREG(there.st_mode)
+        most = most if regular else min(most, LARGEST_STREAM)
+        content = b"" if regular and there.st_size > most else file.read(most + 1)
+    if len(content) > most or (regular and there.st_size > most):
+        raise ValueError(f"{os.fspath(path)}: is larger than {most >> 20} MiB; a smaller file is expected")
     return content
+
+
+def open_anywhere(path: str | os.PathLike[str]) -> BinaryIO:
+    """A file that can be read at every place. Raises OSError; ValueError for a device or a pipe."""
+    found = os.stat(path).st_mode
+    if not stat.S_ISREG(found) and not stat.S_ISDIR(found):  # a folder has an error of its own
+        raise ValueError(f"{os.fspath(path)}: is a device or a pipe; a file is expected")
+    return open(path, "rb")
 
 
 def write(path: str | os.PathLike[str], content: str | bytes) -> None:

@@ -16,16 +16,17 @@ import struct
 import zlib
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cmrc import arguments
+from cmrc import arguments, files
 from cmrc.errors import Error
 
 FORMAT = 1
+_LARGEST = 1 << 32
+_LARGEST_COLUMN = 1 << 30
 FIRST_KIND = 4
 """In a lane, ``what`` from this value on means a job of kind ``what - FIRST_KIND``; below: off, failed, asleep,
 executive."""
@@ -40,11 +41,11 @@ class PageError(Error, ValueError):
 def _inflated(data: bytes) -> bytes:
     inflater = zlib.decompressobj(-15)
     try:
-        out = inflater.decompress(data) + inflater.flush()
+        out = inflater.decompress(data, _LARGEST_COLUMN)
     except zlib.error as error:
         raise PageError(f"the recording is damaged: {error}") from None
     if not inflater.eof:
-        raise PageError("the recording is damaged: a column ends too early")
+        raise PageError(f"the recording is damaged: a column ends too early, or has more than {_LARGEST_COLUMN} bytes")
     return out
 
 
@@ -97,7 +98,7 @@ class Recording:
     def read(cls, path: str | os.PathLike[str]) -> Recording:
         """Reads the recording of a page. Raises OSError; PageError for a file that is not a page."""
         name = arguments.path("path", path, "the path of a page")
-        text = Path(name).read_text(encoding="utf-8", errors="replace")
+        text = files.read(name, _LARGEST).decode("utf-8", errors="replace")
         found = re.search(r'<script type="text/plain" id="recording">([A-Za-z0-9+/=\s]*)</script>', text)
         if found is None:
             raise PageError(f"{name} is not a page of this emulator (cmrc page CONFIG.toml writes one)")

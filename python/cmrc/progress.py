@@ -23,9 +23,9 @@ LOG_S = 15.0
 BEAT_S = 0.5
 
 
-def _can_change(stream: TextIO) -> bool:
+def _can_change(stream: TextIO | None) -> bool:
     """A line that was shown can be written over: on a terminal, and below the cell of a notebook."""
-    return stream.isatty() or type(stream).__module__.startswith("ipykernel")
+    return stream is not None and (stream.isatty() or type(stream).__module__.startswith("ipykernel"))
 
 
 class ProgressLine:
@@ -54,11 +54,20 @@ class ProgressLine:
             self.last = time_s
             line = f"{self.what}: {text}"
             if self.every_s == TERMINAL_S:
-                self.stream.write("\r" + line.ljust(self.width))
+                self._write("\r" + line.ljust(self.width))
                 self.width = len(line)
             else:
-                self.stream.write(line + "\n")
+                self._write(line + "\n")
+
+    def _write(self, text: str) -> None:
+        """Standard error that is closed or full is no reason to end the work."""
+        if self.stream is None:
+            return
+        try:
+            self.stream.write(text)
             self.stream.flush()
+        except (OSError, ValueError):
+            self.stream = None
 
     def of(self, done: float, whole: float, unit: str = "s simulated", now: bool = False) -> None:
         """The finished share, and the estimated remaining time."""
@@ -90,8 +99,7 @@ class ProgressLine:
         """Erases the line, for other output."""
         with self._lock:
             if self.width:
-                self.stream.write("\r" + " " * self.width + "\r")
-                self.stream.flush()
+                self._write("\r" + " " * self.width + "\r")
                 self.width = 0
 
     def __enter__(self) -> Self:

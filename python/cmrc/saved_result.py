@@ -6,7 +6,6 @@ import io
 import json
 import os
 import zipfile
-import zlib
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -52,25 +51,22 @@ def save(result: Result, path: str | os.PathLike[str]) -> None:
             archive.writestr(entry, content)
 
 
+def is_archive(path: str | os.PathLike[str]) -> bool:
+    """A saved result, by its form. A device or a pipe is none: it cannot be read from its end."""
+    return os.path.isfile(path) and zipfile.is_zipfile(path)
+
+
 def load(path: str | os.PathLike[str]) -> dict[str, Any]:
     """The parts of a ``Result``. Raises OSError; ValueError with the file's name for a file that is not a result."""
     name = arguments.path("path", path, "the path of a result that Result.save wrote")
-    try:
-        with zipfile.ZipFile(name) as archive:
-            return _unpacked(archive)
-    except SchemaError as error:
-        raise SchemaError(f"{name}: {error}") from None
-    except (
-        zipfile.BadZipFile,
-        zlib.error,
-        KeyError,
-        ValueError,
-        TypeError,
-        EOFError,
-        NotImplementedError,
-        RecursionError,
-    ) as error:
-        raise ValueError(f"{name}: no saved result ({_shown(error)}); Result.save writes one") from error
+    with files.open_anywhere(name) as file:
+        try:
+            with zipfile.ZipFile(file) as archive:
+                return _unpacked(archive)
+        except SchemaError as error:
+            raise SchemaError(f"{name}: {error}") from None
+        except Exception as error:  # zipfile and its decompressors raise errors of many kinds for a damaged file
+            raise ValueError(f"{name}: no saved result ({_shown(error)}); Result.save writes one") from error
 
 
 def _unpacked(archive: zipfile.ZipFile) -> dict[str, Any]:
@@ -89,6 +85,8 @@ def _unpacked(archive: zipfile.ZipFile) -> dict[str, Any]:
     if head["profile"]:
         profile = Profile(json.loads(read("profile.json")), read("profile.txt").decode())
     with np.load(io.BytesIO(read("signals.npz")), allow_pickle=False) as arrays:
+        if sum(entry.file_size for entry in arrays.zip.infolist()) > _LARGEST:
+            raise ValueError(f"signals.npz is larger than {_LARGEST} bytes")
         signals = Table({column: arrays[column] for column in arrays.files})
     if len({len(column) for column in signals.values()}) > 1:
         raise ValueError("signals of different lengths")
@@ -132,7 +130,7 @@ def checked_report(report: Any) -> dict[str, Any]:
 def load_report(path: str | os.PathLike[str]) -> dict[str, Any]:
     """The report of a saved result, or of a JSON report (``emulator --report``). Raises OSError, ValueError."""
     name = arguments.path("path", path, "the path of a saved result or a JSON report")
-    if zipfile.is_zipfile(name):
+    if is_archive(name):
         report: dict[str, Any] = load(name)["report"]
         return report
     try:

@@ -36,6 +36,7 @@ Reference = _core.cmrc.Reference
 Snapshot = _core.cmrc.Snapshot
 """The state of a run at an instant. Opaque; it can be pickled, and written by ``write_snapshot``."""
 
+_LARGEST_SNAPSHOT = 1 << 32
 Setting = bool | int | float | str
 Progress = Callable[[float, float], bool | None]
 
@@ -93,10 +94,10 @@ def write_snapshot(path: str | os.PathLike[str], snapshot: Snapshot) -> None:
 
 
 def read_snapshot(path: str | os.PathLike[str]) -> Snapshot:
-    """Reads a snapshot from its file. Raises SnapshotError with the file's name; OSError."""
+    """Reads a snapshot from its file. Raises SnapshotError, or ValueError for a file without an end, with the file's
+    name; OSError."""
     name = arguments.path("path", path, "the path of a snapshot")
-    with open(name, "rb") as file:
-        content = file.read()
+    content = files.read(name, _LARGEST_SNAPSHOT)
     try:
         return Snapshot.from_bytes(content)
     except SnapshotError as error:

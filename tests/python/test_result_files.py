@@ -1,9 +1,11 @@
 """A result that lasts: saved, loaded, copied, pickled, compared, explained, framed."""
 
 import copy
+import io
 import json
 import pickle
 import re
+import struct
 import subprocess
 import zipfile
 from pathlib import Path
@@ -108,6 +110,40 @@ def test_what_is_no_result_is_refused_by_name(result: cmrc.Result, tmp_path: Pat
             cmrc.Result.load(path)
     with pytest.raises(FileNotFoundError):
         cmrc.Result.load(tmp_path / "missing")
+
+
+def test_a_changed_byte_of_the_directory_is_refused_by_name_or_changes_nothing(tmp_path: Path) -> None:
+    """Among them flags of encryption, methods of compression, sizes and places in the file."""
+    result = cmrc.run(dsps=1, duration_s=0.021, settings={"report.reference": "none"})
+    whole = tmp_path / "whole"
+    result.save(whole)
+    content = whole.read_bytes()
+    (directory,) = struct.unpack("<I", content[-6:-2])
+    bad, refused = tmp_path / "bad", []
+    for place in range(directory, len(content)):
+        for value in {12, 14, content[place] ^ 1} - {content[place]}:
+            bad.write_bytes(content[:place] + bytes([value]) + content[place + 1 :])
+            try:
+                loaded = cmrc.Result.load(bad)
+            except ValueError as error:
+                assert str(error).startswith(f"{bad}: no saved result ("), (place, value, error)
+                refused.append(str(error))
+            else:
+                assert same(loaded, result), (place, value)
+    assert any("encrypted" in error for error in refused)
+
+
+def test_arrays_that_no_memory_holds_are_refused_by_name(result: cmrc.Result, tmp_path: Path) -> None:
+    whole = tmp_path / "whole"
+    result.save(whole)
+    header = b"{'descr': '<f8', 'fortran_order': False, 'shape': (1000000000000,), }\n"
+    array = b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header
+    inner = io.BytesIO()
+    with zipfile.ZipFile(inner, "w") as archive:
+        archive.writestr("time_s.npy", array)
+    bomb = edited(whole, tmp_path / "bomb", "signals.npz", inner.getvalue())
+    with pytest.raises(ValueError, match=f"{bomb}: no saved result"):
+        cmrc.Result.load(bomb)
 
 
 @pytest.mark.parametrize(("schema", "says"), [

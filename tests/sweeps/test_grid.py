@@ -134,7 +134,7 @@ def test_bad_toml_is_named_with_its_line(tmp_path: Path) -> None:
     (tmp_path / "binary.toml").write_bytes(b"\xff\xfe")
     with pytest.raises(GridError, match=r"binary.toml: no TOML"):
         grids.read(tmp_path / "binary.toml")
-    with pytest.raises(GridError, match=r"/dev/zero: more than \d+ bytes"):
+    with pytest.raises(GridError, match="/dev/zero: is larger than 16 MiB"):
         grids.read("/dev/zero")
     with pytest.raises(FileNotFoundError):
         grids.read(tmp_path / "missing.toml")

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -152,8 +153,123 @@ def test_a_damaged_part_is_named(tmp_path: Path) -> None:
     with Folder(tmp_path / "s") as folder:
         folder.write([row(1)])
         folder.parts()[0].write_bytes(folder.parts()[0].read_bytes()[:-20])
-        with pytest.raises(SweepError, match=r"part-000001.parquet: cannot be read"):
+        with pytest.raises(SweepError, match=r"part-000001-[0-9a-f]{16}.parquet: cannot be read: it was changed"):
             keys(folder)
+
+
+def test_a_flipped_bit_of_a_part_is_refused_by_name(tmp_path: Path) -> None:
+    with Folder(tmp_path / "s") as folder:
+        folder.write([row(1), row(2)])
+    part = Folder(tmp_path / "s").parts()[0]
+    whole = part.read_bytes()
+    for bit in range(0, 8 * len(whole), 61):
+        changed = bytearray(whole)
+        changed[bit // 8] ^= 1 << bit % 8
+        part.write_bytes(changed)
+        with pytest.raises(SweepError, match=part.name):
+            Sweep(tmp_path / "s")
+    part.write_bytes(whole)
+    assert len(Sweep(tmp_path / "s")) == 2
+
+
+def test_a_part_of_an_earlier_version_has_no_checksum_and_is_read_and_compacted(tmp_path: Path) -> None:
+    with Folder(tmp_path / "s") as folder:
+        folder.write([row(1), row(2)])
+        folder.parts()[0].rename(tmp_path / "s" / "part-000001.parquet")
+        assert keys(folder) == [1, 2]
+        folder.write([row(3)])
+        folder.compact()
+        assert keys(folder) == [1, 2, 3]
+        assert [part.name[:12] for part in folder.parts()] == ["part-000003-"]
+
+
+def unchecked(folder: Path, **cells: Any) -> None:
+    """A part of an earlier version, or made by hand: without a checksum."""
+    with Folder(folder) as made:
+        made.write([row(1, **cells)])
+        made.parts()[0].rename(folder / "part-000001.parquet")
+
+
+REPORT = {"schema_version": 4, "configuration": {}, "tasks": {}, "misses": [], "hash": ""}
+
+
+@pytest.mark.parametrize(("cells", "says"), [
+    ({"place": "{"}, "the place of the run 000000000000 is damaged"),
+    ({"place": "[1]"}, "the place of the run 000000000000 is damaged"),
+    ({"settings": "5"}, "the settings of the run 000000000000 is damaged"),
+    ({"place": None}, "part-000001.parquet: cannot be read: a run has no place"),
+    ({"build": None}, "part-000001.parquet: cannot be read: a run has no build"),
+    ({"status": "weird"}, "part-000001.parquet: cannot be read: a run has the status weird"),
+    ({"report": b"xx"}, "the report of the run 000000000000 is damaged"),
+    ({"report": None}, "the report of the run 000000000000 is damaged"),
+    ({"report": store.packed("[]")}, "the report of the run 000000000000 is damaged"),
+    ({"report": store.packed("[" * 100_000)}, "the report of the run 000000000000 is damaged"),
+    ({"report": store.packed(REPORT)[:-4]}, "the report of the run 000000000000 is damaged: it is cut short"),
+    ({"report": store.packed({**REPORT, "tasks": []})}, "the report has no 'tasks'"),
+    ({"report": store.packed(" " * ((1 << 20) + 1))}, "is damaged: it is cut short, or larger than 1 MiB"),
+])  # fmt: skip
+def test_a_cell_that_no_sweep_writes_is_refused_by_name(
+    cells: dict[str, Any], says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(store, "LARGEST_REPORT", 1 << 20)
+    unchecked(tmp_path / "s", **cells)
+    with pytest.raises(SweepError, match=f"{re.escape(str(tmp_path / 's'))}.*{re.escape(says)}"):
+        list(Sweep(tmp_path / "s").reports())
+
+
+def test_other_columns_and_other_names_are_refused_by_name(tmp_path: Path) -> None:
+    from pyarrow import parquet
+
+    unchecked(tmp_path / "s")
+    part = tmp_path / "s" / "part-000001.parquet"
+    table = parquet.read_table(part)
+    parquet.write_table(table.drop_columns(["seed"]), part)
+    with pytest.raises(SweepError, match="part-000001.parquet: cannot be read: there is no column seed of int64"):
+        Sweep(tmp_path / "s")
+    parquet.write_table(table.set_column(0, "key", [[1]]), part)
+    with pytest.raises(SweepError, match="part-000001.parquet: cannot be read: there is no column key of string"):
+        Sweep(tmp_path / "s")
+    part.unlink()
+    part.symlink_to("nowhere")
+    with pytest.raises(SweepError, match="part-000001.parquet: cannot be read: No such file"):
+        Sweep(tmp_path / "s")
+    part.rename(tmp_path / "s" / "part-abc.parquet")
+    with pytest.raises(SweepError, match="part-abc.parquet: is not the name of a part"):
+        Sweep(tmp_path / "s")
+
+
+def test_a_lock_that_is_a_link_keeps_its_target(tmp_path: Path) -> None:
+    with Folder(tmp_path / "s"):
+        pass
+    (tmp_path / "victim").write_text("precious")
+    (tmp_path / "s" / store.LOCK).unlink()
+    (tmp_path / "s" / store.LOCK).symlink_to("../victim")
+    with pytest.raises(SweepError, match="s/lock: is a link; a file is expected"):
+        Folder(tmp_path / "s").__enter__()
+    assert (tmp_path / "victim").read_text() == "precious"
+
+
+def test_a_part_is_written_and_read_in_pieces_of_bounded_size(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A column of Parquet has at most 2 GiB."""
+    from pyarrow import parquet
+
+    monkeypatch.setattr(store, "BATCH_BYTES", 10_000)
+    with Folder(tmp_path / "s") as folder:
+        for first in (0, 10):
+            folder.write([row(n, report=os.urandom(3000)) for n in range(first, first + 10)])
+        folder.compact()
+        (part,) = folder.parts()
+        with parquet.ParquetFile(part) as opened:
+            sizes = [opened.metadata.row_group(n).num_rows for n in range(opened.num_row_groups)]
+        assert sum(sizes) == 20 and max(sizes) == 4
+        assert keys(folder) == list(range(20))
+
+
+def test_nothing_is_left_of_a_part_that_could_not_be_made(tmp_path: Path) -> None:
+    with Folder(tmp_path / "s") as folder:
+        with pytest.raises(TypeError):
+            folder.write([row(1, report=[1])])
+        assert not list((tmp_path / "s").glob(".part-*"))
 
 
 FULL = """
@@ -179,7 +295,7 @@ def test_a_full_disk_is_an_error_and_loses_nothing(tmp_path: Path) -> None:
     program = FULL.format(path=str(tmp_path / "s"))
     said, after = said_by(program).splitlines()
     assert "part-000002.parquet: cannot be written" in said and "continues from them" in said
-    assert after == "[1] ['lock', 'part-000001.parquet', 'sweep.json']"
+    assert re.fullmatch(r"\[1\] \['lock', 'part-000001-[0-9a-f]{16}.parquet', 'sweep.json'\]", after)
 
 
 def test_a_folder_that_is_compacted_while_it_is_read_loses_no_row(tmp_path: Path) -> None:

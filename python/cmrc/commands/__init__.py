@@ -3,15 +3,14 @@ functions of the package."""
 
 from __future__ import annotations
 
-import sys
-
 import cmrc
-from cmrc.commands import pages, signals, studies, sweeps
+from cmrc.commands import pages, signals, streams, studies, sweeps
 from cmrc.commands.common import Parser
 
 
 def main(arguments: list[str] | None = None) -> int:
     """The command line. Returns 0; 1 as each command says; 2 for bad input; 130, 143 or 129 after a signal."""
+    streams.prepare()
     try:
         with signals.raised():
             parser = Parser(prog="cmrc", description="Shows runs of the emulator, and makes studies of many runs.")
@@ -23,6 +22,9 @@ def main(arguments: list[str] | None = None) -> int:
             if given.command is None:
                 parser.error(f"a command is expected: {', '.join(commands.choices)}")
             return int(given.do(given))
+    except streams.NotShown as error:
+        streams.say(f"cmrc: {error}")
+        return 1
     except KeyboardInterrupt as stop:
-        print("cmrc: interrupted", file=sys.stderr)
+        streams.say("cmrc: interrupted")
         return signals.status(stop)

@@ -6,13 +6,13 @@ import argparse
 import difflib
 import math
 import os
-import sys
-from collections.abc import Callable
+import stat
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
 from cmrc import files
-from cmrc.commands import signals
+from cmrc.commands import signals, streams
 from cmrc.extras import needed
 from cmrc.simulation import ConfigError, Setting
 
@@ -33,8 +33,12 @@ class Parser(argparse.ArgumentParser):
         return found, left
 
     def error(self, message: str) -> NoReturn:
-        print(f"{self.prog}: {files.printable(message)} ({self.prog} --help lists options)", file=sys.stderr)
+        streams.say(f"{self.prog}: {files.printable(message)} ({self.prog} --help lists options)")
         raise SystemExit(2)
+
+    def _print_message(self, message: str, file: Any = None) -> None:
+        """Of ``--help`` and ``--version``. argparse itself ignores that standard output is full."""
+        streams.show(message)
 
 
 def command(
@@ -54,13 +58,13 @@ def status_of(name: str, do: Callable[[argparse.Namespace], int], given: argpars
     try:
         return do(given)
     except (OSError, ImportError, ConfigError, GridError, SweepError, ValueError, TypeError, KeyError) as error:
-        print(f"cmrc {name}: {files.printable(_words(error))}", file=sys.stderr)
+        streams.say(f"cmrc {name}: {files.printable(_words(error))}")
         return 2
     except RuntimeError as error:
-        print(f"cmrc {name}: {files.printable(str(error))}", file=sys.stderr)
+        streams.say(f"cmrc {name}: {files.printable(str(error))}")
         return 1
     except KeyboardInterrupt as stop:
-        print(f"cmrc {name}: interrupted", file=sys.stderr)
+        streams.say(f"cmrc {name}: interrupted")
         return signals.status(stop)
 
 
@@ -110,7 +114,62 @@ def numbers(text: str, option: str) -> list[float]:
     return [round(begin + n * step, 6) for n in range(math.floor((end - begin) / step + 1e-9) + 1)]
 
 
-def output(option: str, path: str | Path | None) -> None:
+OptionalPath = str | Path | None
+FILES_OF_SETTINGS = ("machine.board", "dock.layout", "fixed.config")
+"""The last one is the base configuration of a sweep."""
+FOLDER_OF_SETTINGS = "machine.programs"
+
+
+def check_files(
+    read: Mapping[str, OptionalPath],
+    written: Mapping[str, OptionalPath],
+    configurations: Iterable[Mapping[str, Setting]] = (),
+) -> None:
+    """Checks the output files of a command before its work: each can become a file, and none is an input, a file that
+    one of the ``configurations`` names, or another output. Files are given by option. Raises ValueError."""
+    roles = files.FileRoles()
+    for option, path in read.items():
+        if path is not None:
+            roles.reads(option, path)
+    for option, path in written.items():
+        output(option, path)
+        if path is not None:
+            roles.writes(option, path)
+    for values in configurations:
+        for key in FILES_OF_SETTINGS:
+            if values.get(key, "default") not in ("", "default"):
+                roles.reads(key, str(values[key]))
+        if values.get(FOLDER_OF_SETTINGS):
+            check_outside(FOLDER_OF_SETTINGS, str(values[FOLDER_OF_SETTINGS]), written)
+
+
+def check_outside(role: str, folder: str | Path, written: Mapping[str, OptionalPath]) -> None:
+    """Checks that no output is a file of a folder that is read, links followed. Raises ValueError."""
+    there = {_identity(path): (option, path) for option, path in written.items() if path is not None}
+    there.pop(None, None)
+    if not there:
+        return
+    for place, _, names in os.walk(folder):
+        for name in names:
+            found = there.get(_identity(os.path.join(place, name)))
+            if found is not None:
+                option, path = found
+                raise ValueError(
+                    f"{option}: {path} is the same file as {role} ({os.path.join(place, name)}); another name is "
+                    "expected"
+                )
+
+
+def _identity(path: str | Path) -> tuple[int, int] | None:
+    """None for what is no file, or not there."""
+    try:
+        found = os.stat(path)
+    except OSError:
+        return None
+    return (found.st_dev, found.st_ino) if stat.S_ISREG(found.st_mode) else None
+
+
+def output(option: str, path: OptionalPath) -> None:
     """Checks an output file before work that takes hours. Raises ValueError for a path that cannot become a file."""
     if path is None:
         return
@@ -127,7 +186,7 @@ def folder(option: str, path: str | Path) -> None:
         raise ValueError(f"{option}: {path}: is a file; the name of a folder is expected")
 
 
-def picture(option: str, path: str | Path | None) -> None:
+def picture(option: str, path: OptionalPath) -> None:
     """The same for a picture. Raises ValueError, ImportError."""
     if path is None:
         return

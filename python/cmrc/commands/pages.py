@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
 from cmrc import demo, events, files, page
-from cmrc.commands.common import Commands, command, folder, output, picture, settings
+from cmrc.commands import streams
+from cmrc.commands.common import Commands, check_files, command, folder, picture, settings
 from cmrc.progress import ProgressLine
-from cmrc.simulation import Setting, Simulation
+from cmrc.simulation import Setting, Simulation, configured
 
 
 def add(commands: Commands) -> None:
@@ -49,7 +49,7 @@ def _demo(given: argparse.Namespace) -> int:
 
         def tell(text: str) -> None:
             line.clear()
-            print(text, flush=True)
+            streams.show(f"{text}\n")
 
         demo.main(Path(given.out), tell)
     return 0
@@ -58,10 +58,8 @@ def _demo(given: argparse.Namespace) -> int:
 def _events(given: argparse.Namespace) -> int:
     run, table = Path(given.run), Path(given.output)
     events.needed()
-    roles = files.FileRoles()
-    roles.reads("RUN", run)
-    roles.writes("--output", table)
-    output("--output", table)
+    named = [configured(run, None, settings(given), (), {}).to_dict()] if run.suffix == ".toml" else []
+    check_files({"RUN": run}, {"--output": table}, named)
     with ProgressLine("cmrc events") as line:
         if run.suffix == ".toml":
             batches = events.of_configuration(run, settings(given), line.of)
@@ -71,13 +69,13 @@ def _events(given: argparse.Namespace) -> int:
             batches = events.of_trace(run)
         with line.beating("writing the table" if run.suffix != ".toml" else "running"):
             count = events.write(batches, table)
-    print(f"{files.printable(str(table))}: {count} events")
+    streams.show(f"{files.printable(str(table))}: {count} events\n")
     return 0
 
 
 def _page(given: argparse.Namespace) -> int:
     if given.command == "replay":
-        print("cmrc replay: the command is now cmrc page, and writes the same page", file=sys.stderr)
+        streams.say("cmrc replay: the command is now cmrc page, and writes the same page")
     run, plots = Path(given.run), Path(given.plots) if given.plots else None
     if run.suffix == ".toml":
         _write(run, Path(given.out or run.with_suffix(".html")), plots, settings(given))
@@ -88,8 +86,9 @@ def _page(given: argparse.Namespace) -> int:
 
 def _write(run: Path, out: Path, plots: Path | None, given: dict[str, Setting]) -> None:
     """Runs a configuration. Writes each file whole or not at all."""
-    _check_outputs(run, out, plots)
     simulation = Simulation(config=run, settings=given)
+    check_files({"RUN": run}, {"--out": out, "--plots": plots}, [simulation.config.to_dict()])
+    picture("--plots", plots)
     simulation.record()
     with ProgressLine("cmrc page") as line, line.beating():
         simulation.run(line.of)
@@ -109,19 +108,9 @@ def _plot(run: Path, plots: Path | None, given: argparse.Namespace) -> None:
         raise ValueError(
             f"{run}: only --plots is possible for a page; a configuration (.toml) is expected for all else"
         )
-    _check_outputs(run, None, plots)
-    _draw(run, plots)
-
-
-def _check_outputs(run: Path, out: Path | None, plots: Path | None) -> None:
-    """To be called before a run that takes minutes. Raises ValueError, ImportError."""
-    roles = files.FileRoles()
-    roles.reads("RUN", run)
-    for role, path in (("--out", out), ("--plots", plots)):
-        if path is not None:
-            output(role, path)
-            roles.writes(role, path)
+    check_files({"RUN": run}, {"--plots": plots})
     picture("--plots", plots)
+    _draw(run, plots)
 
 
 def _draw(run: Path, plots: Path) -> None:

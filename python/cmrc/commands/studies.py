@@ -8,8 +8,8 @@ from typing import Any
 
 import cmrc
 from cmrc import _core, files, studies
-from cmrc.commands import signals
-from cmrc.commands.common import Commands, command, numbers, output, settings
+from cmrc.commands import signals, streams
+from cmrc.commands.common import Commands, check_files, command, numbers, settings
 from cmrc.progress import ProgressLine
 from cmrc.simulation import configured
 
@@ -50,17 +50,7 @@ def _configured(given: argparse.Namespace) -> _core.cmrc.Config:
     own = {key: asked[key] for _, key, _, _, _ in SETTINGS if asked[key] is not None}
     made = configured(given.config, given.preset, {**settings(given), **own}, (), {})
     _core.cmrc.Simulation(made)  # a missing board or layout is reported before the first run
-    if given.json is not None:
-        values, roles = made.to_dict(), files.FileRoles()
-        for role, path in (
-            ("--config", given.config),
-            ("machine.board", str(values["machine.board"])),
-            ("dock.layout", str(values["dock.layout"])),
-        ):
-            if path and path != "default":
-                roles.reads(role, str(path))
-        roles.writes("--json", given.json)
-        output("--json", given.json)
+    check_files({"--config": given.config}, {"--json": given.json}, [made.to_dict()])
     return made
 
 
@@ -102,9 +92,12 @@ def _do_compare(given: argparse.Namespace) -> int:
 
 
 def _show(given: argparse.Namespace, text: str, report: dict[str, Any]) -> None:
-    print(files.printable_lines(text), end="")
-    if given.json is not None:
-        files.write(given.json, json.dumps(report, indent=2) + "\n")
+    """The file first, so that it is there if standard output is closed or full; the text also if the file fails."""
+    try:
+        if given.json is not None:
+            files.write(given.json, json.dumps(report, indent=2) + "\n")
+    finally:
+        streams.show(files.printable_lines(text))
 
 
 def _diff(commands: Commands) -> None:
@@ -116,15 +109,8 @@ def _diff(commands: Commands) -> None:
 
 
 def _do_diff(given: argparse.Namespace) -> int:
-    roles = files.FileRoles()
-    roles.reads("A", given.left)
-    roles.reads("B", given.right)
-    if given.json is not None:
-        roles.writes("--json", given.json)
-        output("--json", given.json)
+    check_files({"A": given.left, "B": given.right}, {"--json": given.json})
     with ProgressLine("cmrc diff") as line, line.beating("reading"):
         found = cmrc.diff(given.left, given.right)
-    print(files.printable_lines(found.text(len(found.metrics) if given.all else 40)), end="")
-    if given.json is not None:
-        files.write(given.json, json.dumps(found.to_dict(), indent=2) + "\n")
+    _show(given, found.text(len(found.metrics) if given.all else 40), found.to_dict())
     return 1 if found else 0

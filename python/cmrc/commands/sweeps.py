@@ -5,16 +5,19 @@ from __future__ import annotations
 import argparse
 import csv
 import io
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cmrc import files
-from cmrc.commands.common import Commands, command, output, picture
+from cmrc.commands import streams
+from cmrc.commands.common import Commands, check_files, check_outside, command, picture
 from cmrc.progress import ProgressLine, shown
+from cmrc.simulation import ConfigError, Setting, configured
 
 if TYPE_CHECKING:
     from cmrc.sweeps import Sweep
+    from cmrc.sweeps.grid import Grid
 
 
 def add(commands: Commands) -> None:
@@ -65,33 +68,60 @@ def _sweep(commands: Commands) -> None:
 
 def _do_sweep(given: argparse.Namespace) -> int:
     from cmrc.sweeps import Sweep, sweep
+    from cmrc.sweeps.study import grid_of
 
-    roles = files.FileRoles()
-    roles.reads("FILE.toml", given.file)
-    for option, path in (("--csv", given.csv), ("--plot", given.plot)):
-        if path is not None:
-            roles.writes(option, path)
-    output("--csv", given.csv)
-    picture("--plot", given.plot)
+    folder = _folder(given)
+    try:
+        grid = grid_of(given.file)
+    except (OSError, ValueError):
+        if not given.show:  # which needs the folder alone
+            raise
+        grid = None
+    _check_outputs(given, folder, [] if grid is None else _named(grid))
     metrics = given.metric or []
     with ProgressLine("cmrc sweep") as line, line.beating("beginning"):
-        if given.show:
-            found = Sweep(_folder(given))
+        if given.show or grid is None:
+            found = Sweep(folder)
         else:
             on_progress = shown(line)
-            found = sweep(
-                given.file, _folder(given), again_failed=given.again_failed, on_progress=on_progress, **_place(given)
-            )
+            found = sweep(grid, folder, again_failed=given.again_failed, on_progress=on_progress, **_place(given))
         line.reported = "reading the reports"
         text = found.text(*metrics)
-        line.clear()
-        print(files.printable_lines(text), end="", flush=True)
-        if given.csv is not None:
-            files.write(given.csv, _csv(found, metrics))
-        if given.plot is not None:
-            _draw(found, metrics, Path(given.plot))
+        try:
+            if given.csv is not None:
+                files.write(given.csv, _csv(found, metrics))
+            if given.plot is not None:
+                _draw(found, metrics, Path(given.plot))
+        finally:
+            line.clear()
+            streams.show(files.printable_lines(text))
     counts = found.counts()
     return 1 if counts["failed"] or not counts["done"] else 0
+
+
+def _named(grid: Grid) -> Iterator[Mapping[str, Setting]]:
+    """Everywhere that a grid may name files: its base configuration, its fixed settings, each value of an axis."""
+    if grid.config is not None:
+        yield {"fixed.config": grid.config}
+        try:
+            yield configured(grid.config, None, None, (), {}).to_dict()
+        except (ConfigError, OSError):
+            pass  # its runs are refused
+    yield grid.fixed
+    for axis in grid.axes:
+        yield from axis
+
+
+def _check_outputs(given: argparse.Namespace, folder: Path, named: Iterable[Mapping[str, Setting]]) -> None:
+    """No output may be an input of the sweep, or lie in its folder. Raises ValueError."""
+    written = {"--csv": given.csv, "--plot": given.plot}
+    tls = {f"--tls-{name}": vars(given)[f"tls_{name}"] for name in ("ca", "cert", "key")}
+    check_files({"FILE.toml": given.file, **tls}, written, named)
+    for option, path in written.items():
+        if path is not None and folder.resolve() in Path(path).resolve().parents:
+            raise ValueError(f"{option}: {path}: is in the sweep's folder {folder}; a place outside is expected")
+    check_outside("a file of the sweep", folder, written)
+    picture("--plot", given.plot)
 
 
 def _csv(found: Sweep, metrics: Iterable[str]) -> str:
@@ -125,5 +155,5 @@ def _do_search(given: argparse.Namespace) -> int:
 
     with ProgressLine("cmrc search") as line, line.beating("beginning"):
         found = search(given.file, _folder(given), on_progress=shown(line), **_place(given))
-    print(found.text(), end="")
+    streams.show(found.text())
     return 0 if found.best is not None and found.check_passed is not False else 1

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
+import hashlib
 import json
 import os
+import re
 import socket
+import stat
 import uuid
 import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -41,7 +45,14 @@ COLUMNS = (
     ("report", "binary"),
 )
 """Columns of a part (docs/sweeps.md)."""
-COMPACT_BATCH = 1000
+NEVER_NULL = ("key", "status", "message", "place", "settings", "build", "emulator_version")
+BATCH_ROWS = 1000
+BATCH_BYTES = 1 << 26
+"""Rows that are in memory at a time. A column of Parquet takes at most 2 GiB."""
+LARGEST_HEAD = 1 << 20
+LARGEST_REPORT = 1 << 29
+PART = re.compile(r"part-(\d+)(?:-([0-9a-f]{16}))?\.parquet")
+"""The name of a part: its number, and the beginning of the SHA-256 of its content (earlier versions wrote none)."""
 Row = dict[str, Any]
 
 
@@ -88,7 +99,16 @@ class Folder:
             self._lock = None
 
     def _locked(self) -> IO[str]:
-        file = open(self.path / LOCK, "a+", encoding="utf-8")  # noqa: SIM115 (open as long as the folder is locked)
+        place = self.path / LOCK
+        try:
+            opened = os.open(place, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o666)
+        except OSError as error:
+            why = "is a link; a file is expected" if error.errno == errno.ELOOP else error.strerror
+            raise SweepError(f"{place}: {why}") from None
+        file = open(opened, "r+", encoding="utf-8", errors="replace")  # noqa: SIM115 (open as long as it is locked)
+        if not stat.S_ISREG(os.fstat(opened).st_mode):
+            file.close()
+            raise SweepError(f"{place}: is a device or a pipe; a file is expected")
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
@@ -116,7 +136,7 @@ class Folder:
     def head(self) -> dict[str, Any] | None:
         """The description of the folder's writer; None for a new folder. Raises SweepError."""
         try:
-            found = json.loads((self.path / HEAD).read_text(encoding="utf-8"))
+            found = json.loads(files.read(self.path / HEAD, LARGEST_HEAD))
         except FileNotFoundError:
             return None
         except (OSError, ValueError) as error:
@@ -126,32 +146,57 @@ class Folder:
         return found
 
     def parts(self) -> list[Path]:
-        return sorted(self.path.glob("part-*.parquet"))
+        """In the order of their numbers. Raises SweepError for another name."""
+        return sorted(self.path.glob("part-*.parquet"), key=lambda part: (_number(part), part.name))
 
     def rows(self, columns: Sequence[str] | None = None) -> Iterator[Row]:
-        """Every run once, in the order of writing; ``columns`` None: all. Raises SweepError."""
+        """Every run once, in the order of writing; ``columns`` None: all. Raises SweepError, which names a part that is
+        damaged."""
         parquet = needed("pyarrow.parquet", "sweep", "cmrc.sweep")
-        names = None if columns is None else list(dict.fromkeys(["key", *columns]))
+        names = [name for name, _ in COLUMNS if columns is None or name == "key" or name in columns]
         seen: set[str] = set()
         parts = self.parts()
         while parts:
             part = parts.pop(0)
             try:
-                # A file, not its name: pyarrow takes no name with a byte that is no UTF-8.
-                with open(part, "rb") as file, parquet.ParquetFile(file) as opened:
-                    for batch in opened.iter_batches(batch_size=COMPACT_BATCH, columns=names):
-                        for row in batch.to_pylist():
-                            if row["key"] not in seen:
-                                seen.add(row["key"])
-                                yield row
-            except FileNotFoundError:
+                for row in _read(parquet, part, names):
+                    if row["key"] not in seen:
+                        seen.add(row["key"])
+                        yield row
+            except FileNotFoundError as error:
                 parts = self.parts()  # compacted meanwhile: its rows are in a later part
-            except (OSError, ValueError, KeyError) as error:
+                if part in parts:
+                    raise SweepError(f"{part}: cannot be read: {error.strerror}") from None
+            except Exception as error:  # noqa: BLE001 (pyarrow raises errors of many kinds for a damaged file)
                 raise SweepError(f"{part}: cannot be read: {error}") from None
+
+    def opened(self, row: Mapping[str, Any]) -> Row:
+        """A row with its JSON, ``place`` and ``settings``, as dictionaries. Raises SweepError."""
+        return {**row, **{name: self._object(row, name, row[name]) for name in ("place", "settings")}}
+
+    def report(self, row: Mapping[str, Any]) -> dict[str, Any]:
+        """The report of a row. Raises SweepError."""
+        try:
+            text = _inflated(row["report"])
+        except (zlib.error, ValueError, TypeError) as error:
+            raise self._damaged(row, "report", error) from None
+        return self._object(row, "report", text)
+
+    def _object(self, row: Mapping[str, Any], name: str, text: str | bytes) -> dict[str, Any]:
+        try:
+            found = json.loads(text)
+        except (ValueError, RecursionError) as error:
+            raise self._damaged(row, name, error) from None
+        if not isinstance(found, dict):
+            raise self._damaged(row, name, "no table")
+        return found
+
+    def _damaged(self, row: Mapping[str, Any], name: str, error: object) -> SweepError:
+        return SweepError(f"{self.path}: the {name} of the run {row['key'][:12]} is damaged: {error}")
 
     def write(self, rows: Sequence[Row]) -> None:
         """Writes a new part. Raises SweepError; then the old parts stay, and nothing of the new one."""
-        self._put(self._next(), [rows])
+        self._put(rows)
 
     def compact(self, without: str | None = None) -> None:
         """Joins all parts into one, without the rows with the status ``without``. If it is killed at any instant, no
@@ -159,48 +204,93 @@ class Folder:
         parts = self.parts()
         if len(parts) < (2 if without is None else 1):
             return
-        self._put(self._next(), self._batches(without))
+        self._put(row for row in self.rows() if row["status"] != without)
         for part in parts:
             part.unlink()
 
-    def _batches(self, without: str | None) -> Iterator[list[Row]]:
-        batch: list[Row] = []
-        for row in self.rows():
-            if row["status"] == without:
-                continue
-            batch.append(row)
-            if len(batch) == COMPACT_BATCH:
-                yield batch
-                batch = []
-        if batch:
-            yield batch
-
-    def _next(self) -> Path:
-        last = max((int(part.name.split("-")[1].split(".")[0]) for part in self.parts()), default=0)
-        return self.path / f"part-{last + 1:06}.parquet"
-
-    def _put(self, path: Path, batches: Iterable[Sequence[Row]]) -> None:
+    def _put(self, rows: Iterable[Row]) -> None:
         arrow, parquet = (needed(name, "sweep", "cmrc.sweep") for name in ("pyarrow", "pyarrow.parquet"))
         schema = arrow.schema(
             [(name, getattr(arrow, kind)()) for name, kind in COLUMNS], metadata={"cmrc_sweep_format": str(FORMAT)}
         )
+        name = f"part-{max(map(_number, self.parts()), default=0) + 1:06}"
         fresh = self.path / f".part-{uuid.uuid4().hex}"
         try:
-            with open(fresh, "wb") as file:
+            with open(fresh, "w+b") as file:
                 with parquet.ParquetWriter(file, schema, compression="zstd") as writer:
-                    for rows in batches:
-                        columns = [_array(arrow, kind, [row[name] for row in rows]) for name, kind in COLUMNS]
+                    for batch in _batches(rows):
+                        columns = [_array(arrow, kind, [row[name] for row in batch]) for name, kind in COLUMNS]
                         writer.write_table(arrow.Table.from_arrays(columns, schema=schema))
                 file.flush()
                 os.fsync(file.fileno())
-            os.rename(fresh, path)
+                digest = _digest(file)
+            os.rename(fresh, self.path / f"{name}-{digest}.parquet")
             _sync(self.path)
         except OSError as error:
-            fresh.unlink(missing_ok=True)
             raise SweepError(
-                f"{path}: cannot be written: {error.strerror or error}. The parts that are there are whole; "
-                "the same command continues from them"
+                f"{self.path / name}.parquet: cannot be written: {error.strerror or error}. The parts that are there "
+                "are whole; the same command continues from them"
             ) from None
+        finally:
+            fresh.unlink(missing_ok=True)
+
+
+def _number(part: Path) -> int:
+    found = PART.fullmatch(part.name)
+    if found is None:
+        raise SweepError(f"{part}: is not the name of a part; part-NUMBER.parquet is expected")
+    return int(found[1])
+
+
+def _digest(file: IO[bytes]) -> str:
+    """Of the whole file, for the name of a part."""
+    sha = hashlib.sha256()
+    file.seek(0)
+    while block := file.read(1 << 20):
+        sha.update(block)
+    return sha.hexdigest()[:16]
+
+
+def _read(parquet: Any, part: Path, names: Sequence[str]) -> Iterator[Row]:
+    """The rows of a part. Raises ValueError for one that was changed after it was written, among others."""
+    found = PART.fullmatch(part.name)
+    written = None if found is None else found[2]
+    # A file, not its name: pyarrow takes no name with a byte that is no UTF-8.
+    with files.open_anywhere(part) as file:
+        if written is not None and _digest(file) != written:
+            raise ValueError("it was changed after it was written: its content does not have the checksum of its name")
+        with parquet.ParquetFile(file) as opened:
+            kinds = {field.name: str(field.type) for field in opened.schema_arrow}
+            for name, kind in COLUMNS:
+                if name in names and kinds.get(name) != {"float64": "double"}.get(kind, kind):
+                    raise ValueError(f"there is no column {name} of {kind}")
+            for group in range(opened.num_row_groups):
+                for batch in opened.iter_batches(batch_size=BATCH_ROWS, row_groups=[group], columns=list(names)):
+                    for row in batch.to_pylist():
+                        _check(row)
+                        yield row
+
+
+def _check(row: Row) -> None:
+    """Raises ValueError for a row that no sweep writes."""
+    for name, value in row.items():
+        if value is None and name in NEVER_NULL:
+            raise ValueError(f"a run has no {name}")
+    if row.get("status", DONE) not in (DONE, REFUSED, FAILED):
+        raise ValueError(f"a run has the status {files.printable(row['status'])}")
+
+
+def _batches(rows: Iterable[Row]) -> Iterator[list[Row]]:
+    batch: list[Row] = []
+    size = 0
+    for row in rows:
+        batch.append(row)
+        size += sum(len(value) for value in row.values() if isinstance(value, (str, bytes)))
+        if len(batch) >= BATCH_ROWS or size >= BATCH_BYTES:
+            yield batch
+            batch, size = [], 0
+    if batch:
+        yield batch
 
 
 def _array(arrow: Any, kind: str, values: Sequence[Any]) -> Any:
@@ -234,5 +324,13 @@ def packed(report: Mapping[str, Any] | str) -> bytes:
 
 
 def unpacked(content: bytes) -> dict[str, Any]:
-    report: dict[str, Any] = json.loads(zlib.decompress(content))
+    report: dict[str, Any] = json.loads(_inflated(content))
     return report
+
+
+def _inflated(content: bytes) -> bytes:
+    inflater = zlib.decompressobj()
+    text = inflater.decompress(content, LARGEST_REPORT)
+    if not inflater.eof:
+        raise ValueError(f"it is cut short, or larger than {LARGEST_REPORT >> 20} MiB")
+    return text

@@ -43,9 +43,9 @@ class Sweep:
             raise SweepError(f"{folder}: not a folder of a sweep")
         rows = {row["key"]: row for row in self.folder.rows(LIGHT)}
         if of is None:
-            self._runs = self._completed([_opened(row) for row in rows.values()])
+            self._runs = self._completed([self.folder.opened(row) for row in rows.values()])
         else:
-            self._runs = [_opened({**rows[run.key], **place_of(run.point)}) for run in of if run.key in rows]
+            self._runs = [self.folder.opened({**rows[run.key], **place_of(run.point)}) for run in of if run.key in rows]
 
     def _completed(self, runs: list[dict[str, Any]]) -> list[dict[str, Any]]:
         """In the order of their places. What is an axis of one grid and fixed in another has its value in the runs of
@@ -61,7 +61,8 @@ class Sweep:
         if open_:
             for row in self.folder.rows(("report",)):
                 if row["key"] in open_ and row["report"] is not None:
-                    known[row["key"]] = store.unpacked(row["report"]).get("configuration") or {}
+                    configuration = self.folder.report(row).get("configuration")
+                    known[row["key"]] = configuration if isinstance(configuration, dict) else {}
         for run in runs:
             values = {**known.get(run["key"], {}), **run["settings"]}
             run["place"] = {name: run["place"].get(name, values.get(name)) for name in axes}
@@ -96,13 +97,16 @@ class Sweep:
         for row in self.folder.rows(("report",)):
             if row["key"] not in wanted:
                 continue
-            report = store.unpacked(row["report"])
-            try:
-                saved_result.check_schema(report)
-            except saved_result.SchemaError as error:
-                raise SweepError(f"{self.folder.path}: {error}") from None
+            report = self._report(row)
             for run in wanted[row["key"]]:
                 yield run, report
+
+    def _report(self, row: Mapping[str, Any]) -> dict[str, Any]:
+        report = self.folder.report(row)
+        try:
+            return saved_result.checked_report(report)
+        except ValueError as error:
+            raise SweepError(f"{self.folder.path}: {error}") from None
 
     def report(self, seed: int | None = None, **place: Any) -> dict[str, Any]:
         """The report of one run, by its place (``dsps=2``) and seed. Raises KeyError unless exactly one run fits."""
@@ -271,10 +275,6 @@ def run_grid(
     with Session(folder, place, execute, again_failed, on_progress) as session:
         runs = session.run(grid.points(), grid.fork_at_s)
     return Sweep(folder, runs)
-
-
-def _opened(row: Mapping[str, Any]) -> dict[str, Any]:
-    return {**row, "place": json.loads(row["place"]), "settings": json.loads(row["settings"])}
 
 
 def _axes(runs: Sequence[Mapping[str, Any]]) -> list[str]:
