@@ -1,5 +1,5 @@
-"""A signal while ``cmrc`` imports its modules ends it with its status and one line; in a program that imports the package
-it stays KeyboardInterrupt."""
+"""A signal while ``cmrc`` imports its modules ends it with its status and one line; in a program that imports the
+package it stays KeyboardInterrupt."""
 
 import os
 import signal
