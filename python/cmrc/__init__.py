@@ -11,6 +11,10 @@ import sys as _sys
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 from typing import Any as _Any
 
+from cmrc import early_signals as _early_signals
+
+_before = _early_signals.handle() if _early_signals.is_command() else {}
+
 from cmrc import _core
 
 if getattr(_core, "__file__", None) is None:  # only the folder of its type stubs is there
@@ -84,3 +88,6 @@ def __getattr__(name: str) -> _Any:
 
 def __dir__() -> list[str]:
     return sorted({*globals(), *__all__, *_LATER})
+
+
+_early_signals.restore(_before)

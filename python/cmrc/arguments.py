@@ -19,10 +19,15 @@ P = ParamSpec("P")
 
 
 def refuse(name: str, value: object, right: str) -> NoReturn:
-    shown = repr(value)
-    raise TypeError(
-        f"{name}: {shown if len(shown) <= 60 else shown[:57] + '...'} ({type(value).__name__}) cannot be used; {right} is expected"
-    )
+    raise TypeError(f"{name}: {_shown(value)} ({type(value).__name__}) cannot be used; {right} is expected")
+
+
+def _shown(value: object) -> str:
+    try:
+        shown = repr(value)
+    except ValueError:  # Python writes no integer of more than 4300 digits
+        return "a number of thousands of digits"
+    return shown if len(shown) <= 60 else shown[:57] + "..."
 
 
 def mapping(name: str, value: object, right: str) -> dict[str, Any]:
@@ -73,11 +78,15 @@ def path(name: str, value: object, right: str = "the path of a file") -> str:
 def number(name: str, value: object, right: str = "a number", least: float = -math.inf) -> float:
     if not isinstance(value, numbers.Real):
         refuse(name, value, right)
-    if not float(value) >= least:  # nan is neither
+    try:
+        found = float(value)
+    except OverflowError:
+        raise ValueError(f"{name}: {_shown(value)} is beyond the range of a double; {right} is expected") from None
+    if not found >= least:  # nan is neither
         raise ValueError(
-            f"{name}: {value} is no {'number' if math.isnan(value) else 'possible value'}; {right} is expected"
+            f"{name}: {value} is no {'number' if math.isnan(found) else 'possible value'}; {right} is expected"
         )
-    return float(value)
+    return found
 
 
 def whole(name: str, value: object, right: str, least: int = 0, most: int = 2**32 - 1) -> int:
@@ -86,7 +95,7 @@ def whole(name: str, value: object, right: str, least: int = 0, most: int = 2**3
     except TypeError:
         refuse(name, value, right)
     if not least <= found <= most:
-        raise ValueError(f"{name}: {found} is out of range; {right} is expected")
+        raise ValueError(f"{name}: {_shown(found)} is out of range; {right} is expected")
     return found
 
 

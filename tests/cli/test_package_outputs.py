@@ -1,4 +1,4 @@
-"""No output of ``cmrc`` is one of its inputs, whichever way it is named: by an option, in a configuration, in a grid."""
+"""No output of ``cmrc`` is one of its inputs, however it is named: by an option, in a configuration, in a grid."""
 
 from __future__ import annotations
 

@@ -177,6 +177,32 @@ CALLS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     "complete_read waits": (lambda: processor().complete_read(1, transfer=-1), V, "transfer: -1"),
     "config toml": (lambda: _core.cmrc.config({"run.seed": 1}), W, "toml: {'run.seed': 1} (dict)"),
     "config preset": (lambda: _core.cmrc.config(preset=3), W, "preset: 3 (int)"),
+    "run_until beyond a double": (
+        lambda: simulation().run_until(10**400),
+        V,
+        "time_s: 1000000000",
+    ),
+    "run_until beyond all digits": (
+        lambda: simulation().run_until(-(10**5000)),
+        V,
+        "time_s: a number of thousands of digits is beyond the range of a double",
+    ),
+    "slot beyond all digits": (
+        lambda: ran().dsp(10**5000),
+        V,
+        "slot: a number of thousands of digits is out of range",
+    ),
+    "path of thousands of digits": (
+        lambda: cmrc.read_snapshot(10**5000),
+        W,
+        "path: a number of thousands of digits (int)",
+    ),
+    "cut after the end of time": (
+        lambda: chips().cut(0, 1e308),
+        V,
+        "at_us: 1e+308 us is out of range; an instant in us, 0 to 9e12,",
+    ),
+    "cut beyond a double": (lambda: chips().cut(0, 10**309), V, "at_us: 1000"),
     "Network": (lambda: network.Network(3), W, "programs: 3 (int)"),
     "Network program": (lambda: network.Network([3]), W, "programs: 3 (int)"),
     "Network links": (lambda: network.Network([LOOP], links=3), W, "links: 3 (int)"),

@@ -32,6 +32,9 @@ def axes() -> Axes:
 def row(n: int, place: dict[str, Any], seed: int, misses: int | None) -> dict[str, Any]:
     report = {
         "schema_version": 4,
+        "configuration": {},
+        "misses": [],
+        "hash": "",
         "tasks": {"pid": {"misses": misses}},
         "rates": {"f_p": {"missed_share": (misses or 0) / 100}},
         "errors": {"load_m": {"rms": (misses or 0) * 1e-6}},

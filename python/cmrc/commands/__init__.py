@@ -22,7 +22,7 @@ def main(arguments: list[str] | None = None) -> int:
             if given.command is None:
                 parser.error(f"a command is expected: {', '.join(commands.choices)}")
             return int(given.do(given))
-    except streams.NotShown as error:
+    except RuntimeError as error:  # --help or --version could not be shown
         streams.say(f"cmrc: {error}")
         return 1
     except KeyboardInterrupt as stop:

@@ -7,10 +7,6 @@ import os
 import sys
 
 
-class NotShown(RuntimeError):
-    """Standard output is closed or full."""
-
-
 def prepare() -> None:
     """Gives a closed stream its number again: else the first file that is opened would have it, and would get what is
     printed. What the encoding of standard output does not have is shown as ``?``."""
@@ -28,13 +24,13 @@ def prepare() -> None:
 
 
 def show(text: str) -> None:
-    """Prints the outcome of a command. Raises NotShown."""
+    """Prints the outcome of a command. Raises RuntimeError if standard output is closed or full."""
     try:
         sys.stdout.write(text)
         sys.stdout.flush()
     except OSError as error:
         _discard()
-        raise NotShown(f"standard output: {error.strerror or error}") from None
+        raise RuntimeError(f"standard output: {error.strerror or error}") from None
 
 
 def say(text: str) -> None:

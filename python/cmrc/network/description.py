@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Mapping
 from typing import Any
@@ -39,11 +38,10 @@ def address(program: Program, where: int | str | None) -> int | None:
 
 def instant(name: str, microseconds: float) -> int:
     """An instant in ps, within 64 bits."""
-    given = arguments.number(name, microseconds, "an instant in us, 0 to 9e12,", 0.0)
-    found = round(given * 1e6) if given != math.inf else 2**63
-    if found > 9 * 10**18:
+    found = arguments.number(name, microseconds, "an instant in us, 0 to 9e12,", 0.0) * 1e6
+    if found > 9e18:
         raise ValueError(f"{name}: {microseconds} us is out of range; an instant in us, 0 to 9e12, is expected")
-    return found
+    return round(found)
 
 
 def link(name: str, given: object) -> tuple[str, dict[str, Any]]:
