@@ -6,7 +6,7 @@ from typing import Any
 import cmrc
 import pytest
 
-END_S = 0.04
+END_S = 0.032
 
 
 def debugger(**settings: Any) -> Any:
@@ -34,7 +34,7 @@ def test_pieces_and_a_message_lose_no_stop(event: dict[str, str]) -> None:
     whole = debugger()
     whole.on("finish", **event)
     expected = stops(whole, END_S)
-    assert len(expected) > 15
+    assert len(expected) > 8
     for piece_s, log in ((0.0037, None), (0.001, "hello")):
         pieces = debugger()
         if log:
