@@ -50,7 +50,7 @@ std::optional<ChipRunner::Span> Network::Node::span_of_runner() {
   const Cycles cycle = chip.cycle(), settled = with_dma ? chip.settled() : cycle;
   const Cycles known = std::min(ends_, std::max(cycle, action_));
   // Only here it is known whether the chip still follows its ports.
-  const bool begins_last = cycle >= ends_ && ends_ <= last_ && !waits && !idles && watches();
+  const bool begins_last = cycle >= ends_ && ends_ <= last_ && !waits && !idles && follows();
   Cycles limit = std::min(ends_ + (begins_last ? 1 : 0), action_);
   const bool dma_goes_on = with_dma && (chip.dma_ends_by(known) || chip.next_event() <= std::min(known, settled));
   if (settled >= known && !dma_goes_on && (waits || cycle >= limit)) {

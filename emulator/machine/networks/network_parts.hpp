@@ -104,15 +104,20 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
     return waits_for_window() && devices != nullptr && devices->has(stop.access.address);
   }
   bool waits_for_memory() const { return waits_for_window() && !waits_for_device(); }
+  /// Its DMA has an access to a window under way. Nothing on the chip goes on before the answer.
+  bool dma_awaits_answer() const { return waits_for_window() && stop.access.channel >= 0; }
   c40::Cycles first_cycle(Time time) const { return clock.tick_at_or_after(time); }
   /// Processor and DMA have done everything before this instant.
   Time now() const { return clock.at(chip.settled()); }
   /// Its behaviour depends on its ports or pins, or on a device that acts on other chips.
   bool watches() const { return !nets_in.empty() || chip.watches_ports() || !network.acting_.empty(); }
-  /// It runs, and its behaviour depends on its ports or pins: it must not run past their next events.
+  /// Its DMA, which is behind the processor, may do something at pins that drive nets.
+  bool dma_drives() const { return chip.dma_active() && !nets_out.empty(); }
+  /// It runs, and its behaviour depends on its ports or pins: it must not run past their next events. Or others depend
+  /// on what its DMA does, and the DMA goes on only with the processor. Or its DMA goes on while the processor waits.
   bool follows() const {
-    if (status == ChipStatus::running) return watches();
-    return status == ChipStatus::waiting && chip.dma_busy();
+    if (status == ChipStatus::running) return watches() || dma_drives();
+    return status == ChipStatus::waiting && chip.dma_busy() && !dma_awaits_answer();
   }
   bool reacts_to(c40::Pin pin) const;
   bool reacts_to_pins() const;
