@@ -3,6 +3,8 @@ which a program is run change nothing, and every run ends."""
 
 from __future__ import annotations
 
+import random
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -122,3 +124,140 @@ def test_a_chip_that_drives_a_net_beside_its_dma_reaches_every_limit(net: str) -
 
         for cycle in range(298, 310):
             assert min(within(20, lambda run=run, cycle=cycle: run(cycle))) >= cycle
+
+
+BODIES = {
+    "two loads": "        ldi *+ar4(1),r1\n     || ldi *ar5,r2\n",
+    "load and store": "        ldi *ar5,r3\n     || sti r2,*ar4\n",
+    "two stores": "        sti r3,*ar5\n     || sti r2,*ar4\n",
+    "multiply": "        mpyi3 *ar4,*ar5,r1\n",
+    "one store": "        sti r2,*ar5\n",
+    "one load": "        ldi *ar5,r2\n",
+}
+MEMORY, R1, R2 = 0x80000000, 0x70000004, 0xC0000004
+
+
+@pytest.fixture
+def board(tmp_path: Path) -> Path:
+    path = tmp_path / "board.toml"
+    path.write_text(BOARD)
+    return path
+
+
+def ends(chip: c40.Processor) -> tuple[Any, ...]:
+    return chip.cycles, chip.causes, chip.registers, chip.peripherals
+
+
+@pytest.mark.parametrize("priority", [0, 1, 3])
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize(("source", "destination"), [(MEMORY, R2), (MEMORY, R1), (R1, MEMORY), (R1, R2), (R2, R2)])
+def test_one_chip_is_the_same_however_its_run_is_cut(
+    board: Path, body: str, priority: int, source: int, destination: int
+) -> None:
+    text = BODIES[body]
+    for phase in range(0, 6, 2):
+        image = program(
+            copy(source, destination, 12, priority) + "        nop\n" * phase + text + "        nop\n" + text
+        )
+        whole = c40.Processor(image, board=board)
+        assert whole.run(until="end").reason == "until"
+        for piece in (1, 2, 5):
+            cut = c40.Processor(image, board=board)
+            while cut.run(piece, until="end").reason == "limit":
+                pass
+            assert ends(cut) == ends(whole), (phase, piece)
+        stepped = c40.Processor(image, board=board)
+        while stepped.pc != stepped.address("end"):
+            before = stepped.instructions
+            stepped.step()
+            assert stepped.instructions - before <= 1
+        assert ends(stepped)[:3] == ends(whole)[:3], phase
+
+
+@pytest.mark.parametrize("body", BODIES)
+def test_a_processor_with_the_higher_priority_waits_for_one_access_of_the_dma_at_most(board: Path, body: str) -> None:
+    """Before each of its own accesses (c40-hardware.md 3.4: with PRI 00 it wins each conflict)."""
+    text = BODIES[body]
+    alone = c40.Processor(program(copy(MEMORY, R2, 0, 0).replace("0c4h", "0") + text), board=board)
+    alone.run(until="end")
+    beside = c40.Processor(program(copy(MEMORY, R2, 200, 0) + text), board=board)
+    beside.run(until="end")
+    assert beside.cycles <= alone.cycles + 2 * 6
+    assert beside.peripheral("DMA5.counter") > 190
+
+
+# What the network of the random test is made of.
+SOURCES = (SHARED, SHARED + 3, OTHER, 0x80000000, 0x300800)
+INSTRUCTIONS = (
+    *BODIES.values(),
+    "        ldi *ar4,r1\n        xor r1,r3\n",
+    "        nop\n        nop\n        nop\n",
+    "        ldi 6h,iif\n        ldi 2h,iif\n",
+    "        sti r3,*+ar4(1)\n        ldi *ar4,r1\n",
+)
+
+
+def random_network(seed: int, turn_order: int) -> Network:
+    """A chip with a DMA at two shared memories, others that read and write them, and a net to one of these."""
+    rng = random.Random(seed)
+    chips = rng.randrange(1, 4)
+    programs = []
+    for chip in range(chips):
+        text = f"        ldi {rng.randrange(1, 4)},ar7\nagain:  nop\n"
+        for _ in range(rng.randrange(3, 9)):
+            if chip == 0 and rng.random() < 0.4:
+                ends = rng.choice(SOURCES), rng.choice(SOURCES)
+                text += copy(*ends, rng.choice([1, 5, 20]), rng.choice([0, 1, 3]), rng.randrange(6))
+            text += rng.choice(INSTRUCTIONS)
+        programs.append(program(text + "        dbu ar7,again\n"))
+    everywhere = range(chips)
+    memories = [
+        SharedMemory("s", 16, dict.fromkeys(everywhere, SHARED), waits=rng.randrange(4)),
+        SharedMemory("o", 16, dict.fromkeys(everywhere, OTHER), waits=rng.randrange(3)),
+    ]
+    nets = [f"{chips - 1}.IIOF0>0.IIOF1"] if chips > 1 and rng.random() < 0.5 else []
+    clocks = [rng.choice([40, 50, 33.333]) for _ in range(chips)]
+    return Network(
+        programs, memories=memories, nets=nets, clocks_mhz=clocks, turn_order=turn_order, record_peripherals=True
+    )
+
+
+def seen(network: Network) -> tuple[Any, ...]:
+    chips = [
+        (c.status, c.pc, c.cycles, c.instructions, dict(c.causes), dict(c.registers), dict(c.peripherals))
+        for c in network.chips
+    ]
+    return network.now_ps, chips, [list(network.memory(n)) for n in (0, 1)], network.event_trace
+
+
+END_US = 60
+
+
+def outcomes(seed: int) -> tuple[tuple[Any, ...], list[tuple[Any, ...]]]:
+    """Of the whole run, and of the same in other ways."""
+    whole = random_network(seed, 0)
+    whole.run(until_us=END_US)
+    others = []
+    for order in range(3):
+        cut = random_network(seed, order)
+        rng = random.Random(seed + order)
+        for at in sorted(rng.uniform(0, END_US / 3) for _ in range(5)):
+            cut.run(until_us=at)
+        cut.run(until_us=END_US)
+        others.append(seen(cut))
+    return seen(whole), others
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_the_order_of_turns_and_cuts_change_nothing(seed: int) -> None:
+    whole, others = within(20, lambda: outcomes(seed))
+    for other in others:
+        assert other == whole
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("seed", range(40, 4000))
+def test_the_order_of_turns_and_cuts_change_nothing_by_the_hundred(seed: int) -> None:
+    whole, others = within(20, lambda: outcomes(seed))
+    for other in others:
+        assert other == whole

@@ -56,6 +56,7 @@ void Network::add_memories() {
     auto& memory = *memories_.emplace_back(std::make_unique<Memory>());
     memory.description = given;
     memory.words.resize(given.words);
+    for (const auto& place : given.places) nodes_[place.first]->shares_memory = true;
   }
 }
 

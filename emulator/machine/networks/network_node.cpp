@@ -102,16 +102,20 @@ bool Network::Node::window_access(const c40::ExternalAccess& access) {
   if (!in_order && devices != nullptr && devices->has(access.address)) return serve_device(access);
   if (!in_order && ignored.serve(chip, access)) return true;
   const bool waits = in_order || network.memory_of(*this, access.address) != nullptr;
+  const bool again = waits_for_window() && stop.access.channel < 0 && access.channel < 0;
   status = waits ? ChipStatus::waiting : ChipStatus::external_access;
   stop = {};
   stop.reason = StopInfo::Reason::external_access;
   stop.access = access;
-  return false;
+  return again && waits && dma_goes_on();
 }
 
 bool Network::Node::waits(StopInfo::Reason why, const c40::PortAccess& access) {
   if (passing_) return passes_on();
-  if (waits_for_port()) return false;  // no change
+  if (waits_for_port()) {
+    stop.port = access;  // an access of the DMA may have delayed it
+    return dma_goes_on();
+  }
   status = ChipStatus::waiting;
   await(access.port);
   stop.reason = why;

@@ -71,6 +71,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   Time device_event = never;
   std::vector<Net*> nets_in, nets_out;  ///< nets that lead to its pins, and nets that it can drive
   std::vector<c40::Pin> pins_in;
+  bool shares_memory = false;
 
   /// The check for endless polling: made when nothing has happened for a while, and then in growing intervals.
   struct Patience {
@@ -111,12 +112,12 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   Time now() const { return clock.at(chip.settled()); }
   /// Its behaviour depends on its ports or pins, or on a device that acts on other chips.
   bool watches() const { return !nets_in.empty() || chip.watches_ports() || !network.acting_.empty(); }
-  /// Its DMA, which is behind the processor, may do something at pins that drive nets.
-  bool dma_drives() const { return chip.dma_active() && !nets_out.empty(); }
+  /// Its DMA, which is behind the processor, may do something at pins that drive nets, or at a shared memory.
+  bool dma_acts_on_others() const { return chip.dma_active() && (!nets_out.empty() || shares_memory); }
   /// It runs, and its behaviour depends on its ports or pins: it must not run past their next events. Or others depend
   /// on what its DMA does, and the DMA goes on only with the processor. Or its DMA goes on while the processor waits.
   bool follows() const {
-    if (status == ChipStatus::running) return watches() || dma_drives();
+    if (status == ChipStatus::running) return watches() || dma_acts_on_others();
     return status == ChipStatus::waiting && chip.dma_busy() && !dma_awaits_answer();
   }
   bool reacts_to(c40::Pin pin) const;
@@ -231,6 +232,9 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   bool passes_on() const {
     return status == ChipStatus::sleeping && (chip.cycle() < span_.limit || chip.settled() < span_.known);
   }
+
+  /// While the processor waits: the DMA has not come to the end of the present span.
+  bool dma_goes_on() const { return chip.dma_busy() && chip.settled() < span_.known; }
 
   // For the present call of run_to or pass_to.
   bool passing_ = false;          ///< it sleeps, and stays asleep
