@@ -186,6 +186,33 @@ def test_a_processor_with_the_higher_priority_waits_for_one_access_of_the_dma_at
     assert beside.peripheral("DMA5.counter") > 190
 
 
+TIMER = """
+        ldi 50,r9
+        sti r9,*+ar6(38h)
+        ldi 2c1h,r9
+        sti r9,*+ar6(30h)
+{armed}
+        ldi *+ar6(51h),r7
+"""
+
+
+@pytest.mark.parametrize(
+    ("armed", "action", "expected"), [(True, "", 19), (True, "reset", 19), (True, "hold", 9), (False, "hold", 9)]
+)
+def test_timers_go_on_while_the_processor_waits_at_a_port(armed: bool, action: str, expected: int) -> None:
+    """An event every 5 us, up to 100 us: wherever the run is cut, and whatever happens to the chip at 48 us."""
+    arm = "        ldhi 0c4h,r9\n        or 0c4h,r9\n        sti r9,*+ar6(0e0h)\n" if armed else ""
+    images = [program(TIMER.format(armed=arm)), program("loop:   nop\n        bu loop\n")]
+    for cut in (None, 10, 30, 47.95, 48, 60):
+        network = Network(images, links=["0.1:1.3"], record_peripherals=True)
+        if action:
+            getattr(network, action)(0, 48)
+        if cut is not None:
+            network.run(until_us=cut)
+        network.run(until_us=100)
+        assert sum("timer" in event for event in network.event_trace) == expected, cut
+
+
 # What the network of the random test is made of.
 SOURCES = (SHARED, SHARED + 3, OTHER, 0x80000000, 0x300800)
 INSTRUCTIONS = (

@@ -154,6 +154,7 @@ void Network::Node::bring_to(Time time, bool fully) {
   if (status == ChipStatus::running)
     run_to(time);
   else if (status != ChipStatus::sleeping) {
+    bring_timers_to(time);
     chip.stand_until(cycle);
   }
   while (status == ChipStatus::sleeping) {
@@ -167,6 +168,15 @@ void Network::Node::bring_to(Time time, bool fully) {
     else if (own_event_cycle() == event)
       return pass_to(limit, cycle);
   }
+}
+
+/// Of a chip whose processor waits, while its DMA waits, too, or rests.
+void Network::Node::bring_timers_to(Time time) {
+  if (status != ChipStatus::waiting || chip.dma_busy()) return;
+  if (chip.dma_active())
+    run_to(time);
+  else
+    chip.let_peripherals_reach(first_cycle(time));
 }
 
 /// Advances a sleeping chip that stays asleep.

@@ -157,6 +157,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   }
   bool follow_to(Time time);
   void bring_to(Time time, bool fully);
+  void bring_timers_to(Time time);
   void look_for_loop();
   void begin_patience();
   void note_idle();
