@@ -219,18 +219,21 @@ INSTRUCTIONS = (
     *BODIES.values(),
     "        ldi *ar4,r1\n        xor r1,r3\n",
     "        nop\n        nop\n        nop\n",
-    "        ldi 6h,iif\n        ldi 2h,iif\n",
+    "        ldi 96h,iif\n        ldi 92h,iif\n",
+    "        ldi *+ar6(24h),r1\n        xor iif,r3\n",
     "        sti r3,*+ar4(1)\n        ldi *ar4,r1\n",
 )
 
 
 def random_network(seed: int, turn_order: int) -> Network:
-    """A chip with a DMA at two shared memories, others that read and write them, and a net to one of these."""
+    """A chip with a DMA at two shared memories, others that read and write them, and nets that the first drives."""
     rng = random.Random(seed)
     chips = rng.randrange(1, 4)
     programs = []
     for chip in range(chips):
-        text = f"        ldi {rng.randrange(1, 4)},ar7\nagain:  nop\n"
+        period, mode = rng.randrange(2, 30), rng.choice(["2c1h", "3c1h"])
+        text = f"        ldi {period},r9\n        sti r9,*+ar6(28h)\n        ldi {mode},r9\n        sti r9,*+ar6(20h)\n"
+        text += f"        ldi {rng.randrange(1, 4)},ar7\nagain:  nop\n"
         for _ in range(rng.randrange(3, 9)):
             if chip == 0 and rng.random() < 0.4:
                 ends = rng.choice(SOURCES), rng.choice(SOURCES)
@@ -242,7 +245,7 @@ def random_network(seed: int, turn_order: int) -> Network:
         SharedMemory("s", 16, dict.fromkeys(everywhere, SHARED), waits=rng.randrange(4)),
         SharedMemory("o", 16, dict.fromkeys(everywhere, OTHER), waits=rng.randrange(3)),
     ]
-    nets = [f"{chips - 1}.IIOF0>0.IIOF1"] if chips > 1 and rng.random() < 0.5 else []
+    nets = ["0.IIOF0>1.IIOF1", f"0.TCLK0>{chips - 1}.IIOF2"][: rng.randrange(3)] if chips > 1 else []
     clocks = [rng.choice([40, 50, 33.333]) for _ in range(chips)]
     return Network(
         programs, memories=memories, nets=nets, clocks_mhz=clocks, turn_order=turn_order, record_peripherals=True

@@ -88,6 +88,7 @@ StopInfo Engine::dma_stop(const DmaRequest& request) {
     return stop(Stepped::fault);
   }
   dma_side_.request = request;
+  peripherals_.advance_to(state_.cycle);  // as at the end of a run: the answer may be late
   StopInfo info;
   info.reason = StopInfo::Reason::external_access;
   info.access = {request.address, request.write, false, request.value, request.cycle, request.channel};

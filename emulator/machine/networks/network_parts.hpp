@@ -72,6 +72,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   std::vector<Net*> nets_in, nets_out;  ///< nets that lead to its pins, and nets that it can drive
   std::vector<c40::Pin> pins_in;
   bool shares_memory = false;
+  Time dma_answered{0};  ///< when an access of its DMA to a shared memory, or a device that acts on others, took place
 
   /// The check for endless polling: made when nothing has happened for a while, and then in growing intervals.
   struct Patience {
@@ -108,8 +109,9 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   /// Its DMA has an access to a window under way. Nothing on the chip goes on before the answer.
   bool dma_awaits_answer() const { return waits_for_window() && stop.access.channel >= 0; }
   c40::Cycles first_cycle(Time time) const { return clock.tick_at_or_after(time); }
-  /// Processor and DMA have done everything before this instant.
-  Time now() const { return clock.at(chip.settled()); }
+  /// Processor, DMA, and the timers at pins that drive nets, have done everything before this instant. What the
+  /// processor did while its DMA waited for an answer is seen when the answer comes.
+  Time now() const { return std::max(std::min(clock.at(chip.settled()), next_pin_event()), dma_answered); }
   /// Its behaviour depends on its ports or pins, or on a device that acts on other chips.
   bool watches() const { return !nets_in.empty() || chip.watches_ports() || !network.acting_.empty(); }
   /// Its DMA, which is behind the processor, may do something at pins that drive nets, or at a shared memory.

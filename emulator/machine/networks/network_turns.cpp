@@ -14,7 +14,7 @@ Time Network::Node::next() const {
   switch (status) {
     case ChipStatus::running:
       if (patience.is_private) return never;
-      return follows() ? now() : clock.at(chip.cycle());
+      return follows() ? now() : std::max(clock.at(chip.cycle()), dma_answered);
     case ChipStatus::waiting: {
       if (dma_awaits_answer()) return access_time();
       if (!chip.dma_active()) return std::min(access_time(), next_pin_event());
