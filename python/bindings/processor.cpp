@@ -164,8 +164,13 @@ py::list Processor::trace(Cycles max_cycles) {
 py::dict Processor::step() {
   if (self_check) self_check->look();
   around->limit(chip.cycle());
+  // Behind the instruction the chip may stop again, for an access of its DMA.
+  const auto stepped = [this, pc = chip.pc(), before = chip.instructions()] {
+    return chip.instructions() != before || chip.pc() != pc;
+  };
   c40::StopInfo stop = chip.step();
-  while (stop.reason == c40::StopInfo::Reason::external_access && answered(stop.access)) stop = chip.step();
+  while (stop.reason == c40::StopInfo::Reason::external_access && answered(stop.access))
+    stop = stepped() ? c40::StopInfo{} : chip.step();
   if (self_check) self_check->run_ended();
   return describe(chip, stop);
 }

@@ -124,9 +124,9 @@ class Engine {
   }
   void reach_events();
   void make_dma_current(bool waited);
+  /// An instruction whose access has begun, or is answered, is finished first.
   bool may_interrupt() const {
-    return state_.core.delay_slots == 0 && state_.core.repeat_single == 0 && !access_.is_answered() &&
-           !access_.at_port();
+    return state_.core.delay_slots == 0 && state_.core.repeat_single == 0 && !access_.is_answered() && !access_.any();
   }
   bool take_interrupt(Word vector);
 
@@ -185,6 +185,7 @@ class Engine {
 
   // engine_dma.cpp: the DMA coprocessor beside the processor
   Cycles known_until(Cycles limit, bool idles) const;
+  Cycles known_before_access(Cycles limit) const;
   bool uses_linked_port() const;
   std::optional<StopInfo> run_dma(Cycles limit, bool processor_waits);
   StopInfo dma_stop(const DmaRequest& request);

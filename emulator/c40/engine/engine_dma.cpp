@@ -27,6 +27,12 @@ Cycles Engine::known_until(Cycles limit, bool idles) const {
   return uses_linked_port() ? std::min(limit, until) : until;
 }
 
+// How far the DMA advances before the processor's access begins: what it does earlier comes first, however the run is
+// cut.
+Cycles Engine::known_before_access(Cycles limit) const {
+  return uses_linked_port() ? std::min(limit, access_.cycle()) : access_.cycle();
+}
+
 bool Engine::uses_linked_port() const { return ports_.attached() != 0 && (dma_.ports_used() & ports_.attached()) != 0; }
 
 // Lets the DMA follow the processor, or run on without it while the processor waits or idles; and the timers, each
@@ -82,6 +88,7 @@ StopInfo Engine::dma_stop(const DmaRequest& request) {
     return stop(Stepped::fault);
   }
   dma_side_.request = request;
+  peripherals_.advance_to(state_.cycle);  // as at the end of a run: the answer may be late
   StopInfo info;
   info.reason = StopInfo::Reason::external_access;
   info.access = {request.address, request.write, false, request.value, request.cycle, request.channel};
@@ -94,6 +101,7 @@ void Engine::complete_dma(bool write, Word value, Cycles waited) {
   const Address address = dma_side_.request->address;
   const Word word = write ? dma_side_.request->value : value;
   dma_side_.request.reset();
+  access_.set_reported(false);  // it begins before the DMA goes on
   state_.dma.answered_until = state_.dma.now + waited;
   dma_side_.tell_probe(address, word, word, write, state_.dma.answered_until - 1);
   dma_.answer(value, state_.dma.answered_until);

@@ -122,7 +122,6 @@ const StopInfo& Engine::run_until(Cycles limit, Cycles known) {
   }
   run_limit_ = known;
   const Word watched = watched_ports();
-  const bool waits = access_.is_reported();
   for (;;) {
     if (peripherals_.dma_active() || dma_side_.stop)
       if (auto info = run_dma(known, false)) {
@@ -131,14 +130,14 @@ const StopInfo& Engine::run_until(Cycles limit, Cycles known) {
       }
     const Cycles end = waits_in_idle() ? std::min(known, limit) : limit;
     if (state_.cycle >= end) {
-      if ((waits || known > limit) && peripherals_.dma_active())
+      if ((access_.is_reported() || known > limit) && peripherals_.dma_active())
         if (auto info = run_dma(known, true)) return stop_ = *std::move(info);
       break;
     }
     const Stepped why = advance(end, false);
     if (why != Stepped::done) {
       if (peripherals_.dma_active() && (why == Stepped::port || why == Stepped::external)) {
-        if (auto earlier = run_dma(waits ? known : std::min(known, access_.cycle()), true))
+        if (auto earlier = run_dma(access_.is_reported() ? known : known_before_access(known), true))
           return stop_ = *std::move(earlier);
       }
       access_.set_reported(true);

@@ -15,6 +15,7 @@ void PendingAccess::begin(std::size_t slot, const PortAccess& access) {
 
 void PendingAccess::forget() {
   kind_ = Kind::none;
+  reported_ = false;
   slot_ = no_slot;
   state_.stalled_on_port = false;
 }

@@ -126,6 +126,7 @@ void Network::perform_device(Node& node) {
     node.chip.complete_write(waited, answer.waits);
   else
     node.chip.complete_read(answer.value, waited, answer.waits);
+  if (access.channel >= 0) node.dma_answered = now_;
   node.status = ChipStatus::running;
   devices_acted();
 }

@@ -56,6 +56,7 @@ void Network::add_memories() {
     auto& memory = *memories_.emplace_back(std::make_unique<Memory>());
     memory.description = given;
     memory.words.resize(given.words);
+    for (const auto& place : given.places) nodes_[place.first]->shares_memory = true;
   }
 }
 
@@ -87,6 +88,7 @@ void Network::perform_memory(Node& node) {
   }
   if (memory.description.dual_port) tell_mailboxes(memory, side, offset, access.write);
   if (memory_listener_) memory_listener_(node.number, *memory_place(node.number, access.address), before, access, now_);
+  if (access.channel >= 0) node.dma_answered = now_;
   node.status = ChipStatus::running;
   for (const auto& [chip, base] : memory.description.places) nodes_[chip]->changed();
 }

@@ -50,7 +50,7 @@ std::optional<ChipRunner::Span> Network::Node::span_of_runner() {
   const Cycles cycle = chip.cycle(), settled = with_dma ? chip.settled() : cycle;
   const Cycles known = std::min(ends_, std::max(cycle, action_));
   // Only here it is known whether the chip still follows its ports.
-  const bool begins_last = cycle >= ends_ && ends_ <= last_ && !waits && !idles && watches();
+  const bool begins_last = cycle >= ends_ && ends_ <= last_ && !waits && !idles && follows();
   Cycles limit = std::min(ends_ + (begins_last ? 1 : 0), action_);
   const bool dma_goes_on = with_dma && (chip.dma_ends_by(known) || chip.next_event() <= std::min(known, settled));
   if (settled >= known && !dma_goes_on && (waits || cycle >= limit)) {
@@ -102,16 +102,20 @@ bool Network::Node::window_access(const c40::ExternalAccess& access) {
   if (!in_order && devices != nullptr && devices->has(access.address)) return serve_device(access);
   if (!in_order && ignored.serve(chip, access)) return true;
   const bool waits = in_order || network.memory_of(*this, access.address) != nullptr;
+  const bool again = waits_for_window() && stop.access.channel < 0 && access.channel < 0;
   status = waits ? ChipStatus::waiting : ChipStatus::external_access;
   stop = {};
   stop.reason = StopInfo::Reason::external_access;
   stop.access = access;
-  return false;
+  return again && waits && dma_goes_on();
 }
 
 bool Network::Node::waits(StopInfo::Reason why, const c40::PortAccess& access) {
   if (passing_) return passes_on();
-  if (waits_for_port()) return false;  // no change
+  if (waits_for_port()) {
+    stop.port = access;  // an access of the DMA may have delayed it
+    return dma_goes_on();
+  }
   status = ChipStatus::waiting;
   await(access.port);
   stop.reason = why;
@@ -150,6 +154,7 @@ void Network::Node::bring_to(Time time, bool fully) {
   if (status == ChipStatus::running)
     run_to(time);
   else if (status != ChipStatus::sleeping) {
+    bring_timers_to(time);
     chip.stand_until(cycle);
   }
   while (status == ChipStatus::sleeping) {
@@ -163,6 +168,15 @@ void Network::Node::bring_to(Time time, bool fully) {
     else if (own_event_cycle() == event)
       return pass_to(limit, cycle);
   }
+}
+
+/// Of a chip whose processor waits, while its DMA waits, too, or rests.
+void Network::Node::bring_timers_to(Time time) {
+  if (status != ChipStatus::waiting || chip.dma_busy()) return;
+  if (chip.dma_active())
+    run_to(time);
+  else
+    chip.let_peripherals_reach(first_cycle(time));
 }
 
 /// Advances a sleeping chip that stays asleep.

@@ -71,6 +71,8 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   Time device_event = never;
   std::vector<Net*> nets_in, nets_out;  ///< nets that lead to its pins, and nets that it can drive
   std::vector<c40::Pin> pins_in;
+  bool shares_memory = false;
+  Time dma_answered{0};  ///< when an access of its DMA to a shared memory, or a device that acts on others, took place
 
   /// The check for endless polling: made when nothing has happened for a while, and then in growing intervals.
   struct Patience {
@@ -104,15 +106,21 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
     return waits_for_window() && devices != nullptr && devices->has(stop.access.address);
   }
   bool waits_for_memory() const { return waits_for_window() && !waits_for_device(); }
+  /// Its DMA has an access to a window under way. Nothing on the chip goes on before the answer.
+  bool dma_awaits_answer() const { return waits_for_window() && stop.access.channel >= 0; }
   c40::Cycles first_cycle(Time time) const { return clock.tick_at_or_after(time); }
-  /// Processor and DMA have done everything before this instant.
-  Time now() const { return clock.at(chip.settled()); }
+  /// Processor, DMA, and the timers at pins that drive nets, have done everything before this instant. What the
+  /// processor did while its DMA waited for an answer is seen when the answer comes.
+  Time now() const { return std::max(std::min(clock.at(chip.settled()), next_pin_event()), dma_answered); }
   /// Its behaviour depends on its ports or pins, or on a device that acts on other chips.
   bool watches() const { return !nets_in.empty() || chip.watches_ports() || !network.acting_.empty(); }
-  /// It runs, and its behaviour depends on its ports or pins: it must not run past their next events.
+  /// Its DMA, which is behind the processor, may do something at pins that drive nets, or at a shared memory.
+  bool dma_acts_on_others() const { return chip.dma_active() && (!nets_out.empty() || shares_memory); }
+  /// It runs, and its behaviour depends on its ports or pins: it must not run past their next events. Or others depend
+  /// on what its DMA does, and the DMA goes on only with the processor. Or its DMA goes on while the processor waits.
   bool follows() const {
-    if (status == ChipStatus::running) return watches();
-    return status == ChipStatus::waiting && chip.dma_busy();
+    if (status == ChipStatus::running) return watches() || dma_acts_on_others();
+    return status == ChipStatus::waiting && chip.dma_busy() && !dma_awaits_answer();
   }
   bool reacts_to(c40::Pin pin) const;
   bool reacts_to_pins() const;
@@ -151,6 +159,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   }
   bool follow_to(Time time);
   void bring_to(Time time, bool fully);
+  void bring_timers_to(Time time);
   void look_for_loop();
   void begin_patience();
   void note_idle();
@@ -226,6 +235,9 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   bool passes_on() const {
     return status == ChipStatus::sleeping && (chip.cycle() < span_.limit || chip.settled() < span_.known);
   }
+
+  /// While the processor waits: the DMA has not come to the end of the present span.
+  bool dma_goes_on() const { return chip.dma_busy() && chip.settled() < span_.known; }
 
   // For the present call of run_to or pass_to.
   bool passing_ = false;          ///< it sleeps, and stays asleep

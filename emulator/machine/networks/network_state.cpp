@@ -92,6 +92,7 @@ void Network::Node::list_state(state::Visitor& list) {
   list("was_ready", was_ready);
   list("ready_since", ready_since);
   list("asleep_since", asleep_since);
+  list("dma_answered", dma_answered);
   list("patience_since", patience.since);
   list("patience_length", patience.length);
   list("patience_happenings", patience.happenings);

@@ -14,8 +14,9 @@ Time Network::Node::next() const {
   switch (status) {
     case ChipStatus::running:
       if (patience.is_private) return never;
-      return follows() || (chip.dma_active() && !nets_out.empty()) ? now() : clock.at(chip.cycle());
+      return follows() ? now() : std::max(clock.at(chip.cycle()), dma_answered);
     case ChipStatus::waiting: {
+      if (dma_awaits_answer()) return access_time();
       if (!chip.dma_active()) return std::min(access_time(), next_pin_event());
       const Time next = std::min({access_time(), own_event(), next_pin_event()});
       return follows() ? std::min(next, now()) : next;
@@ -95,7 +96,7 @@ void Network::Node::act(Time now) {
 
 /// It waits, or follows its ports: as far as they are known, or its access.
 void Network::Node::go_on_with_others(Time now) {
-  if (status != ChipStatus::waiting || chip.dma_active()) {
+  if (status != ChipStatus::waiting || (chip.dma_active() && !dma_awaits_answer())) {
     const auto stands = std::tuple{chip.settled(), chip.cycle(), status};
     if (own_event() == now || (chip.dma_active() && next_pin_event() == now))
       run_to(std::min(horizon_of_follower(), clock.at(first_cycle(now) + 1)), last_before_devices());
@@ -103,7 +104,7 @@ void Network::Node::go_on_with_others(Time now) {
       run_to(horizon_of_follower(), last_before_devices());
     if (stands != std::tuple{chip.settled(), chip.cycle(), status}) return;
   }
-  if (next_pin_event() <= now) return;
+  if (next_pin_event() <= now && !dma_awaits_answer()) return;
   if (waits_for_port() && is_ready()) {
     const Cycles cycle = std::max(stop.port.cycle, first_cycle(now));
     if (clock.at(cycle) == now) return network.perform_port(*this, cycle);
