@@ -197,7 +197,8 @@ TIMER = """
 
 
 @pytest.mark.parametrize(
-    ("armed", "action", "expected"), [(True, "", 19), (True, "reset", 19), (True, "hold", 9), (False, "hold", 9)]
+    ("armed", "action", "expected"),
+    [(a, *row) for a in (True, False) for row in (("", 19), ("reset", 19), ("hold", 9))],
 )
 def test_timers_go_on_while_the_processor_waits_at_a_port(armed: bool, action: str, expected: int) -> None:
     """An event every 5 us, up to 100 us: wherever the run is cut, and whatever happens to the chip at 48 us."""

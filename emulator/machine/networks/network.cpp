@@ -437,7 +437,7 @@ NetworkStop Network::finish(NetworkStop::Reason reason, Time end) {
     if (reason == NetworkStop::Reason::limit && !node->patience.loop &&
         (node->follows() || (node->status == ChipStatus::running && node->chip.dma_active())))
       node->run_to(end);  // its last instruction, if it follows its ports only now; and its DMA, which may be behind
-    else if (node->status == ChipStatus::waiting && node->chip.dma_active())
+    else if (node->status == ChipStatus::waiting)
       node->bring_timers_to(end);
     else if (node->status == ChipStatus::sleeping || node->held() ||
              (node->patience.loop && node->status == ChipStatus::running))
