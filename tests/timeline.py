@@ -105,6 +105,7 @@ def read(path: Path) -> Timeline:
             continue
         flags = packet.sequence_flags
         if flags & schema.TracePacket.SEQ_INCREMENTAL_STATE_CLEARED:
+            assert packet.trusted_packet_sequence_id not in sequences, "a sequence loses its names and clocks"
             sequences[packet.trusted_packet_sequence_id] = _Sequence()
         state = sequences[packet.trusted_packet_sequence_id]
         for clock in packet.clock_snapshot.clocks:

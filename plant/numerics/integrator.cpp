@@ -28,9 +28,8 @@ void require_ending(int flag, const SundialsCall& call, const char* what, double
   static_assert(ARK_TOO_MUCH_WORK == CV_TOO_MUCH_WORK);
   if (flag == ARK_TOO_MUCH_WORK)
     throw std::runtime_error(fmt::format(
-        "plant: the crane's equations need more than {} steps for {} s: a torque, mass, friction or time constant is "
-        "far from "
-        "any crane's; values nearer to the defaults are expected ([slewing], [gantry] of docs/configuration.md)",
+        "plant: the equations of motion need more than {} steps for {} s: a torque, mass, friction or time constant is "
+        "far from any machine's; values nearer to the defaults are expected (docs/configuration.md)",
         steps, interval));
   require(flag, call, what);
 }

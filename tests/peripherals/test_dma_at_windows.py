@@ -279,21 +279,16 @@ def outcomes(seed: int) -> tuple[tuple[Any, ...], list[tuple[Any, ...]]]:
     return seen(whole), others
 
 
-@pytest.mark.parametrize("seed", range(40))
+# At the end of 197 and 990 a timer at a net and another chip do something at one instant.
+@pytest.mark.parametrize("seed", [*range(40), 197, 990])
 def test_the_order_of_turns_and_cuts_change_nothing(seed: int) -> None:
     whole, others = within(20, lambda: outcomes(seed))
     for other in others:
         assert other == whole
 
 
-# A chip whose DMA ends while its processor catches up is found to have ended in another pass of its last loop.
-NOT_YET = (197, 990)
-
-
 @pytest.mark.campaign
-@pytest.mark.parametrize(
-    "seed", [pytest.param(n, marks=pytest.mark.xfail) if n in NOT_YET else n for n in range(40, 1500)]
-)
+@pytest.mark.parametrize("seed", range(40, 1500))
 def test_the_order_of_turns_and_cuts_change_nothing_by_the_hundred(seed: int) -> None:
     whole, others = within(20, lambda: outcomes(seed))
     for other in others:

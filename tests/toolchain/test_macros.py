@@ -141,6 +141,38 @@ N       .set 2
     assert words(source, symbols={"EXTRA": 1}) == [2, 22, 4]
 
 
+@pytest.mark.parametrize(
+    "operation",
+    [".global y", ".def y", ".asg 1,n", ".eval 1,n", ".unasg n", ".version 40", ".dialect ti", '.wmsg "w"', ".end"]
+    + [".newblock", ".page", '.title "t"', ".rept 0\n\t.endr", ".if 1\n\t.endif", ".ifdef x\n\t.endif", ".label z"],
+)
+def test_a_label_that_its_directive_has_no_use_for_names_the_place(operation: str) -> None:
+    assert words(f"x\t.word 7,y-x\ny:\t{operation}\n") == [7, 2]
+
+
+def test_a_label_of_a_condition_is_in_the_part_in_which_it_stands() -> None:
+    source = """
+        .word   9
+a:      .if     {0}
+        .word   1
+b:      .else
+        .word   2
+c:      .endif
+        .word   a-a,c-a{1}
+"""
+    assert words(source.format(1, "")) == [9, 1, 0, 1]
+    assert words(source.format(0, ",b-a")) == [9, 2, 0, 1, 0]
+    assert [text for _, _, text in errors(source.format(1, ",b-a"))] == [
+        "undefined symbol 'b', which another object is to define (emulator asm --object, emulator link)"
+    ]
+
+
+def test_what_closes_a_macro_or_a_repeat_takes_no_label() -> None:
+    assert errors("\t.rept 2\n\tnop\nx:\t.endr\n") == [
+        (3, 1, "'.endr' takes no label; a line of its own before it is expected")
+    ]
+
+
 def test_macros_have_named_arguments_defaults_and_local_labels() -> None:
     source = """
 count   .macro  reg, from=3, tail

@@ -426,12 +426,16 @@ void Network::reset_chip(Node& node) {
 // ---- the end, and queries ----
 
 NetworkStop Network::finish(NetworkStop::Reason reason, Time end) {
-  if (reason != NetworkStop::Reason::limit)
+  if (reason != NetworkStop::Reason::limit) {
+    // What else happens up to the end, the end included, and has no effect: whichever of two things at that instant
+    // has had its turn when the network is found to be at rest.
     for (auto& link : links_)
       while (link->next_event() <= end) link->advance_to(link->next_event());  // tokens
-  if (reason != NetworkStop::Reason::limit)
+    for (auto& node : nodes_)
+      if (node->next_pin_event() <= end) node->drive_on(end);
     for (auto& net : nets_)
-      while (net->next() <= end) net->act(net->next());  // without effect
+      while (net->next() <= end) net->act(net->next());
+  }
   now_ = reason == NetworkStop::Reason::limit ? std::max(now_, end) : end;
   for (auto& node : nodes_)
     if (reason == NetworkStop::Reason::limit && !node->patience.loop &&

@@ -150,6 +150,8 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   void tell_changes();
 
   // How it continues.
+  Time next_pin_event() const;
+  void drive_on(Time now);
   void run_to(Time until, c40::Cycles last = std::numeric_limits<c40::Cycles>::max());
   /// To be called before something outside changes, at `time`, what the chip follows. Returns whether the chip has to
   /// follow.
@@ -204,9 +206,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
 
  private:
   void go_on_with_others(Time now);
-  Time next_pin_event() const;
   bool only_drives_unheard() const;
-  void drive_on(Time now);
   void run_freely(Time until);
   void pass_to(c40::Cycles limit, c40::Cycles known);
   bool sleeps_for_interrupt() const;

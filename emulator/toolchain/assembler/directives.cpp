@@ -12,73 +12,73 @@ namespace toolchain {
 const std::map<std::string, Reader::Directive, std::less<>>& Reader::directives() {
   static const std::map<std::string, Directive, std::less<>> table{
       // Sections
-      {".text", &Reader::directive_section_text},
-      {".data", &Reader::directive_section_data},
-      {".const", &Reader::directive_section_const},
-      {".bss", &Reader::directive_bss},
-      {".sect", &Reader::directive_sect},
-      {".section", &Reader::directive_sect},
-      {".usect", &Reader::directive_usect},
-      {".align", &Reader::directive_align},
+      {".text", {&Reader::directive_section_text}},
+      {".data", {&Reader::directive_section_data}},
+      {".const", {&Reader::directive_section_const}},
+      {".bss", {&Reader::directive_bss}},
+      {".sect", {&Reader::directive_sect}},
+      {".section", {&Reader::directive_sect}},
+      {".usect", {&Reader::directive_usect}},
+      {".align", {&Reader::directive_align}},
       // Contents
-      {".word", &Reader::directive_word},
-      {".int", &Reader::directive_word},
-      {".long", &Reader::directive_word},
-      {".byte", &Reader::directive_byte},
-      {".hword", &Reader::directive_half_word},
-      {".short", &Reader::directive_half_word},
-      {".field", &Reader::directive_field},
-      {".float", &Reader::directive_float},
-      {".single", &Reader::directive_float},
-      {".double", &Reader::directive_float},
-      {".ldouble", &Reader::directive_long_double},
-      {".ieee", &Reader::directive_ieee},
-      {".string", &Reader::directive_string},
-      {".ascii", &Reader::directive_string},
-      {".asciz", &Reader::directive_asciz},
-      {".cstring", &Reader::directive_asciz},
-      {".space", &Reader::directive_space},
-      {".block", &Reader::directive_space},
-      {".bes", &Reader::directive_space_end},
+      {".word", {&Reader::directive_word}},
+      {".int", {&Reader::directive_word}},
+      {".long", {&Reader::directive_word}},
+      {".byte", {&Reader::directive_byte}},
+      {".hword", {&Reader::directive_half_word}},
+      {".short", {&Reader::directive_half_word}},
+      {".field", {&Reader::directive_field}},
+      {".float", {&Reader::directive_float}},
+      {".single", {&Reader::directive_float}},
+      {".double", {&Reader::directive_float}},
+      {".ldouble", {&Reader::directive_long_double}},
+      {".ieee", {&Reader::directive_ieee}},
+      {".string", {&Reader::directive_string}},
+      {".ascii", {&Reader::directive_string}},
+      {".asciz", {&Reader::directive_asciz}},
+      {".cstring", {&Reader::directive_asciz}},
+      {".space", {&Reader::directive_space}},
+      {".block", {&Reader::directive_space}},
+      {".bes", {&Reader::directive_space_end}},
       // Symbols and files
-      {".set", &Reader::directive_set},
-      {".equ", &Reader::directive_set},
-      {".label", &Reader::directive_label},
-      {".newblock", &Reader::directive_newblock},
-      {".struct", &Reader::start_structure},
-      {".union", &Reader::start_structure},
-      {".endstruct", &Reader::end_structure},
-      {".endunion", &Reader::end_structure},
-      {".tag", &Reader::tag},
-      {".asg", &Reader::assign_text},
-      {".eval", &Reader::assign_number},
-      {".var", &Reader::declare_variables},
-      {".unasg", &Reader::forget_text},
-      {".include", &Reader::directive_include},
-      {".copy", &Reader::directive_include},
-      {".global", &Reader::directive_global},
-      {".globl", &Reader::directive_global},
-      {".xdef", &Reader::directive_global},
-      {".ref", &Reader::directive_global},
-      {".def", &Reader::directive_def},
-      {".version", &Reader::directive_version},
-      {".dialect", &Reader::directive_dialect},
-      {".end", &Reader::directive_end},
+      {".set", {&Reader::directive_set}},
+      {".equ", {&Reader::directive_set}},
+      {".label", {&Reader::directive_label, true}},
+      {".newblock", {&Reader::directive_newblock, true}},
+      {".struct", {&Reader::start_structure}},
+      {".union", {&Reader::start_structure}},
+      {".endstruct", {&Reader::end_structure}},
+      {".endunion", {&Reader::end_structure}},
+      {".tag", {&Reader::tag}},
+      {".asg", {&Reader::assign_text, true}},
+      {".eval", {&Reader::assign_number, true}},
+      {".var", {&Reader::declare_variables, true}},
+      {".unasg", {&Reader::forget_text, true}},
+      {".include", {&Reader::directive_include, true}},
+      {".copy", {&Reader::directive_include, true}},
+      {".global", {&Reader::directive_global, true}},
+      {".globl", {&Reader::directive_global, true}},
+      {".xdef", {&Reader::directive_global, true}},
+      {".ref", {&Reader::directive_global, true}},
+      {".def", {&Reader::directive_def, true}},
+      {".version", {&Reader::directive_version, true}},
+      {".dialect", {&Reader::directive_dialect, true}},
+      {".end", {&Reader::directive_end, true}},
       // Macros and repeats
-      {".macro", &Reader::start_macro},
-      {".mexit", &Reader::leave_macro},
-      {".exitm", &Reader::leave_macro},
-      {".endm", &Reader::directive_stray},
-      {".rept", &Reader::start_repeat},
-      {".loop", &Reader::start_repeat},
-      {".break", &Reader::leave_repeat},
-      {".endr", &Reader::directive_stray},
-      {".endloop", &Reader::directive_stray},
+      {".macro", {&Reader::start_macro}},
+      {".mexit", {&Reader::leave_macro, true}},
+      {".exitm", {&Reader::leave_macro, true}},
+      {".endm", {&Reader::directive_stray}},
+      {".rept", {&Reader::start_repeat, true}},
+      {".loop", {&Reader::start_repeat, true}},
+      {".break", {&Reader::leave_repeat, true}},
+      {".endr", {&Reader::directive_stray}},
+      {".endloop", {&Reader::directive_stray}},
       // Messages
-      {".emsg", &Reader::directive_error},
-      {".error", &Reader::directive_error},
-      {".wmsg", &Reader::directive_warning},
-      {".warning", &Reader::directive_warning},
+      {".emsg", {&Reader::directive_error, true}},
+      {".error", {&Reader::directive_error, true}},
+      {".wmsg", {&Reader::directive_warning, true}},
+      {".warning", {&Reader::directive_warning, true}},
   };
   return table;
 }
@@ -112,9 +112,9 @@ bool is_ignored(std::string_view directive) {
 }  // namespace
 
 Reader::Directive Reader::directive_named(const std::string& name) {
-  if (is_ignored(name)) return &Reader::directive_nothing;
+  if (is_ignored(name)) return {&Reader::directive_nothing, true};
   const auto found = directives().find(name);
-  return found == directives().end() ? nullptr : found->second;
+  return found == directives().end() ? Directive{} : found->second;
 }
 
 std::string Reader::directive_near(const std::string& name) {
@@ -237,7 +237,6 @@ void Reader::directive_label(Statement& s) {
 
 void Reader::directive_newblock(Statement& s) {
   s.parser.expect_end();
-  if (!s.label.empty()) define_label(s);
   new_block();
 }
 
@@ -302,7 +301,6 @@ void Reader::directive_set(Statement& s) {
 }
 
 void Reader::directive_include(Statement& s) {
-  if (!s.label.empty()) define_label(s);
   s.parser.skip_blanks();
   const std::size_t offset = s.parser.offset();
   const std::filesystem::path name = s.parser.name_or_quoted("the file's name");

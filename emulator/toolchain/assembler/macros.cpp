@@ -195,7 +195,6 @@ void Reader::start_macro(Statement& s) {
 }
 
 void Reader::start_repeat(Statement& s) {
-  if (!s.label.empty()) define_label(s);
   collector_ = std::make_unique<Collector>();
   collector_->opening = s.line;
   const std::int64_t count = s.parser.at_end() ? usual_repeats : known_number(s.parser, "the number of repeats");

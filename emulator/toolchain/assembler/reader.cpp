@@ -196,14 +196,18 @@ bool Reader::is_operation(std::string_view word) const {
 
 bool Reader::collect(const SourceLinePtr& line) {
   if (!collector_) return false;
-  std::string operation;
+  std::string operation, label;
+  std::size_t at = 0;
   try {
-    operation = lower(take_apart(line).operation);
+    const Statement statement = take_apart(line);
+    operation = lower(statement.operation), label = statement.label, at = statement.label_offset;
   } catch (const LineError&) {
     // An error in the line is reported when the line is expanded.
   }
   if (opens_collection(operation)) ++collector_->depth;
   if (closes_collection(operation) && --collector_->depth == 0) {
+    if (!label.empty())
+      report(*line, {at, fmt::format("'{}' takes no label; a line of its own before it is expected", operation)});
     finish_collecting();
     return true;
   }
@@ -245,6 +249,7 @@ bool Reader::conditional(Statement& s) {
     bool condition = false;
     try {
       if (is_active()) {
+        place_label(s);
         if (operation == ".if")
           condition = known_number(p, "the condition") != 0;
         else
@@ -262,6 +267,7 @@ bool Reader::conditional(Statement& s) {
   Conditional& c = conditionals_.back();
   if (operation == ".endif") {
     conditionals_.pop_back();
+    if (is_active()) place_label(s);
     return true;
   }
   if (c.after_else) throw LineError{s.operation_offset, fmt::format("'{}' after .else", operation)};
@@ -273,6 +279,7 @@ bool Reader::conditional(Statement& s) {
     p.expect_end();
   }
   c.taken = c.taken || c.active;
+  if (c.active) place_label(s);
   return true;
 }
 
@@ -325,6 +332,13 @@ void Reader::read_line(const SourceLinePtr& raw_line) {
   }
 }
 
+/// The label of a line without an operation, or whose operation has no use for it.
+void Reader::place_label(const Statement& s) {
+  if (s.label.empty()) return;
+  program_.end_instruction();
+  define_label(s);
+}
+
 void Reader::define_label(const Statement& s) {
   program_.end_field();  // The label names what comes after it, not the rest of a word.
   program_.define(s.label, program_.here(), s.line, s.label_offset);
@@ -353,17 +367,15 @@ void Reader::read_active_line(Statement& s) {
   if (structure_ && (operation.empty() || operation[0] == '.')) return member(s);
   if (!operation.empty() && operation[0] == '.') {
     const Directive directive = directive_named(operation);
-    if (directive == nullptr)
+    if (directive.read == nullptr)
       throw LineError{s.operation_offset,
                       fmt::format("there is no directive '{}'{}", s.operation, directive_near(operation))};
     program_.end_instruction();
-    return (this->*directive)(s);
+    if (directive.label_is_here) place_label(s);
+    return (this->*directive.read)(s);
   }
   if (is_undotted_set(operation) && !s.label.empty() && !macros_.contains(s.operation)) return directive_set(s);
-  if (!s.label.empty()) {
-    program_.end_instruction();
-    define_label(s);
-  }
+  place_label(s);
   if (operation.empty()) return;
   if (const auto macro = macros_.find(s.operation); macro != macros_.end()) {
     program_.end_instruction();

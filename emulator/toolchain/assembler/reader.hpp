@@ -76,7 +76,10 @@ class Reader {
     bool said = false;      ///< by .dialect
     bool has_code = false;  ///< an instruction has been read: the dialect cannot change any more
   };
-  using Directive = void (Reader::*)(Statement&);
+  struct Directive {
+    void (Reader::*read)(Statement&) = nullptr;
+    bool label_is_here = false;  ///< The directive has no use for a label, which names the place where it stands.
+  };
 
   // reader.cpp
   void read_line(const SourceLinePtr& line);
@@ -90,6 +93,7 @@ class Reader {
   void open_conditional(bool condition, const SourceLinePtr& line);
   bool stopped() const { return ended_ || given_up_ || leaving_ != Leaving::nothing; }
   bool is_active() const { return conditionals_.empty() || conditionals_.back().active; }
+  void place_label(const Statement& statement);
   void define_label(const Statement& statement);
   void instruction(Statement& statement);
   void report(const SourceLine& line, const LineError& error);
