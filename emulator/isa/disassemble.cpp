@@ -63,6 +63,12 @@ class Printer {
     return text;
   }
 
+  /// LDM has a mantissa alone; an exponent beside it has no decimal form there.
+  std::string float_text(Word bits) const {
+    const bool has_exponent = row_.operation == Operation::ldm && (bits & 0xF000) != 0;
+    return has_exponent ? fmt::format("={:#06x}", bits) : short_float_text(bits);
+  }
+
   std::string operand(const Operand& o, bool exact = false) const {
     switch (o.kind) {
       case Kind::none: return {};
@@ -70,7 +76,7 @@ class Printer {
       case Kind::direct: return fmt::format("@{:#x}", o.value);
       case Kind::indirect: return indirect_text(o, exact || (o.slot == Slot::none && o.modn == 0 && o.value == 0));
       case Kind::immediate_int: return fmt::format("{}", o.value);
-      case Kind::immediate_float: return short_float_text(static_cast<Word>(o.value));
+      case Kind::immediate_float: return float_text(static_cast<Word>(o.value));
       case Kind::expansion: return std::string(name(static_cast<Expansion>(o.value)));
       case Kind::trap: return fmt::format("{}", o.value);
       case Kind::target:

@@ -71,7 +71,8 @@ def _parts(value: float, fraction: int) -> tuple[int, int]:
     if scaled == one and value < 0:  # -1.0 is -2.0 of the next lower exponent
         scaled, exponent = 2 * one, exponent - 1
     if exponent > 127:
-        raise OverflowError(f"value: {value} is beyond the C40's range; less than 2^128 is expected")
+        greatest = math.ldexp(2 * one - 1, 127 - fraction)
+        raise OverflowError(f"value: {value} is beyond the C40's range; -2^128 to {greatest!r} is expected")
     if exponent < -127:
         return -128, 0
     mantissa = scaled - one if value > 0 else 3 * one - scaled

@@ -214,6 +214,23 @@ BRANCHES = [
     ),
 ]
 
+# Of slots 1 and 2 that are annulled the address updates happen (8.2); of two of one ARn the J byte's counts (3.9).
+BRANCHES += [
+    Case(
+        f"two updates of one ARn, annulled: {name}",
+        f"buat x\n {text}\n nop\n nop\nx: nop",
+        {"AR4": DATA + moved},
+        {"AR4": DATA},
+    )
+    for name, text, moved in (
+        ("two stores", "sti r5,*ar4--(1)\n|| sti r2,*ar4++(1)", 1),
+        ("two loads", "ldi *ar4--(1),r1\n|| ldi *ar4++(1),r2", 1),
+        ("operation and store", "absi *ar4--(1),r1\n|| sti r2,*ar4++(1)", 1),
+        ("multiply and add", "mpyi3 *ar4--,*ar4++,r0\n|| addi3 r0,r1,r2", 1),
+        ("three operands", "addi3 *ar4++,*ar4--,r1", -1),
+    )
+]
+
 REPEATS = [
     Case(
         "RPTB with RC = 0 runs once",
@@ -245,6 +262,23 @@ REPEATS = [
         "RS and RE after a block",
         "ldi 1,rc\n rptb last\n nop\nlast: nop",
         {"RS": CODE + 2, "RE": CODE + 3, "RC": 0xFFFFFFFF},
+    ),
+    Case(
+        "what the last instruction writes to ST comes after the decision at its fetch: RC ends at -1",
+        "ldi 3,rc\n rptb x\n addi 1,r0\nx: or 400h,st",
+        {"R0": 4, "RC": 0xFFFFFFFF},
+    ),
+    Case("ST written under RPTS: RC ends at -1", "rpts 20\n xor 80h,st", {"RC": 0xFFFFFFFF}),
+    Case(
+        "RM cleared at RE: the pass that is fetched already is the last",
+        "ldi 3,rc\n rptb x\n addi 1,r0\nx: andn 100h,st",
+        {"R0": 2, "RC": 2},
+    ),
+    Case(
+        "RM set at RE acts from the next instruction on",
+        f"ldi 3,rc\n ldhi {CODE >> 16:#x},ar1\n or {CODE + 6 & 0xFFFF:#x},ar1\n ldi ar1,re\n ldi ar1,rs\n addi 1,r0\n"
+        " or 100h,st\n nop",
+        {"R0": 1, "RC": 3},
     ),
     Case("RPTS 0 runs once", "rpts 0\n addi 1,r0", {"R0": 1, "RC": 0xFFFFFFFF, "RS": CODE + 1, "RE": CODE + 1}),
     Case("RPTS n runs n + 1 times", "rpts 6\n addi 1,r0", {"R0": 7, "RC": 0xFFFFFFFF}),

@@ -33,6 +33,8 @@ BROKEN = [
     ("RPTS inside a block", " ldi 1,rc\n rptb outer\n rpts 3\n nop\n nop\nouter: nop\nstop: b stop", "repeat_nesting", 5, "a repeat inside it has taken"),
     ("RPTS of a branch", " rpts 3\n b stop\nstop: b stop", "repeat_single", 1, "may not repeat program control"),
     ("a store two words ahead", " ldi 0,r0\n ldhi 2fh,ar1\n or 0fc05h,ar1\n sti r0,*ar1\n nop\nnear: nop\n nop\nstop: b stop", "self_modifying", 3, "2 words ahead"),
+    ("a store at a block's end to its first word", " ldi 1,rc\n ldhi 2fh,ar1\n or 0fc04h,ar1\n rptb x\n addi 1,r0\nx: sti r1,*ar1\nstop: b stop", "self_modifying", 5, "1 words ahead"),
+    ("a store in a slot to the branch's target", " ldhi 2fh,ar1\n or 0fc06h,ar1\n bud x\n nop\n nop\n sti r1,*ar1\nx: nop\nstop: b stop", "self_modifying", 5, "1 words ahead"),
     ("STII straight before LDII", " ldi 1,r0\n stii r0,*ar0\n ldii *ar0,r1\n stii r0,*ar0\nstop: b stop", "interlocked", 2, "straight behind the interlocked store"),
     ("STFI straight before SIGI", " stfi r0,*ar0\n sigi *ar0,r1\nstop: b stop", "interlocked", 1, "straight behind the interlocked store"),
     ("a circular step without BK", " ldi *ar0++(1)%,r0\nstop: b stop", "circular", 0, "BK is 0"),
@@ -109,6 +111,9 @@ inner: addi 1,r0
  nop
 outer: addi 1,r1
 stop: b stop""",
+    "an annulled interlocked store before a load": " buat x\n nop\n nop\n stii r0,*ar0\nx: ldii *ar0,r1\n stii r1,*ar0\nstop: b stop",
+    "an interlocked store before an annulled load": " stii r0,*ar0\n buat x\n ldii *ar0,r1\n nop\n nop\nx: nop\nstop: b stop",
+    "a circular step in a slot that gets no address": " ldi 8,bk\n buat x\n nop\n nop\n ldi *ar0++(9)%,r0\nx: nop\nstop: b stop",
     "a circular buffer": " ldi 4,bk\n ldi 9,rc\n rptb x\nx: ldi *ar0++(1)%,r0\nstop: b stop",
     "a store far ahead": " ldi 0,r0\n ldhi 2fh,ar1\n or 0fc10h,ar1\n sti r0,*ar1\nstop: b stop",
 }

@@ -154,6 +154,14 @@ def test_every_short_float_is_a_fixed_point() -> None:
     round_trip([0x09600000 | bits for bits in range(65536)])
 
 
+def test_ldm_takes_the_mantissa_alone() -> None:
+    """c40-isa.md 6.1: the assembler clears the exponent's bits. A word that has them comes back as a field."""
+    values = "3.0", "0.5712890625", "-1.5", "0.0"
+    assert assemble_words([f"ldm {value},r0" for value in values]) == [0x09600400, 0x09600124, 0x09600C00, 0x09600000]
+    assert isa.disassemble(0x09601400, 0) == "ldm =0x1400,r0"
+    round_trip([0x09600000 | field for field in (0x1400, 0x8000, 0x0124, 0x0C00, 0xF7FF)])
+
+
 def test_random_words_are_fixed_points_reserved_ones_as_data() -> None:
     rng = random.Random(1999)
     rows = isa.rows()

@@ -125,6 +125,9 @@ Word Engine::peek(Address address) const {
 
 void Engine::poke(Address address, Word value) {
   const Memory::Area* area = memory_.find(address);
+  if (area == nullptr && board_.is_flat)
+    throw std::out_of_range(fmt::format("address {:08X}h: more than the {} MiB of RAM that board {} may take", address,
+                                        board_.flat_words_max * sizeof(Word) >> 20, board_.name));
   if (area == nullptr)
     throw std::out_of_range(fmt::format("address {:08X}h is reserved on board {}", address, board_.name));
   if (area->data == nullptr) {
@@ -147,8 +150,9 @@ void Engine::process_code_writes() {
   flush_blocks();
 }
 
-// A write from outside: it acts at once.
+// A write from outside: it acts at once, and what the program has changed before acts no later.
 void Engine::set_status(Word value) {
+  cache_.settle_control(std::numeric_limits<Cycles>::max());
   write_status(value);
   cache_.note_control(std::numeric_limits<Cycles>::min());
   settle_cache_control();
@@ -157,7 +161,8 @@ void Engine::set_status(Word value) {
 void Engine::write_status(Word value) {
   Core& core = state_.core;
   const Word count = core.r[reg::RC];
-  if (count == 0 || count == 0xFFFFFFFFu) value &= ~st::RM;
+  const bool sets_repeat = (core.modes & st::RM) == 0;
+  if (sets_repeat && (count == 0 || count == 0xFFFFFFFFu)) value &= ~st::RM;
   if ((value & st::RM) == 0) core.repeat_single = 0;
   state_.cache_clear |= (value & st::CC) != 0;
   core.set_status(value);

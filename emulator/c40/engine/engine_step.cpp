@@ -130,8 +130,10 @@ void Engine::annulled(const Step& step) {
   std::array<Word, 2> updated{};
   const auto slots = static_cast<std::size_t>(bound.address_updates);
   for (std::size_t i = 0; i < slots; ++i) updated[i] = execute::form_indirect(core, op, i).updated;
-  for (std::size_t i = 0; i < slots; ++i)
+  for (std::size_t n = 0; n < slots; ++n) {
+    const std::size_t i = bound.last_update == 0 ? slots - 1 - n : n;
     if (isa::modn::modifies(op.modn[i])) core.r[op.ar[i]] = updated[i];
+  }
   if (bound.row->write_stage == isa::WriteStage::decode) core.r[op.dst] = op.immediate;
 }
 
@@ -264,6 +266,8 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
                             bound.row->mnemonic, core.r[reg::RE] - pc, core.r[reg::RE]));
   if (fresh || decoded.stale || !decoded.keeps_windows) decoded.forget_windows();
   const bool over_with_read = core.delay_slots == 3 && bound.row->write_stage == isa::WriteStage::read;
+  // Whether a block repeats is decided when its last instruction is fetched, before that can write ST.
+  const bool decided = bound.writes_status && core.delay_slots == 0;
   const bool annul = core.annul && core.delay_slots != 0 && core.delay_slots < 4 && !over_with_read;
   if (annul) [[unlikely]] {
     annulled(step);
@@ -274,6 +278,7 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
       return why;
     }
     settle_accesses(step, pc);
+    if (decided) advance_pc(pc);
     finish_step(step);
     if (pins_.driven() && (bound.writes_interrupts || step.register_writes != 0)) [[unlikely]]
       if (const auto pin = pins_.contended())
@@ -297,7 +302,7 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
     dma_side_.note_accesses(annul ? Demand{} : decoded.demand, *step.timing, before);
   if (bound.flow != Flow::straight || bound.writes_status)
     cache_.note_control(state_.cycle - 1 - step.timing->of(Cause::branch));
-  advance_pc(pc);
+  if (!decided) advance_pc(pc);
   return Stepped::done;
 }
 

@@ -189,6 +189,7 @@ class Binder {
       default: {
         place(0, in_.src1.is_memory() ? in_.src1 : in_.src2, true);
         place(1, in_.dst2, true);
+        out_.last_update = 1;
         const Kind a = general_kind_of(in_.src1), b = general_kind_of(in_.src2);
         return floating() ? execute::float_store_handler(row_.operation, a, b)
                           : execute::integer_store_handler(row_.operation, a, b);

@@ -34,6 +34,7 @@ struct BoundInstruction {
   Handler repeated = nullptr;                  ///< Does all passes of a block that consists of this instruction.
   execute::Kind source = execute::Kind::none;  ///< of src1
   int address_updates = 0;                     ///< Operands whose addressing changes an ARn (for annulled slots).
+  int last_update = 0;                         ///< The operand whose update counts if two change one ARn: the J byte.
 };
 
 /// Why a word cannot be executed.

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "c40/values/float40.hpp"
+#include "c40/values/state.hpp"
 #include "isa/disassemble.hpp"
 #include "isa/hazards.hpp"
 
@@ -69,6 +70,8 @@ SelfCheck::SelfCheck(const Chip& chip, TraceSink* next) : chip_(chip), next_(nex
 void SelfCheck::look() {
   for (std::uint8_t code = 0; code < isa::register_count; ++code)
     before_[code] = static_cast<Word>(chip_.register_value(static_cast<Register>(code)));
+  const Core& core = chip_.state().core;
+  annulled_slot_ = core.annul && core.delay_slots != 0 ? slots + 1 - core.delay_slots : 0;
 }
 
 std::optional<Instruction> SelfCheck::at(Address address) const {
@@ -112,9 +115,11 @@ void SelfCheck::instruction(const TraceRecord& record) {
     check_nesting(record, *instruction);
     check_stores(record);
     check_interlocked(record, *instruction);
+    // An annulled slot has its address arithmetic, if it gets as far as its decode stage (c40-isa.md 8.2).
+    const bool forms_addresses = annulled_slot_ < slots;
     for (const isa::Operand* operand : {&instruction->src1, &instruction->src2, &instruction->dst, &instruction->src3,
                                         &instruction->src4, &instruction->dst2})
-      check_circular(record, *operand);
+      if (forms_addresses) check_circular(record, *operand);
   }
   look();
   if (next_ != nullptr) next_->instruction(record);
@@ -211,21 +216,35 @@ void SelfCheck::check_repeat_end(const Instruction& instruction) {
 void SelfCheck::check_interlocked(const TraceRecord& record, const Instruction& instruction) {
   const Operation operation = instruction.row->operation;
   const bool loads = operation == Operation::ldii || operation == Operation::ldfi || operation == Operation::sigi;
-  if (loads && interlocked_store_)
+  if (loads && interlocked_store_ && annulled_slot_ == 0)
     report(Rule::interlocked, record.pc, record.cycle, record.word,
            fmt::format("an interlocked load may not stand straight behind the interlocked store at {:08X}h",
                        *interlocked_store_));
   interlocked_store_.reset();
-  if (operation == Operation::stii || operation == Operation::stfi) interlocked_store_ = record.pc;
+  const bool stores = operation == Operation::stii || operation == Operation::stfi;
+  if (stores && annulled_slot_ == 0) interlocked_store_ = record.pc;
 }
 
 void SelfCheck::check_stores(const TraceRecord& record) {
-  for (const MemoryEvent& event : record.memory) {
-    if (event.write && event.address > record.pc && event.address - record.pc <= fetched)
-      report(Rule::self_modifying, record.pc, record.cycle, record.word,
-             fmt::format("stores to {:08X}h, {} words ahead: the pipeline has fetched it already", event.address,
-                         event.address - record.pc));
+  const bool writes = std::ranges::any_of(record.memory, &MemoryEvent::write);
+  if (!writes) return;
+  const Core& core = chip_.state().core;
+  Address next = core.repeat_single != 0 ? record.pc + 1 : chip_.pc();  // the word under RPTS is fetched once
+  for (Address ahead = 1; ahead <= fetched; ++ahead) {
+    for (const MemoryEvent& event : record.memory)
+      if (event.write && event.address == next)
+        report(Rule::self_modifying, record.pc, record.cycle, record.word,
+               fmt::format("stores to {:08X}h, {} words ahead: the pipeline has fetched it already", next, ahead));
+    next = behind(next, ahead);
   }
+}
+
+/// The word executed after one that comes `ahead` words from now.
+Address SelfCheck::behind(Address word, Address ahead) const {
+  const Core& core = chip_.state().core;
+  if (core.delay_slots != 0) return core.delay_slots == ahead ? core.delay_target : word + 1;
+  const bool repeats = (core.modes & st::RM) != 0 && static_cast<std::int32_t>(core.r[reg::RC]) > 0;
+  return repeats && word == core.r[reg::RE] ? core.r[reg::RS] : word + 1;
 }
 
 void SelfCheck::check_circular(const TraceRecord& record, const isa::Operand& operand) {

@@ -75,11 +75,13 @@ class SelfCheck final : public TraceSink {
   void check_circular(const TraceRecord& record, const isa::Operand& operand);
   void report(Rule rule, Address pc, Cycles cycle, Word word, std::string message);
   std::optional<isa::Instruction> at(Address address) const;
+  Address behind(Address word, Address ahead) const;
   Word before(isa::Register r) const { return before_[isa::code(r)]; }
 
   const Chip& chip_;
   TraceSink* next_;
   std::array<Word, isa::register_count> before_{};
+  Address annulled_slot_ = 0;                 ///< of the next instruction, 1 to 3; 0: it is not annulled
   std::optional<Address> interlocked_store_;  ///< the address, if the instruction before was an interlocked store
   std::vector<Block> open_;                   ///< blocks interrupted by an inner repeat
   std::vector<Diagnostic> diagnostics_;

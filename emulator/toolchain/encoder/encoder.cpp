@@ -167,7 +167,8 @@ class Attempt : public OperandEncoder {
   void target(const OperandSyntax& o) {
     if (row_.format == Format::branch_register || row_.format == Format::decrement_register)
       return put('r', register_code(o, row_.source));
-    need_kind(o, Kind::expression, "a label or a register");
+    const bool of_register = row_.conditional() || row_.mnemonic.starts_with("rptb");
+    need_kind(o, Kind::expression, of_register ? "a label or a register" : "a label");
     const auto origin = static_cast<Word>(context_.pc + row_.selector);
     const unsigned width = row_.bits.field('v').width;
     const auto type = width == 24 ? RelocationType::pcr24 : RelocationType::pcrword;

@@ -177,7 +177,10 @@ Word OperandEncoder::byte(const OperandSyntax& o) const {
 Word OperandEncoder::immediate(const OperandSyntax& o) const {
   const Value v = value(o);
   if (o.exact) return in_range(o, integer(o, v), fits_unsigned(integer(o, v), 16), "=x is a field of 16 bits");
-  if (row_.immediate == Immediate::short_float) return short_float(o, v);
+  if (row_.immediate == Immediate::short_float) {
+    const Word bits = short_float(o, v);
+    return row_.operation == isa::Operation::ldm ? bits & 0x0FFF : bits;  // the mantissa alone
+  }
   const bool page_of_address = row_.operation == isa::Operation::ldhi && !v.is_real() && !v.is_absolute();
   if (v.half == Value::Half::high || (page_of_address && v.half == Value::Half::none))
     return static_cast<Word>(address(o, v, RelocationType::partms16) >> 16) & 0xFFFF;
