@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import itertools
 from itertools import pairwise
+from typing import Any
 
 import pytest
+from cmrc import c40
 from cmrc.network import Network, SharedMemory
 from network_programs import (
     CODE,
@@ -242,3 +244,36 @@ def test_until_is_an_end() -> None:
     )
     assert network.run().reason == "ended"
     assert network.chips[0].status == "until" and network.chips[0].pc == network.chips[0].address("there")
+
+
+LOOPS = {
+    "branch": "start: nop\n br start\n",
+    "poll": " ldhi 7000h,ar4\nagain: ldi *ar4,r1\n bz again\nstart: b start\n",
+    "late": " ldi 200,rc\n rptb x\n nop\n nop\nx: addi 1,r0\nstart: nop\n nop\n br start\n",
+    "ends": " ldi 900,rc\n rptb x\n nop\nx: addi 1,r0\nstart: b start\n",
+}
+
+
+@pytest.mark.parametrize(
+    "kinds", [("branch", "branch"), ("branch", "late"), ("branch", "poll", "ends"), ("late", "ends")]
+)
+@pytest.mark.parametrize("net", ["n: >0.IIOF2", "n: >0.RESET"])
+def test_no_chip_in_a_loop_goes_beyond_the_end(kinds: tuple[str, ...], net: str) -> None:
+    """The end is stated for the whole network; the order of turns does not change where each chip is then."""
+
+    def run(order: int) -> tuple[Any, ...]:
+        programs = [c40.assemble(LOOPS[kind]) for kind in kinds]
+        memory = SharedMemory("m", 4, dict.fromkeys(range(len(kinds)), 0x70000000), waits=2)
+        clocks = [50, 33.333, 40][: len(kinds)]
+        network = Network(programs, nets=[net], memories=[memory], clocks_mhz=clocks, turn_order=order)
+        network.reset(0, 12.5)
+        stop = network.run()
+        for chip, mhz in zip(network.chips, clocks, strict=True):
+            assert chip.cycles * 2 / mhz <= stop.time_ps / 1e6 + 10 * 2 / mhz, (
+                "beyond the end by an instruction at most"
+            )
+        return stop.reason, stop.time_ps, [(c.status, c.pc, c.cycles, c.instructions) for c in network.chips]
+
+    whole = run(0)
+    for order in (*range(1, 9), 15, 27, 30):
+        assert run(order) == whole, order

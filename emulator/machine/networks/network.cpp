@@ -304,19 +304,20 @@ std::optional<NetworkStop> Network::stop_at_rest(Time limit) {
 }
 
 /// For a network that is quiet. The chip that finds a loop may be ahead of others, or behind: this is the instant at
-/// which all have come to rest.
-Time Network::at_rest_since() const {
-  Time since = changed_;
+/// which all have come to rest. Of a network that is not quiet: no earlier than this, where nothing that is still to
+/// happen is earlier than `at_least`.
+Time Network::at_rest_since(Time at_least) const {
+  Time since = std::max(changed_, at_least);
   Time ahead{0};
   for (const auto& node : nodes_) {
     since = std::max(since, node->at_rest_since());
     if (!node->patience.loop) continue;
     if (node->chip.watches_ports())
       ahead = std::max(ahead, node->lookahead());
-    else if (node->watches())
+    else if (node->watches() || node->follows())
       ahead = std::max(ahead, node->clock.at(2));  // the effect of a pin on it
   }
-  return since + ahead;
+  return since < never - ahead ? since + ahead : never;
 }
 
 void Network::link_happens(std::size_t number, Time time) {
@@ -437,15 +438,17 @@ NetworkStop Network::finish(NetworkStop::Reason reason, Time end) {
       while (net->next() <= end) net->act(net->next());
   }
   now_ = reason == NetworkStop::Reason::limit ? std::max(now_, end) : end;
-  for (auto& node : nodes_)
-    if (reason == NetworkStop::Reason::limit && !node->patience.loop &&
-        (node->follows() || (node->status == ChipStatus::running && node->chip.dma_active())))
+  for (auto& node : nodes_) {
+    const bool runs = node->status == ChipStatus::running;
+    const bool goes_on = reason == NetworkStop::Reason::limit && !node->patience.loop &&
+                         (node->follows() || (runs && node->chip.dma_active()));
+    if (goes_on || (runs && node->patience.loop))
       node->run_to(end);  // its last instruction, if it follows its ports only now; and its DMA, which may be behind
     else if (node->status == ChipStatus::waiting)
       node->bring_timers_to(end);
-    else if (node->status == ChipStatus::sleeping || node->held() ||
-             (node->patience.loop && node->status == ChipStatus::running))
+    else if (node->status == ChipStatus::sleeping || node->held())
       node->bring_to(end, false);
+  }
   // Events since a chip was last checked are recorded at the end of every run, wherever the run was divided.
   for (auto& node : nodes_)
     if (!node->patience.is_private && node->patience.happenings != happenings_) node->begin_patience();

@@ -350,7 +350,7 @@ class Network {
   void tell_mailboxes(Memory& memory, std::size_t side, c40::Address word, bool write);
   void reset_chip(Node& node);
   std::string describe_wait(const Node& node) const;
-  Time at_rest_since() const;
+  Time at_rest_since(Time at_least = Time{0}) const;
   NetworkStop finish(NetworkStop::Reason reason, Time end);
   Memory* memory_of(const Node& node, c40::Address address) const;
   std::string where(const Node& node) const;

@@ -142,7 +142,8 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   // Implements Scheduler::Processor.
   Time next() const override;
   void act(Time now) override;
-  bool runs() const override { return status == ChipStatus::running && !patience.is_private; }
+  /// A chip in a loop goes on in its turn alone: before each turn it is known whether the network has ended.
+  bool runs() const override { return status == ChipStatus::running && !patience.loop; }
   void run_ahead(Time until) override;
   Time horizon() const override;
 

@@ -54,6 +54,9 @@ Time Network::Node::horizon_of_follower() const {
   const Time outside = std::min(
       {network.scheduler_.limit(), network.ends_at_, network.next_action(), next_device_event(), others_reach_it()});
   if (status != ChipStatus::running) return std::min(outside, access_time());
+  // In a loop it stays behind the network's end, of which only so much is known: whatever has not come to rest does
+  // something before.
+  if (patience.loop) return std::min(outside, network.at_rest_since(network.scheduler_.earliest_of_others(*this)));
   // run_to lets it begin an instruction in the last cycle: in the one before that in which it is looked at
   const Cycles look = std::max(patience.next_look(), chip.cycle() + 1);
   return std::min(outside, clock.at(chip.idle() ? look : look - 1));
