@@ -222,6 +222,16 @@ def test_without_events_the_first_metric_is_named(result: cmrc.Result, other: cm
     assert "keep_events=True" in found.first
 
 
+def test_where_the_hash_alone_differs_a_sentence_says_so(result: cmrc.Result) -> None:
+    left, right = copy.deepcopy(result.report), copy.deepcopy(result.report)
+    right["hash"] = "0" * 64
+    found = cmrc.diff(left, right)
+    assert found and found.first.startswith("No metric differs; the events or the final states of the machines do")
+    assert (
+        found.first in found.text() and found.first in found._repr_html_() and found.to_dict()["first"] == found.first
+    )
+
+
 def test_two_runs_of_the_same_are_the_same(result: cmrc.Result) -> None:
     again = cmrc.run(dsps=1, duration_s=0.04, turn_order=3, keep_events=True)
     found = cmrc.diff(result, again)
