@@ -216,6 +216,18 @@ def test_a_difference_names_settings_event_and_metrics(result: cmrc.Result, othe
     assert result.diff(other).first == found.first
 
 
+def test_a_job_that_still_ran_is_late_by_the_rest_of_its_run_too() -> None:
+    slow = {"machine.cycle_time_factor": 30, "report.reference": "none"}
+    cut = cmrc.run(dsps=1, duration_s=0.15, settings=slow)
+    running = [n for n, miss in enumerate(cut.missed) if miss["outcome"] == "unfinished" and miss["kind"] == "pid"]
+    whole = cmrc.run(dsps=1, duration_s=0.16, settings=slow)
+    [same] = [n for n, miss in enumerate(whole.missed) if (miss["kind"], miss["number"]) == ("pid", 148)]
+    assert [cut.missed[n]["number"] for n in running] == [148]
+    assert cut.missed[running[0]]["usual_ps"] > 1_000_000_000  # longer than from release to deadline
+    for explanation in (cut.explain(running[0]), whole.explain(same)):
+        assert "before its deadline" not in explanation and "No single cause" in explanation
+
+
 def test_without_events_the_first_metric_is_named(result: cmrc.Result, other: cmrc.Result) -> None:
     found = cmrc.diff(result.report, other)
     assert found.event is None and found.first.startswith("The first metric that differs is ")
