@@ -69,7 +69,7 @@ def test_kept_events_are_the_trace_and_cannot_be_taken_back(
     run = cmrc.Simulation(dsps=1, duration_s=0.03, keep_events=True)
     before = run.snapshot()
     run.run_until(0.001)
-    with pytest.raises(RuntimeError, match="keeps its events"):
+    with pytest.raises(RuntimeError, match="restore: not with keep_events=True"):
         run.restore(before)
     assert run.fork().result().events is None
 
