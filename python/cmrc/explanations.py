@@ -182,7 +182,9 @@ def _missing_ps(miss: Mapping[str, Any]) -> int:
     if miss["outcome"] == "late":
         return 0
     return -sum(
-        ps for part, ps in miss["parts_ps"].items() if ps < 0 and (part + ".").startswith(("not_run.", "execution."))
+        int(ps)
+        for part, ps in miss["parts_ps"].items()
+        if ps < 0 and (part + ".").startswith(("not_run.", "execution."))
     )
 
 
