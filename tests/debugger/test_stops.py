@@ -72,7 +72,7 @@ def test_breakpoints_stop_before_each_of_their_instructions(seed: int, tmp_path:
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_step_onto_a_breakpoint_has_met_it(seed: int, tmp_path: Path) -> None:
-    """Each step executes one instruction, and says so where it has come to a breakpoint; going on looks for later
+    """Each step executes one instruction, and says so where it has come to a breakpoint; ``go`` looks for later
     ones."""
     rng = random.Random(seed)
     program = program_without_pins(seed)
