@@ -204,7 +204,13 @@ Json Session::set_data_breakpoints(const Json& arguments) {
       continue;
     }
     trigger.chip = *chip;
-    if (first == last) {
+    const bool of_word = first != last;
+    if (!access.empty() && access != "write" && !(of_word && (access == "read" || access == "readWrite"))) {
+      answers.push_back(refused_breakpoint(
+          fmt::format("accessType \"{}\": {} is expected", access, of_word ? "read, write or readWrite" : "write")));
+      continue;
+    }
+    if (!of_word) {
       trigger.kind = Trigger::Kind::processor_register;
       trigger.name = id.substr(first + 1);
     } else {

@@ -201,7 +201,9 @@ void PlantSamples::watch_containers(Time now) {
 void PlantSamples::put(Columns& columns, nlohmann::json& header, const cmrc::Reference* reference) const {
   std::vector<double> seconds;
   for (const Time time : times_) seconds.push_back(report::seconds(time));
-  columns.scaled("time_s", seconds, 1e-3);
+  // A recording that begins at a snapshot may begin between two milliseconds.
+  const bool whole = times_.empty() || times_.front() % std::chrono::milliseconds{1} == Time{};
+  columns.scaled("time_s", seconds, whole ? 1e-3 : 1e-9);
   for (const Column& column : columns_) columns.scaled(column.name, column.values, column.unit);
   header["layout"] = layout_of(simulation_.dock().config());
   header["containers"] = stories_;
@@ -225,9 +227,12 @@ void PlantSamples::put_ideal(Columns& columns, nlohmann::json& header, const cmr
   std::vector<std::vector<double>> ghost(4);
   for (std::size_t row = 0; row < times_.size(); ++row) {
     const Time until = std::min(times_[row], known);
+    const Time before = row == 0 ? until - Time{1} : std::min(times_[row - 1], known);
     double largest = 0;
-    for (Time at = row == 0 ? Time{} : std::min(times_[row - 1], known) + step; at <= until; at += step)
-      largest = std::max(largest, distance(at));
+    if (before < until) {
+      for (Time at = (before / step + 1) * step; at < until; at += step) largest = std::max(largest, distance(at));
+      largest = std::max(largest, distance(until));
+    }
     error.push_back(largest);
     for (std::size_t axis = 0; axis < 3; ++axis) ghost[axis].push_back(difference(until, cmrc::load_column + axis));
     constexpr auto slew = static_cast<std::size_t>(plant::Joint::slew),

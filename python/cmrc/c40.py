@@ -110,6 +110,7 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun):
     def load(self, program: Program | Path) -> None:
         """Loads a program, or a COFF file, and sets PC to its entry. Raises CoffError; IndexError if there is no
         RAM."""
+        self._refuse_inside("load")
         given = read_coff(program) if isinstance(program, (str, os.PathLike)) else program
         self.program = arguments.instance(
             "program", given, Program, "a program, as assemble gives it, or the path of a COFF file"
@@ -122,11 +123,13 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun):
         ``width`` is the memory's width, 8, 16 or 32 bits, if the image's first word does not give it. Raises ValueError
         for a broken image; IndexError if there is no RAM.
         """
+        self._refuse_inside("load_rom")
         words = read_rom(path, width=width)
         self._core.load_words(arguments.whole("address", address, "a word address", 0, 2**32 - 1), words)
 
     def boot(self) -> None:
         """Starts as the RESET pin does: with ``boots_from`` in the boot ROM, else at the board's reset vector."""
+        self._refuse_inside("boot")
         self._core.boot()
 
     def run(self, max_cycles: int = 100_000_000, *, until: int | str | None = None) -> Stop:
@@ -140,7 +143,8 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun):
 
     def step(self) -> Stop:
         """Executes one instruction; reason ``limit`` if there was no fault."""
-        return _stop(self._core.step())
+        with self._run("step"):
+            return _stop(self._core.step())
 
     def trace(self, max_cycles: int, *, slot: int = 0, labels: bool = False) -> list[str]:
         """Runs like ``run`` and returns a line per instruction (docs/trace.md), without the header; with ``labels``,
@@ -151,15 +155,18 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun):
             if self.program is None:
                 raise ValueError("labels: no program has been loaded; load one first")
             names = _core.trace.Labels(self.program)
-        records = self._core.trace(_cycles(max_cycles))
+        with self._run("trace"):
+            records = self._core.trace(_cycles(max_cycles))
         return [_core.trace.line(record, slot, names) for record in records if "pc" in record]
 
     def complete_read(self, value: int, *, arbitration: int = 0, transfer: int = 0) -> None:
         """Answers the read that stopped a run: the word, and the cycles waited for the bus and its transfer."""
+        self._refuse_inside("complete_read")
         self._core.complete_read(word_of(value), _cycles(arbitration, "arbitration"), _cycles(transfer, "transfer"))
 
     def complete_write(self, *, arbitration: int = 0, transfer: int = 0) -> None:
         """Completes the write that stopped a run."""
+        self._refuse_inside("complete_write")
         self._core.complete_write(_cycles(arbitration, "arbitration"), _cycles(transfer, "transfer"))
 
     def raise_interrupt(self, source: str) -> None:
@@ -210,12 +217,14 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun):
         If the processor needs an answer (a window, a port) the debugger stops with ``over``; after ``complete_read`` or
         ``complete_write`` it can continue.
         """
+        self._refuse_inside("debug")
         if self.program is None:
             raise ValueError("no program: load one first")
-        return Debugger(self._core.debug(self.program))
+        return Debugger(self._core.debug(self.program), self)
 
     def reset(self) -> None:
         """Registers to 0; ends a fault. Memory and counters are kept."""
+        self._refuse_inside("reset")
         self._core.reset()
 
     @property
@@ -225,6 +234,7 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun):
 
     @pc.setter
     def pc(self, where: int | str) -> None:
+        self._refuse_inside("pc")
         self._core.pc = self.address(where)
 
     @property

@@ -12,6 +12,7 @@ For example::
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
@@ -20,6 +21,8 @@ from cmrc import _core, arguments
 
 if TYPE_CHECKING:
     from typing_extensions import Self
+
+    from cmrc.devices import OneRun
 
 DebugError = _core.debug.DebugError
 DebugError.__doc__ = """Raised for a command that makes no sense: a ValueError that says what would be right."""
@@ -113,8 +116,9 @@ class Debugger:
     debugger was made. During the debugger's lifetime, nothing else may run or change the machine.
     """
 
-    def __init__(self, core: Any) -> None:
-        self._core = core
+    def __init__(self, core: Any, owner: OneRun | None = None) -> None:
+        """``owner``: what runs Python devices, which may not move it."""
+        self._core, self._owner = core, owner
         self._calls: dict[int, Callable[[Stop], bool | None]] = {}
 
     def __enter__(self) -> Self:
@@ -128,6 +132,11 @@ class Debugger:
     def close(self) -> None:
         """Removes all listeners. The machine stays at its instant, and may run on without the debugger."""
         self._core = None
+
+    @property
+    def open(self) -> bool:
+        """It has not been closed."""
+        return self._core is not None
 
     @property
     def _d(self) -> Any:
@@ -280,7 +289,8 @@ class Debugger:
         runs on."""
         until = None if until_s is None else self._ps(until_s)
         while True:
-            stop = _stop(self._d.go(until))
+            with self._moving("go"):
+                stop = _stop(self._d.go(until))
             calls = [self._calls.get(hit.number) for hit in stop.hits]
             go_on = [call is not None and call(stop) is True for call in calls]  # each is called
             if not stop.hits or not all(go_on):
@@ -298,30 +308,39 @@ class Debugger:
         """One step of a chip, by default of the last stop's chip: ``instruction``, ``over`` a call, ``line``,
         ``next_line``, ``out`` of the routine, to its next ``claim`` of a task block, the next ``refresh`` of the list,
         or the next ``happening`` (event) of any kind."""
-        return _stop(self._d.step(self._chip(chip), _kind_of_step(how)))
+        with self._moving("step"):
+            return _stop(self._d.step(self._chip(chip), _kind_of_step(how)))
 
     def back(self) -> Stop:
         """Goes back to the last stop condition met before now; if there is none, to the beginning."""
-        return _stop(self._d.go_back())
+        with self._moving("back"):
+            return _stop(self._d.go_back())
 
     def step_back(self, how: str = "instruction", *, chip: int | None = None) -> Stop:
         """The same steps, backwards."""
-        return _stop(self._d.step_back(self._chip(chip), _kind_of_step(how)))
+        with self._moving("step_back"):
+            return _stop(self._d.step_back(self._chip(chip), _kind_of_step(how)))
 
     def go_to(self, time_s: float) -> Stop:
         """Goes to an instant since the debugger was made, before or after now. Stop conditions are not checked."""
-        return _stop(self._d.go_to(self._ps(time_s)))
+        with self._moving("go_to"):
+            return _stop(self._d.go_to(self._ps(time_s)))
 
     def go_to_ps(self, time_ps: int) -> Stop:
         """The same, in whole picoseconds like ``Stop.time_ps``."""
-        return _stop(self._d.go_to(arguments.whole("time_ps", time_ps, "picoseconds", 0, MOST_PICOSECONDS)))
+        with self._moving("go_to_ps"):
+            return _stop(self._d.go_to(arguments.whole("time_ps", time_ps, "picoseconds", 0, MOST_PICOSECONDS)))
 
     def last_write(self, place: int | str, *, chip: int | None = None) -> Writer | None:
         """The last write to a word before now; None: no write since the debugger was made. The machine stays at its
         instant."""
         number = self._chip(chip)
-        found = self._d.last_write(number, self.places(place, number)[0])
+        with self._moving("last_write"):
+            found = self._d.last_write(number, self.places(place, number)[0])
         return None if found is None else Writer(**found)
+
+    def _moving(self, call: str) -> AbstractContextManager[None]:
+        return nullcontext() if self._owner is None else self._owner._run(f"debug().{call}")
 
     @staticmethod
     def _ps(time_s: float) -> int:

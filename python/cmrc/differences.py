@@ -58,11 +58,14 @@ class Difference:
             return "Both runs made the same events." + ("" if not self.metrics else " The reports differ.")
         if self.events_compared:
             return "No event differs; the final states of the machines do."
-        name, one, other = next(row for row in self.metrics if row[0] != "hash")
-        return (
-            f"The first metric that differs is {name}: {_shown(one)} and {_shown(other)}. "
-            "(Runs with keep_events=True tell the first event, too.)"
-        )
+        told = "(Runs with keep_events=True tell the first event, too.)"
+        measured = next((row for row in self.metrics if row[0] != "hash"), None)
+        if measured is None:
+            return (
+                f"No metric differs; the events or the final states of the machines do: the hashes are unlike. {told}"
+            )
+        name, one, other = measured
+        return f"The first metric that differs is {name}: {_shown(one)} and {_shown(other)}. {told}"
 
     @property
     def table(self) -> Table:

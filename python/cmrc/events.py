@@ -80,7 +80,6 @@ def of_trace(path: str | os.PathLike[str]) -> Iterator[pa.RecordBatch]:
     """The events of a trace that ``--trace`` wrote, in batches. Raises ValueError with the line, ImportError,
     OSError."""
     pa = needed()
-    tasks = dict(enumerate(built_in_tasks()))
     numbers = {name: number for number, (name, _) in _core.report.event_names().items()}
     with open(path, encoding="utf-8", errors="replace") as lines:
         if lines.readline(LONGEST_LINE).rstrip("\n") != HEADER:
@@ -98,9 +97,9 @@ def of_trace(path: str | os.PathLike[str]) -> Iterator[pa.RecordBatch]:
                     f"{path}: line {number}: not a line of an event trace: {line.rstrip()[:80]!r}"
                 ) from error
             if len(rows) == BATCH:
-                yield _batch_of_rows(pa, rows, tasks)
+                yield _batch_of_rows(pa, rows)
                 rows = []
-        yield _batch_of_rows(pa, rows, tasks)
+        yield _batch_of_rows(pa, rows)
 
 
 def _row(line: str, numbers: Mapping[str, int]) -> tuple[int, str, str, dict[str, int]]:
@@ -117,15 +116,21 @@ def _row(line: str, numbers: Mapping[str, int]) -> tuple[int, str, str, dict[str
     return int(seconds) * 10**12 + int(fraction), component, event, arguments
 
 
-def _batch_of_rows(
-    pa: Any, rows: list[tuple[int, str, str, dict[str, int]]], tasks: Mapping[int, str]
-) -> pa.RecordBatch:
+def _name_in_a_trace(kind: int) -> str:
+    """A trace has no names of [[tasks]]: "user 0" is the first of its configuration."""
+    built_in = built_in_tasks()
+    return built_in[kind] if kind < len(built_in) else f"user {kind - len(built_in)}"
+
+
+def _batch_of_rows(pa: Any, rows: list[tuple[int, str, str, dict[str, int]]]) -> pa.RecordBatch:
     columns: Columns = {
         "time_ps": [row[0] for row in rows],
         "component": [row[1] for row in rows],
         "event": [row[2] for row in rows],
     }
-    columns["task"] = [tasks.get(arguments["kind"]) if event in OF_TASKS else None for _, _, event, arguments in rows]
+    columns["task"] = [
+        _name_in_a_trace(arguments["kind"]) if event in OF_TASKS else None for _, _, event, arguments in rows
+    ]
     for name in argument_columns():
         columns[name] = [row[3].get(name) for row in rows]
     return _of_columns(pa, columns)

@@ -152,7 +152,7 @@ def _avoidance(miss: Mapping[str, Any]) -> list[str]:
     late = miss["lateness_ps"]
     if late is None or late <= 0:
         return sentences
-    late -= min(0, miss["parts_ps"].get("not_run", 0))  # a job that never ran still needed its run
+    late += _missing_ps(miss)
     parts = [(part, ps) for part, ps in _largest(miss, len(miss["parts_ps"]))]
     alone = [(part, ps) for part, ps in parts if ps >= late]
     if alone:
@@ -175,6 +175,17 @@ def _avoidance(miss: Mapping[str, Any]) -> list[str]:
             f"would have been in time{_remedy(chosen)}."
         )
     return sentences
+
+
+def _missing_ps(miss: Mapping[str, Any]) -> int:
+    """The rest of a usual run that a job without an end still needed when its account ended."""
+    if miss["outcome"] == "late":
+        return 0
+    return -sum(
+        int(ps)
+        for part, ps in miss["parts_ps"].items()
+        if ps < 0 and (part + ".").startswith(("not_run.", "execution."))
+    )
 
 
 def _remedy(parts: Sequence[str]) -> str:

@@ -26,7 +26,16 @@ LINES = ("-", "--", "-.", ":")
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
 HATCHES = ("", "////", "\\\\\\\\", "....", "xxxx", "||||", "++++", "oooo")
 MISSED = ("late", "unfinished", "never_started", "lost", "dropped")
-_EVENT = re.compile(r"(\d+\.\d+) \[dsp (\d+)\] (claim|finish) block=(0x[0-9a-f]+|\d+) kind=(\d+)")
+UNRECORDED = ("unfinished", "never_started", "lost")
+"""Outcomes that are known at the end of the run only, and have no event."""
+_BLOCK = re.compile(
+    r"(?P<time>\d+\.\d+) (?:"
+    r"\[dsp (?P<taker>\d+)\] (?P<taken>claim|finish) block=\S+ kind=(?P<kind>\d+)"
+    r"|\[dsp (?P<stopped>\d+)\] (?:fault|reset state=0)"
+    r"|\[host\] scripted action=(?:0|1|3|5) number=(?P<broken>\d+)"  # machine::Action fail, freeze, unplug, reset
+    r"|\[host\] requeue .*owner=(?P<late>\d+))"
+)
+_MISS = re.compile(r"(\d+\.\d+) \[host\] miss ")
 
 
 def _result() -> type:
@@ -51,8 +60,11 @@ def legend(axes: Axes, **more: Any) -> None:
 
 @_of_result
 def gantt(result: Result, axes: Axes, from_s: float, to_s: float) -> None:
-    """The blocks of each DSP from ``from_s`` to ``to_s``: a bar per block from claim to end, a cross per missed
-    deadline.
+    """The blocks of each DSP from ``from_s`` to ``to_s``: a bar per block, a cross per miss.
+
+    A bar begins with the claim, and ends with the block, its DSP (failed, halted, in reset, unplugged), the watchdog's
+    putting it back, or the run. A cross is at the instant of the event ``miss``; a job that had not ended with the run
+    has no event, and its cross is at its deadline, if the report lists it (``report.misses_max``).
 
     Raises ValueError for a result without events (``cmrc.run(..., keep_events=True)``), and for an empty window.
     """
@@ -60,7 +72,7 @@ def gantt(result: Result, axes: Axes, from_s: float, to_s: float) -> None:
         raise ValueError("gantt: the result has no events; cmrc.run(..., keep_events=True) keeps them")
     if not number("from_s", from_s, "an instant in s") < number("to_s", to_s, "an instant in s"):
         raise ValueError(f"gantt: from {from_s} s to {to_s} s is not a window; from_s < to_s is expected")
-    blocks = [block for block in runs(result.events) if block[3] > from_s and block[2] < to_s]
+    blocks = [block for block in runs(result) if block[3] > from_s and block[2] < to_s]
     kinds = list(dict.fromkeys(block[1] for block in sorted(blocks, key=lambda block: -(block[3] - block[2]))))
     for n, kind in enumerate(kinds):
         of = [block for block in blocks if block[1] == kind]
@@ -82,32 +94,39 @@ def gantt(result: Result, axes: Axes, from_s: float, to_s: float) -> None:
             hatch=HATCHES[n % len(HATCHES)],
             label=kind,
         )
-    due = [(miss["deadline_ps"] or miss["release_ps"]) / 1e12 for miss in result.missed]
-    shown = [instant * 1e3 for instant in due if from_s <= instant <= to_s]
+    missed = [float(found[1]) for found in _MISS.finditer(result.events)]
+    missed += [_due_s(miss) for miss in result.missed if miss["outcome"] in UNRECORDED]
+    shown = [instant * 1e3 for instant in missed if from_s <= instant <= to_s]
     slots = len(result.report["dsps"])
     if shown:
-        axes.plot(shown, [slots - 0.3] * len(shown), "kx", ms=5, label="missed deadline", clip_on=False)
+        axes.plot(shown, [slots - 0.3] * len(shown), "kx", ms=5, label="miss", clip_on=False)
     axes.set(xlim=(from_s * 1e3, to_s * 1e3), ylim=(-0.6, slots), xlabel="time, ms", title="blocks on the DSPs")
     axes.set_yticks(range(slots), [f"DSP {slot}" for slot in range(slots)])
     legend(axes)
 
 
-def runs(events: str) -> Iterator[tuple[int, str, float, float]]:
-    """DSP, kind, begin and end in s of every block in a trace; an unfinished block lasts to the last event."""
-    kinds = built_in_tasks()
+def runs(result: Result) -> Iterator[tuple[int, str, float, float]]:
+    """DSP, kind, begin and end in s of every block in the result's events."""
+    kinds = _kinds(result.report)
     running: dict[int, tuple[str, float]] = {}
-    last = 0.0
-    for found in _EVENT.finditer(events):
-        time, slot, kind = float(found[1]), int(found[2]), int(found[5])
-        last = max(last, time)
-        name = kinds[kind] if kind < len(kinds) else f"user {kind - len(kinds)}"
-        begun = running.pop(slot, None)
-        if begun is not None:
-            yield slot, begun[0], begun[1], time
-        if found[3] == "claim":
-            running[slot] = (name, time)
-    for slot, (name, begin) in running.items():
-        yield slot, name, begin, last
+    for found in _BLOCK.finditer(result.events or ""):
+        time = float(found["time"])
+        slot = int(found["taker"] or found["stopped"] or found["broken"] or found["late"])
+        if (begun := running.pop(slot, None)) is not None:
+            yield slot, *begun, time
+        if found["taken"] == "claim":
+            running[slot] = (kinds[int(found["kind"])], time)
+    for slot, begun in running.items():
+        yield slot, *begun, float(result.report["simulated_s"])
+
+
+def _kinds(report: Mapping[str, Any]) -> list[str]:
+    """By the number of a trace: the built-in ones, then those of [[tasks]]."""
+    return [*built_in_tasks(), *(name for name in report["tasks"] if name.startswith("user."))]
+
+
+def _due_s(miss: Mapping[str, Any]) -> float:
+    return float(miss["release_ps"] if miss["deadline_ps"] is None else miss["deadline_ps"]) / 1e12
 
 
 @_of_result
@@ -222,7 +241,7 @@ def load_error(result: Result, axes: Axes) -> None:
     apart = [signals[f"payload_{axis}_m"] - signals[f"payload_reference_{axis}_m"] for axis in "xyz"]
     error = np.sqrt(sum(np.square(one) for one in apart))
     axes.plot(signals["time_s"], 1e3 * error, "k-", lw=1.2, label="load")
-    due = [(miss["deadline_ps"] or miss["release_ps"]) / 1e12 for miss in result.missed]
+    due = [_due_s(miss) for miss in result.missed]
     if due:
         axes.plot(
             due, np.zeros(len(due)), "|", color=COLOURS[2], ms=8, label="missed deadlines\n(those listed one by one)"

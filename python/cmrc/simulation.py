@@ -37,6 +37,7 @@ Snapshot = _core.cmrc.Snapshot
 """The state of a run at an instant. Opaque; it can be pickled, and written by ``write_snapshot``."""
 
 _LARGEST_SNAPSHOT = 1 << 32
+_NO_WAY_BACK = "what is collected beside the run cannot be taken back"
 Setting = bool | int | float | str
 Progress = Callable[[float, float], bool | None]
 
@@ -169,6 +170,8 @@ class Simulation:
         self._keeps_events = arguments.flag("keep_events", keep_events)
         if keep_events:
             self._core.keep_text_of_events()
+        self._recorded = False
+        self._debugger: Debugger | None = None
 
     def at(self, at_s: float, action: str, **fields: Setting) -> None:
         """Adds an event at ``at_s``, not before the present time, with the fields of docs/configuration.md,
@@ -197,8 +200,11 @@ class Simulation:
 
     def record(self) -> None:
         """Records from now on what a page shows (docs/page.md). Changes nothing in the run. Raises RuntimeError if it
-        is already recorded, or has ended."""
+        is already recorded, or has ended, or has a debugger, which can go back."""
+        if self._debugger is not None and self._debugger.open:
+            raise RuntimeError(f"record: {_NO_WAY_BACK}; the debugger is to be closed first")
         self._core.record()
+        self._recorded = True
 
     def write_page(self, path: str | os.PathLike[str], title: str | None = None) -> None:
         """Writes the page of a run that has ended and was recorded (``record``): one HTML file. Raises RuntimeError,
@@ -225,18 +231,33 @@ class Simulation:
         """Sets the run to the state of ``snapshot``, from this run or another with the same configuration.
 
         Raises SnapshotError for a snapshot of another configuration, program or version; then nothing has changed.
-        Raises RuntimeError with ``keep_events``.
+        Raises RuntimeError with ``profile``, with ``keep_events``, and after ``record``: what they collect cannot be
+        taken back.
         """
-        if self._keeps_events:
-            raise RuntimeError("restore: the run keeps its events, and cannot take back those that it has kept")
+        self._require_way_back("restore")
         self._core.restore(arguments.instance("snapshot", snapshot, Snapshot, "what Simulation.snapshot() gives"))
 
     def debug(self) -> Debugger:
-        """A debugger over all DSPs, forwards and backwards from here on (docs/debugger.md)."""
-        return Debugger(self._core.debug())
+        """A debugger over all DSPs, forwards and backwards from here on (docs/debugger.md). Raises RuntimeError where
+        ``restore`` does: also a stop that is ahead goes back."""
+        self._require_way_back("debug")
+        self._debugger = Debugger(self._core.debug())
+        return self._debugger
+
+    def _require_way_back(self, call: str) -> None:
+        """Raises RuntimeError if something outside the state is collected."""
+        collects = {
+            "with profile=True": self._profiled,
+            "with keep_events=True": self._keeps_events,
+            "after record()": self._recorded,
+        }
+        for how, on in collects.items():
+            if on:
+                raise RuntimeError(f"{call}: not {how}: {_NO_WAY_BACK}")
 
     def fork(self) -> Simulation:
-        """Another run with the same past. Later changes of one (``at``, ``dsp``) do not affect the other."""
+        """Another run with the same past. Later changes of one (``at``, ``dsp``) do not affect the other. It is neither
+        recorded, nor does it keep events; raises RuntimeError with ``profile``."""
         return self._around(self._core.fork(), self.config)
 
     @classmethod
@@ -254,6 +275,7 @@ class Simulation:
     def _around(cls, core: _core.cmrc.Simulation, config: _core.cmrc.Config) -> Simulation:
         made = cls.__new__(cls)
         made._core, made.config, made._profiled, made._keeps_events = core, config, False, False
+        made._recorded, made._debugger = False, None
         return made
 
     def result(self) -> Result:

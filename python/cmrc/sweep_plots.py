@@ -17,19 +17,6 @@ if TYPE_CHECKING:
     from cmrc.sweeps import Sweep
     from cmrc.sweeps.metrics import Metric, Spread
 
-UNITS = {
-    "hz": "Hz",
-    "s": "s",
-    "m": "m",
-    "ms": "ms",
-    "us": "us",
-    "ns": "ns",
-    "kg": "kg",
-    "cycles": "cycles",
-    "refreshes": "refreshes",
-}
-NO_UNIT = ("dsps", "agvs", "slots", "cycle_time_factor", "seed")
-
 
 def _sweep() -> type:
     from cmrc.sweeps import Sweep
@@ -165,8 +152,9 @@ def _short(name: str) -> str:
 
 
 def _labelled(name: str) -> str:
-    short = _short(name)
-    unit = UNITS.get(short.rpartition("_")[2]) if short not in NO_UNIT else None
+    from cmrc.sweeps.metrics import unit_of_name
+
+    unit = unit_of_name(_short(name))
     return f"{name}, {unit}" if unit else name
 
 

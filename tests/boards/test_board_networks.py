@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 from board_parts import END, HEAD, START, assembled, board, device, enabled, low, vector
 from cmrc.c40 import Processor, SnapshotError
+from cmrc.debug import Debugger
 from cmrc.network import Network, NetworkError, SharedMemory
 from command_line import emulator
 
@@ -129,10 +132,37 @@ def test_a_device_may_not_run_what_runs_it(tmp_path: Path) -> None:
     )
     processor = Processor(assembled("        sti r0,*ar2\n" + END), board=board(tmp_path), devices={PLACE: alarm})
     for runner in (network, processor):
-        for call in (runner.run, runner.snapshot):
+        for call in (runner.run, runner.snapshot, runner.debug):
             alarm.write = lambda offset, value, cycle, call=call: call()  # type: ignore[method-assign,misc]
             with pytest.raises(RuntimeError, match=r"\(\) from inside a device"):
                 runner.run()
+
+
+CALLS: dict[str, Callable[[Processor, Debugger], object]] = {
+    "step": lambda processor, _: processor.step(),
+    "trace": lambda processor, _: processor.trace(1),
+    "reset": lambda processor, _: processor.reset(),
+    "boot": lambda processor, _: processor.boot(),
+    "load": lambda processor, _: processor.load(processor.program),
+    "pc": lambda processor, _: setattr(processor, "pc", 0),
+    "complete_read": lambda processor, _: processor.complete_read(0),
+    "complete_write": lambda processor, _: processor.complete_write(),
+    "debug().go": lambda _, debugger: debugger.go(),
+    "debug().step": lambda _, debugger: debugger.step(),
+    "debug().back": lambda _, debugger: debugger.back(),
+    "debug().go_to_ps": lambda _, debugger: debugger.go_to_ps(0),
+}
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_a_device_may_not_move_the_processor_that_runs_it(name: str, tmp_path: Path) -> None:
+    for run in (lambda processor, _: processor.run(), lambda _, debugger: debugger.go()):
+        alarm = Alarm()
+        processor = Processor(assembled("        sti r0,*ar2\n" + END), board=board(tmp_path), devices={PLACE: alarm})
+        debugger = processor.debug()
+        alarm.write = lambda offset, value, cycle, p=processor, d=debugger: CALLS[name](p, d)  # type: ignore[method-assign,misc]
+        with pytest.raises(RuntimeError, match=re.escape(f"{name}() from inside a device")):
+            run(processor, debugger)
 
 
 @pytest.mark.parametrize(

@@ -144,12 +144,45 @@ def test_python_lets_an_editor_attach() -> None:
             debugger.listen(taken.getsockname()[1])
 
 
+def test_what_a_run_collects_cannot_be_taken_back() -> None:
+    """A page, kept events and a profile are of the whole run, each instant once: no way leads back."""
+    settings = {"run.duration_s": 0.03, "machine.dsps": 2, "report.reference": "none"}
+    snapshot = cmrc.Simulation(settings=settings).snapshot()
+    recorded = cmrc.Simulation(settings=settings)
+    recorded.record()
+    for run, how in (
+        (recorded, r"after record\(\)"),
+        (cmrc.Simulation(settings=settings, keep_events=True), "with keep_events=True"),
+        (cmrc.Simulation(settings=settings, profile=True), "with profile=True"),
+    ):
+        with pytest.raises(
+            RuntimeError, match=f"debug: not {how}: what is collected beside the run cannot be taken back"
+        ):
+            run.debug()
+        with pytest.raises(RuntimeError, match=f"restore: not {how}: "):
+            run.restore(snapshot)
+        assert run.run().hash
+    run = cmrc.Simulation(settings=settings)
+    debugger = run.debug()
+    with pytest.raises(RuntimeError, match="record: .*the debugger is to be closed first"):
+        run.record()
+    debugger.on("claim", task="pid")
+    debugger.go()
+    debugger.close()
+    run.restore(snapshot)
+    run.record()
+    assert run.run().hash == recorded.result().hash
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
         (["--debug-wait"], "needs --debug"),
         (["--debug", "70000"], "--debug"),
-        (["--debug", "0", "--profile", "/tmp/p"], "profile"),
+        (["--debug", "0", "--profile", "/tmp/p"], "--profile has collected cannot be taken back"),
+        (["--debug", "0", "--page", "/tmp/p.html"], "--page has collected cannot be taken back"),
+        (["--debug", "0", "--perfetto", "/tmp/p"], "--perfetto has collected cannot be taken back"),
+        (["--debug", "0", "--trace", "/tmp/p"], "--trace has collected cannot be taken back"),
     ],
 )
 def test_what_makes_no_sense_is_refused(options: list[str], message: str) -> None:

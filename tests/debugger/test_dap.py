@@ -114,6 +114,19 @@ def test_data_function_and_instruction_breakpoints_and_back_again(program: Path)
             editor.send("setDataBreakpoints", breakpoints=[{"dataId": info.dataId, "accessType": "write"}]),
             responses.SetDataBreakpointsResponse,
         )
+        strange = editor.ask(
+            editor.send(
+                "setDataBreakpoints",
+                breakpoints=[
+                    {"dataId": info.dataId, "accessType": "execute"},
+                    {"dataId": "0:R0", "accessType": "read"},
+                    {"dataId": info.dataId},
+                ],
+            ),
+            responses.SetDataBreakpointsResponse,
+        )
+        assert [one.verified for one in strange.breakpoints] == [False, False, True]
+        assert strange.breakpoints[0].message == 'accessType "execute": read, write or readWrite is expected'
         for total in SUMS:
             editor.client.continue_(1)
             assert editor.stopped().reason == "data breakpoint"

@@ -3,6 +3,7 @@
 import random
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -67,6 +68,56 @@ def test_breakpoints_stop_before_each_of_their_instructions(seed: int, tmp_path:
         assert [hit.pc for hit in hits] == [chip.pc], seed
         found.append((cycle, chip.pc))
     assert found == expected, seed
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_step_onto_a_breakpoint_has_met_it(seed: int, tmp_path: Path) -> None:
+    """Each step executes one instruction, and says so where it has come to a breakpoint; ``go`` looks for later
+    ones."""
+    rng = random.Random(seed)
+    program = program_without_pins(seed)
+    board, image = Bench(tmp_path).board(program), assembled(program)
+    records = by_trace(made(program, board, image), CYCLES)
+    chosen = set(rng.sample(sorted({record["pc"] for record in records}), 3))
+    chip = made(program, board, image)
+    debugger = debugger_of(chip, image)
+    for address in chosen:
+        debugger.break_at(address)
+    met = 0
+    for before, record in pairwise(records[:60]):
+        if before["cycle"] + before["cycles"] != record["cycle"]:
+            break  # an interrupt is between them
+        stop = debugger.step()
+        if stop.reason == "over":  # a fault
+            return
+        assert (instant(debugger), chip.pc) == (record["cycle"], record["pc"]), seed
+        assert stop.reason == ("breakpoint" if record["pc"] in chosen else "step"), seed
+        assert [hit.pc for hit in stop.hits] == [record["pc"]] * (record["pc"] in chosen)
+        met += len(stop.hits)
+    later = [record["cycle"] for record in records if record["pc"] in chosen and record["cycle"] > instant(debugger)]
+    stop = debugger.go(CYCLES * CYCLE_PS * 1e-12)
+    assert [instant(debugger)] * len(stop.hits) == [cycle for cycle in later[:1] if cycle < CYCLES], seed
+    assert sum(debugger.hits().values()) == met + len(stop.hits)
+
+
+@pytest.mark.parametrize("step", ["over", "line", "next_line"])
+def test_steps_over_calls_and_lines_go_on_from_a_breakpoint_that_they_have_met(step: str) -> None:
+    image = package.assemble("start:  ldi 0,r0\nloop:   addi 1,r0\n        addi 2,r1\n        b loop\n")
+    debugger = package.Processor(image).debug()
+    debugger.break_at("loop")
+    debugger.break_at("loop+1", condition="r0 == 2")
+    reasons = [(debugger.step(step).reason, debugger.value("pc - start")) for _ in range(6)]
+    assert reasons == [("breakpoint", 1), ("step", 2), ("step", 3), ("breakpoint", 1), ("breakpoint", 2), ("step", 3)]
+
+
+def test_a_step_stops_at_breakpoints_of_all_chips_of_its_instant() -> None:
+    image = package.assemble("start:  ldi 0,r0\nloop:   addi 1,r0\n        b loop\n")
+    debugger = Network([image, image]).debug()
+    debugger.break_at("loop", chip=1)
+    stop = debugger.step(chip=0)
+    assert (stop.reason, [hit.chip for hit in stop.hits]) == ("breakpoint", [1])
+    at = stop.time_ps
+    assert debugger.step(chip=1).time_ps > at and debugger.go().time_ps > at + CYCLE_PS
 
 
 @pytest.mark.parametrize("seed", SEEDS)

@@ -158,3 +158,14 @@ def test_without_pyarrow_the_extra_is_named(
     (tmp_path / "t").write_text("# cmrc event trace 1\n")
     assert cmrc.__main__.main(["events", str(tmp_path / "t"), "-o", str(tmp_path / "o")]) == 2
     assert "pip install 'cmrc[events]'" in capsys.readouterr().err
+
+
+def test_a_trace_numbers_the_tasks_of_the_configuration(tmp_path: Path) -> None:
+    from cmrc import events
+
+    trace = tmp_path / "t"
+    kinds = len(events.built_in_tasks())
+    lines = [f"0.500000000000 [dsp 0] start block=0x50 kind={kind}" for kind in (0, kinds, kinds + 1)]
+    trace.write_text("\n".join([events.HEADER, *lines, ""]))
+    [batch] = events.of_trace(trace)
+    assert batch["task"].to_pylist() == [events.built_in_tasks()[0], "user 0", "user 1"]

@@ -156,6 +156,27 @@ def test_a_page_can_begin_at_a_snapshot(emulator: Path, tmp_path: Path) -> None:
         assert np.allclose(rest.signals[name][1:], whole.signals[name][rows][1:], atol=1e-9)
 
 
+def test_a_page_that_begins_between_two_latches_has_its_rows_in_place(tmp_path: Path) -> None:
+    settings = {**BUSY, "duration_s": 0.08, "report.signal_decimation": 1}
+    first = cmrc.Simulation(settings=settings)
+    first.run_until(0.0412)
+    rest = cmrc.Simulation.resume(first.snapshot())
+    rest.record()
+    signals = rest.run().signals
+    rest.write_page(tmp_path / "rest.html")
+    recording = Recording.read(tmp_path / "rest.html")
+    rows = recording.signals["time_s"]
+    assert rows[0] == 0.0412 == recording.header["from_s"] and list(rows[1:]) == pytest.approx([0.05, 0.06, 0.07, 0.08])
+    error = np.sqrt(sum((signals[f"payload_{a}_m"] - signals[f"payload_reference_{a}_m"]) ** 2 for a in "xyz"))
+    times = np.round(signals["time_s"], 6)
+    before = 0.0412
+    assert recording.signals["load_error_m"][0] == pytest.approx(error[times <= before][-1], abs=1e-9)
+    for row, time in enumerate(rows[1:], 1):
+        largest = error[(times > before) & (times <= time + 1e-9)].max()
+        assert recording.signals["load_error_m"][row] == pytest.approx(largest, abs=1e-9), time
+        before = time + 1e-9
+
+
 def test_a_moving_ship_and_its_containers_move(tmp_path: Path) -> None:
     _, recording = recorded(
         {"duration_s": 0.3, "dock.ship_motion": 5.0, "report.reference": "none"}, [], tmp_path / "ship.html"

@@ -69,7 +69,7 @@ def test_kept_events_are_the_trace_and_cannot_be_taken_back(
     run = cmrc.Simulation(dsps=1, duration_s=0.03, keep_events=True)
     before = run.snapshot()
     run.run_until(0.001)
-    with pytest.raises(RuntimeError, match="keeps its events"):
+    with pytest.raises(RuntimeError, match="restore: not with keep_events=True"):
         run.restore(before)
     assert run.fork().result().events is None
 
@@ -216,10 +216,32 @@ def test_a_difference_names_settings_event_and_metrics(result: cmrc.Result, othe
     assert result.diff(other).first == found.first
 
 
+def test_a_job_that_still_ran_is_late_by_the_rest_of_its_run_too() -> None:
+    slow = {"machine.cycle_time_factor": 30, "report.reference": "none"}
+    cut = cmrc.run(dsps=1, duration_s=0.15, settings=slow)
+    running = [n for n, miss in enumerate(cut.missed) if miss["outcome"] == "unfinished" and miss["kind"] == "pid"]
+    whole = cmrc.run(dsps=1, duration_s=0.16, settings=slow)
+    [same] = [n for n, miss in enumerate(whole.missed) if (miss["kind"], miss["number"]) == ("pid", 148)]
+    assert [cut.missed[n]["number"] for n in running] == [148]
+    assert cut.missed[running[0]]["usual_ps"] > 1_000_000_000  # longer than from release to deadline
+    for explanation in (cut.explain(running[0]), whole.explain(same)):
+        assert "before its deadline" not in explanation and "No single cause" in explanation
+
+
 def test_without_events_the_first_metric_is_named(result: cmrc.Result, other: cmrc.Result) -> None:
     found = cmrc.diff(result.report, other)
     assert found.event is None and found.first.startswith("The first metric that differs is ")
     assert "keep_events=True" in found.first
+
+
+def test_where_the_hash_alone_differs_a_sentence_says_so(result: cmrc.Result) -> None:
+    left, right = copy.deepcopy(result.report), copy.deepcopy(result.report)
+    right["hash"] = "0" * 64
+    found = cmrc.diff(left, right)
+    assert found and found.first.startswith("No metric differs; the events or the final states of the machines do")
+    assert (
+        found.first in found.text() and found.first in found._repr_html_() and found.to_dict()["first"] == found.first
+    )
 
 
 def test_two_runs_of_the_same_are_the_same(result: cmrc.Result) -> None:

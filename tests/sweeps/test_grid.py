@@ -74,6 +74,21 @@ def test_ranges() -> None:
     assert values("machine.cycle_time_factor", **{"from": 1, "to": 4, "count": 3}) == [1.0, 2.5, 4.0]
 
 
+def test_values_of_ranges_are_those_that_were_written() -> None:
+    def values(key: str, begin: float, end: float, **of: Any) -> list[Any]:
+        return [point.place[key] for point in grids.made({"axes": {key: {"from": begin, "to": end, **of}}}).points()]
+
+    rho = "report.control_cost_rho_m2"
+    assert values(rho, 2.5e-12, 1e-11, step=2.5e-12) == [2.5e-12, 5e-12, 7.5e-12, 1e-11]
+    assert values(rho, 1e-13, 5e-13, step=1e-13) == [1e-13, 2e-13, 3e-13, 4e-13, 5e-13]
+    assert values(rho, 1e-13, 1e-9, count=5, scale="log") == [1e-13, 1e-12, 1e-11, 1e-10, 1e-9]
+    assert values("run.duration_s", 0.1, 0.3, step=0.1) == [0.1, 0.2, 0.3]
+    assert values("run.duration_s", 1, 2, step=1 / 3) == [1.0, 1 + 1 / 3, 1 + 2 / 3, 2.0]
+    assert values("run.seed", 1234567890123, 1234567890127, count=5) == list(range(1234567890123, 1234567890128))
+    assert values("run.seed", 2**53 + 1, 2**53 + 4, step=1) == list(range(2**53 + 1, 2**53 + 5))
+    assert values("run.seed", 1, 10**6, count=7, scale="log") == [10**n for n in range(7)]
+
+
 def test_a_preset_can_be_an_axis_and_a_file_stands_beside_the_grid(tmp_path: Path) -> None:
     grid = text_of(tmp_path, '[fixed]\nconfig = "base.toml"\n[axes]\npreset = ["base", "heavy"]\n')
     assert [point.preset for point in grid.points()] == ["base", "heavy"]
@@ -105,6 +120,8 @@ def test_a_grid_without_axes_is_one_run() -> None:
     ({"axes": {"dsps": {"from": 1, "to": 4, "step": 0}}}, "axes.dsps.step: 0"),
     ({"axes": {"dsps": {"from": 1, "to": 4, "step": 1e-9}}}, "axes.dsps.step: 3000000001 values"),
     ({"axes": {"dsps": {"from": 1, "to": 4, "count": 3}}}, "2.5 is among its values; machine.dsps is a whole number"),
+    ({"axes": {"seed": {"from": 1, "to": 10, "count": 3, "scale": "log"}}}, "3.16228 is among its values"),
+    ({"axes": {"duration_s": {"from": 1e9, "to": 1.0000000000000002e9, "count": 9}}}, "axes.duration_s: neighbours are one number"),
     ({"axes": {"dsps": {"from": 1, "to": 4, "count": 1}}}, "axes.dsps.count: 1"),
     ({"axes": {"dsps": {"from": 1, "to": 4, "counts": 3}}}, "axes.dsps.counts: unknown"),
     ({"axes": {"cycle_time_factor": {"from": 0, "to": 4, "count": 3, "scale": "log"}}}, "begins above 0"),

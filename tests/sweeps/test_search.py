@@ -162,6 +162,8 @@ def test_a_search_continues_in_the_folder_of_a_sweep(tmp_path: Path) -> None:
     ({"search": {"goal": "fast", "space": {"dsps": [1]}}}, "search.goal"),
     ({"search": {"batch": 0, "space": {"dsps": [1]}}}, "search.batch"),
     ({"search": {"space": {"dsps": {"from": 4, "to": 1}}}}, "search.space.dsps"),
+    ({"search": {"space": {"dsps": {"from": 1.5, "to": 6}}}}, "search.space.dsps.from: 1.5 cannot be used; machine.dsps is a whole"),
+    ({"search": {"bisect": "dsps", "from": 8.5, "to": 1}}, "search.from: 8.5 cannot be used; machine.dsps is a whole"),
     ({"search": {"space": {"dsps": 3}}}, "search.space.dsps: a list of values"),
 ])  # fmt: skip
 def test_a_bad_search_says_where(tables: dict[str, Any], says: str, tmp_path: Path) -> None:

@@ -95,6 +95,80 @@ def test_a_run_of_an_earlier_grid_has_its_place_in_the_new_one(tmp_path: Path) -
     assert grown.text() == Sweep(tmp_path / "s").text()
 
 
+def test_runs_of_a_changed_grid_are_no_repeats(tmp_path: Path) -> None:
+    """A setting without an axis, the preset, the events, a future of the same name."""
+    base: dict[str, Any] = {
+        "fixed": {**FIXED, "duration_s": 0.03},
+        "axes": {"dsps": [1, 2]},
+        "futures": [{"name": "dies", "events": [{"at_s": 0.025, "action": "fail", "dsp": 0}]}],
+    }
+    at_26 = {"at_s": 0.026, "action": "fail", "dsp": 0}
+    paused = {"at_s": 0.021, "action": "pause_host", "lasts_ms": 1.0}
+    for changed in (
+        base,
+        {**base, "fixed": {**FIXED, "duration_s": 0.031}},
+        {**base, "fixed": {**FIXED, "preset": "saturated"}},
+        {**base, "futures": [{"name": "dies", "events": [at_26]}]},
+        {**base, "events": [paused]},
+        {**base, "repeats": {"seeds": [1, 2]}},
+    ):
+        sweep(changed, tmp_path / "s", workers=1)
+    found = Sweep(tmp_path / "s")
+    assert found.axes == ["machine.dsps", "future", "run.duration_s", "preset", "events"] and len(found) == 12
+    fails = "action=fail dsp=0"
+    points = {tuple(place.values())[2:]: spread.n for place, spread in found.summary() if place["machine.dsps"] == 2}
+    assert points == {
+        (0.03, "base", f"at_s=0.025 {fails}"): 2,
+        (0.031, "base", f"at_s=0.025 {fails}"): 1,
+        (0.03, "saturated", f"at_s=0.025 {fails}"): 1,
+        (0.03, "base", f"at_s=0.026 {fails}"): 1,
+        (0.03, "base", f"at_s=0.021 action=pause_host lasts_ms=1.0; at_s=0.025 {fails}"): 1,
+    }
+    assert found.report(dsps=2, duration_s=0.031)["simulated_s"] == 0.031
+    paused_too = [place["events"] for place, _ in found.summary() if "pause_host" in place["events"]]
+    assert found.report(dsps=1, events=paused_too[0])["timed_events"][0]["what"] == "pause_host for 1 ms"
+
+
+def test_runs_of_a_changed_file_are_no_repeats(tmp_path: Path) -> None:
+    config, board = tmp_path / "base.toml", tmp_path / "board.toml"
+    regions = [
+        ("0x300000", "0x100000", "local", "ram"),
+        ("0x70000000", "0x10000000", "local", "window"),
+        ("0x80000000", "0x100000", "global", "ram"),
+        ("0xC0000000", "0x40000000", "global", "window"),
+    ]
+    text = "".join(
+        f'[[region]]\nname = "{base}"\nbase = {base}\nwords = {words}\nbus = "{bus}"\nkind = "{kind}"\n'
+        for base, words, bus, kind in regions
+    )
+    board.write_text(text)
+    small: dict[str, Any] = {"fixed": {**FIXED, "config": str(config)}}
+    config.write_text("[rates]\nservo_frequency_hz = 500.0\n")
+    sweep({**small, "repeats": {"seeds": [1, 2]}}, tmp_path / "s", workers=1)
+    config.write_text("[rates]\nservo_frequency_hz = 250.0\n")
+    sweep({**small, "repeats": {"seeds": [3]}}, tmp_path / "s", workers=1)
+    found = Sweep(tmp_path / "s")
+    assert [(place, spread.n) for place, spread in found.summary()] == [
+        ({"rates.servo_frequency_hz": 250.0}, 1),
+        ({"rates.servo_frequency_hz": 500.0}, 2),
+    ]
+    of_board = {"fixed": {**FIXED, "machine.board": str(board)}}
+    sweep(of_board, tmp_path / "b", workers=1)
+    board.write_text(text + "\n# another\n")
+    sweep(of_board, tmp_path / "b", workers=1)
+    with pytest.raises(SweepError, match="two runs are at {}, seed None, and are no repeats: a file"):
+        Sweep(tmp_path / "b").text()
+    assert Sweep(tmp_path / "b").table().rows == 2
+
+
+def test_fixed_seeds_are_repeats(tmp_path: Path) -> None:
+    for seed in (1, 2):
+        sweep({"fixed": {**FIXED, "seed": seed}}, tmp_path / "s", workers=1)
+    found = Sweep(tmp_path / "s")
+    assert [(place, spread.n) for place, spread in found.summary()] == [({}, 2)]
+    assert list(found.table()["seed"]) == [1, 2]
+
+
 def test_points_that_make_one_run_are_rows_of_their_own(tmp_path: Path) -> None:
     seen: list[Status] = []
     tables = {"fixed": FIXED, "axes": {"turn_order": [1, 2, 3]}}

@@ -56,3 +56,24 @@ def test_the_bootstrap_is_seeded_and_holds_the_mean() -> None:
     assert found == metrics.spread(values) and found.low < found.mean == 4.0 < found.high
     assert found.n == 4 and found.varies
     assert metrics.spread([*values, math.nan]) == found
+
+
+@pytest.mark.parametrize(("metric", "unit"), [
+    ("misses", "jobs"),
+    ("wind.limit_m_s", "m/s"),
+    ("tasks.pid.response_ps.p99", "ps"),
+    ("tasks.pid.response_ps.count", "jobs"),
+    ("tasks.pid.response_ps.log2_histogram[3]", "jobs"),
+    ("host.semaphore_hold_ps.count", ""),
+    ("dsps[0].clock_hz", "Hz"),
+    ("dsps[0].tasks_ps.trajectory_planning.crane", "ps"),
+    ("errors.load_m.rms", "m"),
+    ("errors.window_s[0]", "s"),
+    ("wind.above_share", "share"),
+    ("control_cost.cost_m2s", "m2 s"),
+    ("configuration.control.slew_bandwidth_rad_s", "rad/s"),
+    ("configuration.agv.drag_n_s2_m2", ""),
+    ("pid_error.s.rms", ""),
+])  # fmt: skip
+def test_a_unit_is_that_of_the_whole_ending(metric: str, unit: str) -> None:
+    assert metrics.unit_of(metric) == unit

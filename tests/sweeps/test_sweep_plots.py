@@ -130,7 +130,7 @@ def test_the_cost_of_misses_is_a_point_per_run(sweep: Sweep) -> None:
 def test_a_gantt_chart_has_the_blocks_of_the_trace(result: cmrc.Result) -> None:
     from cmrc.result_plots import runs
 
-    blocks = list(runs(result.events or ""))
+    blocks = list(runs(result))
     tasks = result.report["tasks"]
     ended = {kind: sum(block[1] == kind for block in blocks) for kind in tasks}
     running = sum(task["unfinished"] for task in tasks.values())
@@ -142,6 +142,35 @@ def test_a_gantt_chart_has_the_blocks_of_the_trace(result: cmrc.Result) -> None:
     quiet = cmrc.Result(result.report, result.text, result.signals)
     with pytest.raises(ValueError, match="keep_events=True"):
         plot.gantt(quiet, axes(), 0.02, 0.03)
+
+
+@pytest.mark.parametrize("action", ["fail", "freeze", "unplug", "reset", "hang"])
+def test_a_bar_ends_with_its_dsp_the_watchdog_or_the_run(action: str) -> None:
+    from cmrc.result_plots import runs
+
+    events = [{"at_s": 0.05, "action": action, "dsp": 1}]
+    found = cmrc.run(preset="saturated", dsps=2, duration_s=0.09, keep_events=True, events=events)
+    blocks = list(runs(found))
+    [cut] = [block for block in blocks if block[0] == 1 and block[2] < 0.05 <= block[3]]
+    noticed = [failure["time_s"] for failure in found.report["failures"] if failure["kind"] == "watchdog"]
+    assert cut[3] == (noticed[0] if action == "hang" else 0.05)
+    assert max(block[3] for block in blocks) == 0.09
+    busy = sum(block[3] - block[2] for block in blocks if block[0] == 0)
+    assert busy == pytest.approx(sum(found.report["dsps"][0]["tasks_ps"].values()) * 1e-12, rel=1e-3)
+
+
+def test_a_gantt_chart_has_the_misses_of_the_trace_and_the_reports_names(tmp_path: Path) -> None:
+    found = cmrc.run(preset="saturated", dsps=1, duration_s=0.1, keep_events=True, misses_max=3)
+    drawn = axes()
+    plot.gantt(found, drawn, 0.05, 0.09)
+    in_window = [
+        line for line in (found.events or "").splitlines() if " miss " in line and 0.05 < float(line.split()[0]) < 0.09
+    ]
+    assert len(found.missed) == 3 and len(in_window) > 20
+    assert [len(line.get_xdata()) for line in drawn.lines] == [len(in_window)]  # type: ignore[arg-type]
+    whole = cmrc.run(preset="saturated", dsps=1, duration_s=0.1, keep_events=True)
+    plot.gantt(whole, drawn := axes(), 0.0, 0.2)
+    assert sum(len(line.get_xdata()) for line in drawn.lines) == len(whole.missed)  # type: ignore[arg-type]
 
 
 def test_cumulated_response_times_hold_the_percentiles(result: cmrc.Result) -> None:

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <array>
 #include <system_error>
+#include <utility>
 
 #include "cmrc/run/dock_debuggee.hpp"
 #include "io/print.hpp"
@@ -14,8 +16,14 @@ namespace cli {
 Attach::Attach(const RunOptions& options) : waits_(options.debug_wait) {
   if (waits_ && !options.debug_port) throw InputError("--debug-wait: needs --debug PORT");
   if (!options.debug_port) return;
-  if (options.profile)
-    throw InputError("--debug: going back needs snapshots, and a run with --profile has none; give one of the two");
+  const std::array<std::pair<const char*, bool>, 4> collects{{{"--profile", options.profile.has_value()},
+                                                              {"--perfetto", options.perfetto.has_value()},
+                                                              {"--page", options.page.has_value()},
+                                                              {"--trace", options.trace.has_value()}}};
+  for (const auto& [option, given] : collects)
+    if (given)
+      throw InputError(fmt::format(
+          "--debug: it can go back, and what {} has collected cannot be taken back; give one of the two", option));
   try {
     listener_.emplace(*options.debug_port);
   } catch (const std::system_error& error) {

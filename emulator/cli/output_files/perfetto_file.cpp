@@ -35,8 +35,6 @@ std::optional<PerfettoRequest> perfetto_request(const RunOptions& options, const
                     "A:B, in simulated seconds, e.g. 2:2.1",
                     *options.perfetto_detail));
   }
-  if (options.debug_port)
-    throw InputError("--perfetto: a run with --debug can go back, and a timeline cannot; give one of the two");
   return request;
 }
 

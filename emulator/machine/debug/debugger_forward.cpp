@@ -31,6 +31,15 @@ bool Debugger::holds(const Hit& hit) { return !hit.open || recorder_->holds(hit)
 /// more happens, or a stop was requested. With hits the machine is then at that instant or later; without, at `until`.
 std::vector<Hit> Debugger::search(Time until, const Manner& manner) {
   hear_what_is_under_way(manner);
+  const auto chip_at_breakpoint = [this] {
+    return std::ranges::any_of(triggers_, [this](const auto& entry) {
+      const Trigger& t = entry.second;
+      if (!t.enabled || t.kind != Trigger::Kind::code) return false;
+      for (std::size_t n = 0; n < programs_.size(); ++n)
+        if (t.chip.value_or(n) == n && debuggee_.chip(n).pc() == t.address) return true;
+      return false;
+    });
+  };
   constexpr int small_steps = 256;
   // Some events are reported late: those up to `until` are known only behind it.
   const Time late = recorder_->learns_late() ? debuggee_.delay() : Time{0};
@@ -61,6 +70,8 @@ std::vector<Hit> Debugger::search(Time until, const Manner& manner) {
       };
       Time at = first();
       if (at > until) break;
+      // A breakpoint at the end of a step is met when its instruction begins.
+      if (recorder_->stepped == at && now() <= at && chip_at_breakpoint()) run_to(at + Time{1}), at = first();
       // Hits of other chips may still come before.
       const Time known = at + late;
       if (now() < known) run_to(known), at = first();

@@ -293,7 +293,8 @@ class Network(OneRun):
 
     def debug(self) -> Debugger:
         """A debugger over all chips, forwards and backwards from here on (docs/debugger.md)."""
-        return Debugger(self._core.debug())
+        self._refuse_inside("debug")
+        return Debugger(self._core.debug(), self)
 
     def snapshot(self) -> ChipSnapshot:
         """The whole state: chips, words on the links, shared memories, future actions, and the events so far."""

@@ -9,6 +9,7 @@ import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -23,8 +24,8 @@ RANGE = ("from", "to", "step", "count", "scale")
 REPEATS = ("seeds", "first", "phases")
 APART = ("preset", "config")
 """Names that are not settings but may be fixed; a preset may also be an axis."""
-FUTURE = "future"
-"""The axis of [[futures]]."""
+FUTURE, EVENTS = "future", "events"
+"""The axis of [[futures]]; the axis of the runs of one folder that differ by their events."""
 MOST_RUNS = 10_000_000
 MOST_WHOLE = 2**63 - 1
 MOST_BYTES = 1 << 24
@@ -146,7 +147,7 @@ def full_name(key: str, where: str) -> str:
 
 def axis_name(key: str, where: str) -> str:
     """The axis with that name, or of the setting with that last part. Raises GridError with the nearest one."""
-    return key if key == FUTURE else full_name(key, where)
+    return key if key in (FUTURE, EVENTS, *APART) else full_name(key, where)
 
 
 class _Reader:
@@ -384,33 +385,56 @@ def _range(key: str, value: Mapping[str, Any], where: str) -> list[Setting]:
     else:
         found = _by_count(begin, end, numbers["count"], value.get("scale") == "log", where)
     if schema().get(key, {}).get("type") != "integer":
-        return [float(one) for one in found]
-    for one in found:
-        if one != round(one):
-            raise GridError(f"{where}: {one:g} is among its values; {key} is a whole number")
-    return [round(one) for one in found]
+        found = [float(one) for one in found]
+    else:
+        for one in found:
+            if not isinstance(one, int):
+                raise GridError(f"{where}: {one:g} is among its values; {key} is a whole number")
+    if len(set(found)) < len(found):
+        raise GridError(f"{where}: neighbours are one number ({found[0]!r} and so on); each is run once")
+    return list(found)
 
 
-def _by_step(begin: float, end: float, step: float, value: Mapping[str, Any], where: str) -> list[float]:
+def _by_step(begin: float, end: float, step: float, value: Mapping[str, Any], where: str) -> list[int | float]:
     if not step > 0:
         raise GridError(f"{where}.step: {step}; a step above 0 is expected")
     if value.get("scale") == "log":
         raise GridError(f'{where}.scale: "log" goes with count, not with step')
-    count = math.floor((end - begin) / step * (1 + 1e-12)) + 1
+    steps = (_exact(end) - _exact(begin)) / _exact(step)
+    count = math.floor(steps * (1 + Fraction(1, 10**12))) + 1
     if count > MOST_RUNS:
         raise GridError(f"{where}.step: {count} values; at most {MOST_RUNS} are expected")
-    return [begin + n * step if isinstance(step, int) else round(begin + n * step, 12) for n in range(count)]
+    return _evenly(_exact(begin), _exact(end), _exact(step), count)
 
 
-def _by_count(begin: float, end: float, count: float, log: bool, where: str) -> list[float]:
+def _by_count(begin: float, end: float, count: float, log: bool, where: str) -> list[int | float]:
     if count != int(count) or not 2 <= count <= MOST_RUNS:
         raise GridError(f"{where}.count: {count}; a whole number from 2 to {MOST_RUNS} is expected")
-    if log and not begin > 0:
+    parts = int(count) - 1
+    if not log:
+        return _evenly(_exact(begin), _exact(end), (_exact(end) - _exact(begin)) / parts, parts + 1)
+    if not begin > 0:
         raise GridError(f"{where}.from: {begin}; a logarithmic range begins above 0")
-    shares = [n / (int(count) - 1) for n in range(int(count))]
-    if log:
-        return [float(f"{begin * (end / begin) ** share:.12g}") for share in shares]
-    return [float(f"{begin + (end - begin) * share:.12g}") for share in shares]
+    inner = [_whole_if_near(begin ** (1 - n / parts) * end ** (n / parts)) for n in range(1, parts)]
+    return [int(begin) if begin == int(begin) else begin, *inner, int(end) if end == int(end) else end]
+
+
+def _exact(number: float) -> Fraction:
+    """The number as it is written: 0.1 is a tenth."""
+    return Fraction(repr(number))
+
+
+def _evenly(begin: Fraction, end: Fraction, step: Fraction, count: int) -> list[int | float]:
+    """Each value is exact if it is whole, else the nearest number; none is beyond the end."""
+    whole = math.lcm(begin.denominator, end.denominator, step.denominator)
+    first, last, each = (int(one * whole) for one in (begin, end, step))
+    values = (min(first + n * each, last) for n in range(count))
+    return [one // whole if one % whole == 0 else one / whole for one in values]
+
+
+def _whole_if_near(number: float) -> int | float:
+    """To 12 digits, which is more than a power is worth."""
+    return round(number) if abs(number - round(number)) <= 1e-12 * number else float(f"{number:.12g}")
 
 
 def _seeds(seeds: Any, first: Any, has_first: bool) -> list[int]:

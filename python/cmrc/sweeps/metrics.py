@@ -24,6 +24,14 @@ NAMED: dict[str, tuple[str, Callable[[Mapping[str, Any]], Any]]] = {
     "worst_response_us": ("us", lambda report: _worst(report)),
 }
 """Short names: unit and meaning. ``any_miss`` is yes or no, so that its mean is a share of the runs."""
+UNITS = {unit: unit for unit in ("s", "ms", "us", "ns", "ps", "m", "rad", "mrad", "deg", "kg")} | {
+    "hz": "Hz", "m_s": "m/s", "rad_s": "rad/s", "m2": "m2", "m2s": "m2 s",
+    "share": "share", "cycles": "cycles", "refreshes": "refreshes",
+}  # fmt: skip
+"""By the ending of a name. Another ending made of BASES is a unit without an entry here."""
+BASES = {*UNITS, "n", "s2", "1"}
+COUNTED = ("count", "log2_histogram")
+"""Parts of a summary that count what was measured."""
 USUAL = ("misses", "f_p_missed", "load_rms", "lag")
 
 
@@ -43,15 +51,26 @@ def name_of(metric: Metric) -> str:
 
 
 def unit_of(metric: Metric) -> str:
-    """The unit of a short name, or from the ending of a place; empty if unknown."""
+    """The unit of a short name, or from the ending of the last part of a place that has one; empty if unknown."""
     if not isinstance(metric, str):
         return ""
     if metric in NAMED:
         return NAMED[metric][0]
-    for ending, unit in (("_ps", "ps"), ("_s", "s"), ("_m", "m"), ("_hz", "Hz"), ("_rad", "rad")):
-        if any(part.endswith(ending) for part in metric.split(".")):
+    for part in reversed(re.sub(r"\[\d+\]", "", metric).split(".")):
+        if part in COUNTED:
+            return "jobs" if metric.startswith("tasks.") else ""
+        if (unit := unit_of_name(part)) is not None:
             return unit
     return ""
+
+
+def unit_of_name(name: str) -> str | None:
+    """The unit at the end of a name; empty for one that this table does not have, None for a name without a unit."""
+    words = name.split("_")
+    ending: list[str] = []
+    while len(ending) < len(words) - 1 and words[-len(ending) - 1] in BASES:
+        ending.insert(0, words[-len(ending) - 1])
+    return UNITS.get("_".join(ending), "") if ending else None
 
 
 def _misses(report: Mapping[str, Any]) -> int | None:

@@ -155,10 +155,16 @@ class _Asked:
             raise self.error(key, "a number is expected")
         return float(value)
 
+    def _is_whole(self, key: str, value: Any, where: str) -> None:
+        if isinstance(value, bool) or not (isinstance(value, int) or (isinstance(value, float) and value.is_integer())):
+            raise self.error(where, f"{value!r} cannot be used; {key} is a whole number")
+
     def _bisection(self) -> None:
         self.key = self._setting(self.table["bisect"], "bisect")
         self.whole = grids.schema().get(self.key, {}).get("type") == "integer"
         self.begin, self.end = self._number("from", None), self._number("to", None)
+        for end in ("from", "to") if self.whole else ():
+            self._is_whole(self.key, self.table[end], end)
         if self.begin == self.end:
             raise self.error("to", f"{self.end:g} is where it begins; from is the easy end, to the hard one")
         self.tolerance = self._number("tolerance", 1.0 if self.whole else abs(self.end - self.begin) / 100)
@@ -211,6 +217,8 @@ class _Asked:
         whole = grids.schema().get(name, {}).get("type") == "integer"
         try:
             if whole:
+                for part in {"from", "to", "step"} & set(value):
+                    self._is_whole(name, value[part], f"{where}.{part}")
                 return optuna.distributions.IntDistribution(value["from"], value["to"], log=log, step=step or 1)
             return optuna.distributions.FloatDistribution(float(value["from"]), float(value["to"]), log=log, step=step)
         except (ValueError, TypeError) as error:

@@ -6,7 +6,7 @@ import html
 import json
 import math
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from cmrc import arguments, saved_result, simulation
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from cmrc.result import Result
 
 LIGHT = tuple(name for name, _ in store.COLUMNS if name != "report")
+APART = (*grids.APART, grids.EVENTS)
+"""What a run is made of besides its settings."""
 
 
 class Sweep:
@@ -48,27 +50,46 @@ class Sweep:
             self._runs = [self.folder.opened({**rows[run.key], **place_of(run.point)}) for run in of if run.key in rows]
 
     def _completed(self, runs: list[dict[str, Any]]) -> list[dict[str, Any]]:
-        """In the order of their places. What is an axis of one grid and fixed in another has its value in the runs of
-        both."""
+        """In the order of their places. What differs between two runs is an axis of all runs, because a repeat differs
+        in its seed only. What is an axis of one grid and fixed in another has its value in the runs of both."""
         axes = _axes(runs)
-        seeded = any(run["seed"] is not None for run in runs)
+        named = dict.fromkeys(name for run in runs for name in run["settings"] if name not in (grids.SEED, *APART))
+        seeds = {run["settings"].get(grids.SEED) for run in runs}
+        seeded = any(run["seed"] is not None for run in runs) or (grids.SEED not in axes and len(seeds - {None}) > 1)
+        given = {run["key"]: {**run["settings"], **run["place"]} for run in runs}
+        from_files = any("config" in run["settings"] for run in runs)
         open_ = {
-            run["key"]: run
-            for run in runs
-            if any(name not in run["place"] for name in axes) or (seeded and run["seed"] is None)
+            key
+            for key, values in given.items()
+            if from_files
+            or any(name not in values for name in (*axes, *named))
+            or (seeded and grids.SEED not in values)
         }
+        known = self._configurations(open_)
+        values = {key: {"preset": "base", **known.get(key, {}), **own} for key, own in given.items()}
+        fixed = dict.fromkeys((*named, *(name for one in known.values() for name in one))) if from_files else named
+        axes += [name for name in fixed if name not in (*axes, grids.SEED) and _differs(values.values(), name)]
+        for run in runs:
+            run["place"] = {name: _as_typed(name, values[run["key"]].get(name)) for name in axes}
+            if seeded and run["seed"] is None:
+                run["seed"] = values[run["key"]].get(grids.SEED)
+        for name in APART:
+            texts = {run["key"]: _text(name, values[run["key"]].get(name)) for run in runs}
+            if name not in axes and _apart(runs, texts):
+                axes.append(name)
+                for run in runs:
+                    run["place"][name] = texts[run["key"]]
+        return sorted(runs, key=lambda run: _order(run, axes))
+
+    def _configurations(self, keys: Collection[str]) -> dict[str, Mapping[str, Any]]:
+        """Every setting of these runs, as far as they have reports."""
         known: dict[str, Mapping[str, Any]] = {}
-        if open_:
+        if keys:
             for row in self.folder.rows(("report",)):
-                if row["key"] in open_ and row["report"] is not None:
+                if row["key"] in keys and row["report"] is not None:
                     configuration = self.folder.report(row).get("configuration")
                     known[row["key"]] = configuration if isinstance(configuration, dict) else {}
-        for run in runs:
-            values = {**known.get(run["key"], {}), **run["settings"]}
-            run["place"] = {name: run["place"].get(name, values.get(name)) for name in axes}
-            if seeded and run["seed"] is None:
-                run["seed"] = values.get(grids.SEED)
-        return sorted(runs, key=lambda run: _order(run, axes))
+        return known
 
     @property
     def runs(self) -> list[dict[str, Any]]:
@@ -161,15 +182,24 @@ class Sweep:
         return self.table(*of).to_pandas()
 
     def summary(self, metric: Metric = "misses") -> list[tuple[dict[str, Any], Spread]]:
-        """Each point of the grid, and the metric over its repeats."""
+        """Each point of the grid, and the metric over its repeats. Raises SweepError where two runs have the same
+        settings and seed, and are not the same."""
         return self._summaries([metric])[0]
 
     def _summaries(self, of: Sequence[Metric]) -> list[list[tuple[dict[str, Any], Spread]]]:
         measured = self._measured(of)
         points: dict[str, tuple[dict[str, Any], list[list[float | bool]]]] = {}
+        once: dict[tuple[str, int | None], str] = {}
         for run in self.runs:
-            _, known = points.setdefault(json.dumps(run["place"]), (run["place"], []))
+            point = json.dumps(run["place"])
+            _, known = points.setdefault(point, (run["place"], []))
             if run["key"] in measured:
+                if once.setdefault((point, run["seed"]), run["key"]) != run["key"]:
+                    raise SweepError(
+                        f"{self.folder.path}: two runs are at {run['place']}, seed {run['seed']}, and are no repeats: "
+                        "a file that their configurations name was changed between them. One folder for each is "
+                        "expected"
+                    )
                 known.append(measured[run["key"]])
         return [
             [(place, metrics.spread([values[n] for values in known])) for place, known in points.values()]
@@ -280,6 +310,30 @@ def run_grid(
 def _axes(runs: Sequence[Mapping[str, Any]]) -> list[str]:
     places = sorted((run["place"] for run in runs), key=len, reverse=True)  # the order of the grid that varies most
     return list(dict.fromkeys(name for place in places for name in place))
+
+
+def _as_typed(name: str, value: Any) -> Any:
+    """1 is 1.0 where a setting may have a fraction."""
+    whole = grids.schema().get(name, {}).get("type", "integer") == "integer"
+    return value if whole or isinstance(value, bool) or not isinstance(value, int) else float(value)
+
+
+def _differs(runs: Iterable[Mapping[str, Any]], name: str) -> bool:
+    """Two runs have different values; a run that was not made may have none."""
+    return len({value for run in runs if (value := run.get(name)) is not None}) > 1
+
+
+def _apart(runs: Sequence[Mapping[str, Any]], texts: Mapping[str, str | None]) -> bool:
+    """Two runs of one place have different ones."""
+    of_place: dict[str, str | None] = {}
+    return any(of_place.setdefault(json.dumps(run["place"]), texts[run["key"]]) != texts[run["key"]] for run in runs)
+
+
+def _text(name: str, value: Any) -> str | None:
+    """The value on an axis: of events all their fields."""
+    if name != grids.EVENTS or value is None:
+        return value if value is None else str(value)
+    return "; ".join(" ".join(f"{field}={one}" for field, one in event.items()) for event in value)
 
 
 def _order(run: Mapping[str, Any], axes: Sequence[str]) -> tuple[Any, ...]:
