@@ -84,6 +84,7 @@ void bind_processor(py::module_& m) {
       .def("set_iiof", [](Processor& p, int pin,
                           bool active) { p.chip.set_pin(pin_of(c40::Pin::iiof0, pin, 4), !active, p.chip.cycle()); })
       .def("raise_nmi", [](Processor& p) { p.chip.raise_nmi(); })
+      .def("raise_timer", [](Processor& p, int timer) { p.chip.raise_timer(timer); })
       .def(
           "complete_read",
           [](Processor& p, Word value, Cycles arbitration, Cycles transfer) {

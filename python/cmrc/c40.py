@@ -33,7 +33,8 @@ from cmrc.programs import (
 from cmrc.snapshots import ChipSnapshot, SnapshotError
 
 INTERRUPT_PINS = ("IIOF0", "IIOF1", "IIOF2", "IIOF3")
-INTERRUPT_FLAGS = {"TINT0": 24, **{f"DMAINT{channel}": 25 + channel for channel in range(6)}, "TINT1": 31}
+INTERRUPT_TIMERS = ("TINT0", "TINT1")
+INTERRUPT_FLAGS = {f"DMAINT{channel}": 25 + channel for channel in range(6)}
 """Bits of IIF that internal sources set (TMS320C4x User's Guide, IIF register)."""
 
 
@@ -170,22 +171,25 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun):
         self._core.complete_write(_cycles(arbitration, "arbitration"), _cycles(transfer, "transfer"))
 
     def raise_interrupt(self, source: str) -> None:
-        """Requests an interrupt as its source would: an edge on ``IIOF0`` to ``IIOF3`` or ``NMI``, the flag of
-        ``TINT0``, ``TINT1`` or ``DMAINT0`` to ``DMAINT5`` in IIF.
+        """Requests an interrupt as its source would: an edge on ``IIOF0`` to ``IIOF3`` or ``NMI``, an event of
+        the timer for ``TINT0`` and ``TINT1``, the flag in IIF for ``DMAINT0`` to ``DMAINT5``.
 
-        The interrupt is taken when ST, IIE and IIF allow it. An IIOF pin that IIF does not make an interrupt pin
-        ignores the edge. Raises ValueError for another source.
+        The interrupt is taken when ST, IIE and IIF allow it. An edge or event that DIE selects for a DMA channel goes
+        to the DMA instead. An IIOF pin that IIF does not make an interrupt pin ignores the edge. Raises ValueError for
+        another source.
         """
         name = arguments.text("source", source, "the name of an interrupt").upper()
         if name == "NMI":
             self._core.raise_nmi()
         elif name in INTERRUPT_PINS:
             self._core.raise_iiof(INTERRUPT_PINS.index(name))
+        elif name in INTERRUPT_TIMERS:
+            self._core.raise_timer(INTERRUPT_TIMERS.index(name))
         elif name in INTERRUPT_FLAGS:
             self.registers["IIF"] |= 1 << INTERRUPT_FLAGS[name]
         else:
             raise ValueError(
-                f"{source} is not an interrupt that can be raised; {', '.join(('NMI', *INTERRUPT_PINS, *INTERRUPT_FLAGS))} are"
+                f"{source} is not an interrupt that can be raised; {', '.join(('NMI', *INTERRUPT_PINS, *INTERRUPT_TIMERS, *INTERRUPT_FLAGS))} are"
             )
 
     def snapshot(self) -> ChipSnapshot:

@@ -162,6 +162,89 @@ def test_a_counter_one_beyond_its_period_continues() -> None:
     assert flags(chip, 400) == [] and chip.peripheral("TIMER0.counter") == 301
 
 
+@pytest.mark.parametrize("before", [5, 1000])
+def test_a_wrap_to_a_period_of_0_interrupts_whatever_happened_before(before: int) -> None:
+    """The counter counts on to FFFFFFFFh and wraps to 0: TSTAT goes from 0 to 1, once."""
+    chip = free_timer(PULSE, before)
+    flags(chip, 41)
+    chip.poke(PERIOD, 0)
+    chip.poke(COUNTER, 0xFFFFFFF0)
+    assert chip.peripheral("TIMER0.control") & TSTAT == 0
+    assert len(flags(chip, 33)) == 1 and chip.peripheral("TIMER0.counter") == 0
+    assert chip.peripheral("TIMER0.control") & TSTAT and flags(chip, 40) == []
+
+
+def test_period_and_counter_set_to_0_after_a_pulse_begin_a_new_one_with_the_next_tick() -> None:
+    chip = free_timer(PULSE, 5)
+    assert flags(chip, 13) == [10]
+    chip.poke(PERIOD, 0)
+    chip.poke(COUNTER, 0)
+    assert chip.peripheral("TIMER0.control") & TSTAT == 0
+    assert len(flags(chip, 20)) == 1 and chip.peripheral("TIMER0.control") & TSTAT
+    chip.poke(PERIOD, 3)  # ends the pulse
+    assert chip.peripheral("TIMER0.control") & TSTAT == 0
+    assert len(flags(chip, 18)) == 3
+
+
+@pytest.mark.parametrize("cycles", [20, 21, 30, 31])
+@pytest.mark.parametrize("counter", [0xFFFFFFFD, 0xFFFFFFFE])
+def test_after_a_wrap_in_clock_mode_a_period_of_0_toggles_in_each_cycle(counter: int, cycles: int) -> None:
+    chip = free_timer(CLOCK, 5)
+    chip.run(cycles)
+    chip.poke(PERIOD, 0)
+    chip.poke(COUNTER, counter)
+    before = chip.peripheral("TIMER0.control") & TSTAT
+    chip.set("IIF", 0)
+    levels, told = [], []
+    for _ in range(20):
+        chip.run(1)
+        levels.append(chip.peripheral("TIMER0.control") & TSTAT)
+        told.append(chip.get("IIF") & 1 << 24 != 0)
+        chip.set("IIF", 0)
+    first = next(n for n, level in enumerate(levels) if level != before)
+    assert 2 * (2**32 - counter) - 2 <= first < 2 * (2**32 - counter) + 1
+    assert all(a != b for a, b in itertools.pairwise(levels[first - 1 :]))
+    assert told == [
+        level != 0 and (n == 0 and not before or n > 0 and not levels[n - 1]) for n, level in enumerate(levels)
+    ]
+
+
+@pytest.mark.parametrize("register", [CONTROL, PERIOD])
+@pytest.mark.parametrize("every", [1, 2, 3])
+def test_a_write_of_the_control_register_or_period_loses_no_tick(register: int, every: int) -> None:
+    """A write overrides the timer's own update of the register that is written."""
+    chip = free_timer(PULSE, 30)
+    value = {CONTROL: 0x280, PERIOD: 30}[register]
+    for cycle in range(1, 59):
+        chip.run(1)
+        if cycle % every == 0:
+            chip.poke(register, value)
+        assert chip.peripheral("TIMER0.counter") == cycle // 2
+    assert flags(chip, 10) == [2]
+
+
+def test_a_write_of_the_counter_overrides_the_tick_of_its_cycle() -> None:
+    chip = free_timer(PULSE, 1000)
+    for _ in range(20):
+        chip.run(1)
+        chip.poke(COUNTER, 7)
+        assert chip.peripheral("TIMER0.counter") == 7
+    chip.run(20)
+    assert chip.peripheral("TIMER0.counter") in (16, 17)
+
+
+def test_the_pins_time_is_not_counted_when_the_internal_clock_returns() -> None:
+    chip = free_timer(PULSE, 1000)
+    chip.run(10)
+    chip.poke(CONTROL, 0x80)  # the pin, which nobody drives
+    chip.run(100)
+    before = chip.peripheral("TIMER0.counter")
+    chip.poke(CONTROL, 0x280)
+    assert chip.peripheral("TIMER0.counter") == before
+    chip.run(20)
+    assert chip.peripheral("TIMER0.counter") == before + 10
+
+
 def test_the_flag_stays_while_the_interrupt_is_off() -> None:
     chip, image = program(0, 0x2C0, 100)
     chip.run(100, until=image.symbols["start"])

@@ -127,6 +127,10 @@ void Chip::raise_iiof(int pin) {
   engine_->peripherals().raise(interrupts::iiof_flag(static_cast<unsigned>(pin)));
 }
 void Chip::raise_nmi() { engine_->peripherals().raise(interrupts::nmi_flag); }
+void Chip::raise_timer(int timer) {
+  check_timer(timer);
+  engine_->peripherals().raise(interrupts::timer_flags[static_cast<std::size_t>(timer)]);
+}
 void Chip::set_window_listener(WindowListener* listener) { engine_->window_listener = listener; }
 void Chip::catch_up() { engine_->catch_up(); }
 void Chip::attach(int port, PortListener* link) {

@@ -226,6 +226,8 @@ class Chip {
   void raise_iiof(int pin);
   /// A short pulse on NMI.
   void raise_nmi();
+  /// The event of a timer, as if TSTAT went from 0 to 1 now.
+  void raise_timer(int timer);
   /// An edge or level at this pin could be an enabled interrupt, an event for the DMA, or a tick of a running timer.
   bool reacts_to(Pin pin) const;
   /// The next cycle in which a peripheral changes by itself in a way that the processor, or a listener of pins, could

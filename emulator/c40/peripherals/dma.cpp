@@ -50,7 +50,10 @@ bool is_dma_register(Address address) {
 int dma_channel_of(Address address) { return static_cast<int>((address - first_channel) >> 4); }
 DmaRegister dma_register(Address address) { return static_cast<DmaRegister>((address - first_channel) & 0xFu); }
 
-Word Dma::start(Half h) const { return fields[static_cast<std::size_t>(h.half)].start.of(word_of(h)); }
+Word Dma::start(Half h) const {
+  if (h.half == 1 && !split(h.channel)) return start_reset;
+  return fields[static_cast<std::size_t>(h.half)].start.of(word_of(h));
+}
 Word Dma::mode(Half h) const { return fields[static_cast<std::size_t>(h.half)].mode.of(word_of(h)); }
 
 void Dma::set_start(Half h, Word value) {
@@ -58,14 +61,14 @@ void Dma::set_start(Half h, Word value) {
   word = fields[static_cast<std::size_t>(h.half)].start.with(word, value);
 }
 
-bool Dma::started(int c) const { return start({c, 0}) != start_reset || (split(c) && start({c, 1}) != start_reset); }
+bool Dma::started(int c) const { return start({c, 0}) != start_reset || start({c, 1}) != start_reset; }
 
 Word Dma::read(int c, DmaRegister reg) const {
   Word value = channel(c)[reg];
   if (reg != control) return value;
-  for (int half = 0; half < (split(c) ? 2 : 1); ++half) {
+  for (int half : {0, 1}) {
     const Half h{c, half};
-    const Word status = start(h) == start_run ? status_busy : state(h).has_data ? status_held_within : status_held;
+    const Word status = runs(h) ? status_busy : state(h).has_data ? status_held_within : status_held;
     value = fields[static_cast<std::size_t>(half)].status.with(value, status);
   }
   return value;
@@ -78,23 +81,44 @@ void Dma::write(int c, DmaRegister reg, Word value, Cycles at) {
     return;
   }
   const bool was_busy = busy();
-  const std::array<Word, 2> before{start({c, 0}), start({c, 1})};
+  const std::array<Word, 2> before = starts(c);
   written[control] = value & ~read_only;
-  for (int half = 0; half < 2; ++half) {
-    const Half h{c, half};
-    if (half == 1 && !split(c)) break;
-    if (start(h) == start_reset) {
-      if (s_.current == 2 * c + half && !s_.waits_for_answer) s_.current = -1;
-      state(h) = {};
-      written[counter_of(h)] = 0;
-      if (half == 0 || start({c, 0}) == start_reset) written.read_event = written.write_event = false;
-    } else if (start(h) == start_run && before[static_cast<std::size_t>(half)] != start_run) {
-      state(h).since = at;
-      const bool lists = mode(h) == mode_autoinit || mode(h) == mode_autoinit_on_restart;
-      if (written[counter_of(h)] == 0 && !state(h).has_data && lists) begin_list(h);
-    }
-  }
+  reset_halves(c);
+  start_halves(c, before, at);
   if (!was_busy) s_.now = std::max(s_.now, at + timing::dma_start_cycles);
+}
+
+// After a change of the control register. Of an access under way only the bus cycle is completed.
+void Dma::reset_halves(int c) {
+  DmaChannel& changed = channel(c);
+  for (int half : {0, 1}) {
+    const Half h{c, half};
+    if (start(h) != start_reset) continue;
+    if (s_.current == 2 * c + half) s_.current = -1;
+    if (s_.ended == 2 * c + half) s_.ended = -1;
+    state(h) = {};
+    changed[counter_of(h)] = 0;
+    if (half == 0 || start({c, 0}) == start_reset) changed.read_event = changed.write_event = false;
+  }
+}
+
+// After a change of the control register, and of the registers that came with it. A half that was halted resumes where
+// it was: within a word, or within a list.
+void Dma::start_halves(int c, const std::array<Word, 2>& before, Cycles at) {
+  bool any = false;
+  for (int half : {0, 1}) {
+    const Half h{c, half};
+    if (start(h) != start_run || before[static_cast<std::size_t>(half)] == start_run) continue;
+    any = true;
+    state(h).since = at;
+    if (begins_with_list(h)) begin_list(h);
+  }
+  if (any) context_.started(c, channel(c)[control], at);
+}
+
+bool Dma::begins_with_list(Half h) const {
+  const bool lists = mode(h) == mode_autoinit || mode(h) == mode_autoinit_on_restart;
+  return lists && channel(h.channel)[counter_of(h)] == 0 && !state(h).has_data && !state(h).listing;
 }
 
 void Dma::reset() {
@@ -138,7 +162,6 @@ Address Dma::address(Half h) const {
 }
 
 bool Dma::runs(Half h) const {
-  if (h.half == 1 && !split(h.channel)) return false;
   const Word how = start(h);
   return how == start_run || (how == start_halt_word && state(h).has_data);
 }
@@ -168,6 +191,7 @@ std::optional<int> Dma::pick() const {
 }
 
 bool Dma::active() const {
+  if (ends()) return true;
   for (int c = 0; c < dma_channel_count; ++c)
     if (!at_rest(c) && (runs({c, 0}) || runs({c, 1}))) return true;
   return false;
@@ -284,9 +308,10 @@ bool Dma::step(Cycles limit, std::optional<DmaRequest>& request) {
     }
     s_.current = static_cast<std::int8_t>(*next);
   }
-  const Half h = half_of(s_.current);
+  const std::int8_t owner = s_.current;
+  const Half h = half_of(owner);
   DmaHalf& half = state(h);
-  const bool write = half.has_data && !half.listing;
+  const bool write = half.has_data && !half.listing, divided = split(h.channel);
   const Address at = address(h);
   const DmaPlace place = context_.place(at, write);
   if (place.kind == DmaPlace::Kind::nothing) {
@@ -310,31 +335,36 @@ bool Dma::step(Cycles limit, std::optional<DmaRequest>& request) {
     context_.write(at, half.data, span->begin);
   else
     value = context_.read(at, span->begin);
-  done(h, value, span->end);
+  if (s_.current < 0) {  // it has put itself in reset
+    s_.last = owner;
+    s_.now = span->end;
+    return true;
+  }
+  done(h, divided, value, span->end);
   return true;
 }
 
 void Dma::answer(Word value, Cycles at) {
   s_.waits_for_answer = false;
   s_.now = at;
+  if (s_.current < 0) return;  // reset meanwhile
   const Half h = half_of(s_.current);
-  if (start(h) != start_reset) return done(h, value, at);
-  s_.current = -1;
+  done(h, split(h.channel), value, at);
 }
 
-// To be called after a half's access that ended before cycle `end`.
-void Dma::done(Half h, Word value, Cycles end) {
+// To be called after a half's access that ended before cycle `end`. `divided`: it began in split mode; the access
+// itself may have written the control register.
+void Dma::done(Half h, bool divided, Word value, Cycles end) {
   DmaChannel& c = channel(h.channel);
   DmaHalf& half = state(h);
-  const bool divided = split(h.channel);
   s_.now = half.since = end;
   if (half.listing) {
     half.list[half.listed++] = value;
     if (!fields[static_cast<std::size_t>(h.half)].stay.in(c[control])) ++half.list_at;
     s_.now += timing::dma_list_write_cycles;
-    if (half.listed == (divided ? primary_list.size() : unified_list.size())) load_list(h);
     s_.last = s_.current;
     s_.current = -1;
+    if (half.listed >= (divided ? primary_list.size() : unified_list.size())) load_list(h, divided);
   } else if (!half.has_data) {
     half.has_data = true;
     half.data = value;
@@ -371,29 +401,26 @@ void Dma::begin_list(Half h) {
 
 // The last word of a list is the new link pointer. In split mode a list changes only its own half's fields of the
 // control register.
-void Dma::load_list(Half h) {
+void Dma::load_list(Half h, bool divided) {
   DmaChannel& c = channel(h.channel);
   DmaHalf& half = state(h);
-  const bool divided = split(h.channel);
-  const Word old = c[control];
-  const auto load = [&](const auto& order) {
-    for (std::size_t i = 0; i < order.size(); ++i)
-      c[order[i]] = half.list[i] & (order[i] == control ? ~read_only : ~Word{0});
+  const std::array<Word, 7> words = half.list;
+  const std::array<Word, 2> before = starts(h.channel);
+  const Word mine = !divided ? ~Word{0} : h.half == 0 ? ~auxiliary_fields : auxiliary_fields;
+  half = {.since = half.since};
+  c[control] = ((c[control] & ~mine) | (words[0] & mine)) & ~read_only;
+  reset_halves(h.channel);
+  const auto load_others = [&](const auto& order) {
+    for (std::size_t i = 1; i < order.size(); ++i) c[order[i]] = words[i];
   };
   if (!divided)
-    load(unified_list);
+    load_others(unified_list);
   else if (h.half == 0)
-    load(primary_list);
+    load_others(primary_list);
   else
-    load(auxiliary_list);
-  if (divided) {
-    const Word mine = h.half == 0 ? ~auxiliary_fields : auxiliary_fields;
-    c[control] = (old & ~mine) | (c[control] & mine);
-  }
-  half = {.since = half.since};
-  if (start(h) != start_run) return;
-  const bool lists = mode(h) == mode_autoinit || mode(h) == mode_autoinit_on_restart;
-  if (c[counter_of(h)] == 0 && lists) begin_list(h);
+    load_others(auxiliary_list);
+  if (start(h) == start_run && begins_with_list(h)) begin_list(h);
+  start_halves(h.channel, before, s_.now);
 }
 
 }  // namespace c40

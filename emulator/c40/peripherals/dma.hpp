@@ -74,6 +74,8 @@ class DmaContext {
     Cycles begin = 0, end = 0;
   };
   virtual std::optional<Span> acquire(const DmaPlace& place, Cycles from, Cycles limit, Word priority) = 0;
+  /// The control word started a half of a channel, or both, in cycle `at`.
+  virtual void started(int channel, Word control, Cycles at) = 0;
   /// A block of a channel has ended in cycle `at`; `interrupt`: the processor gets an interrupt.
   virtual void block_ended(int channel, bool auxiliary, bool interrupt, Cycles at) = 0;
 };
@@ -114,7 +116,7 @@ class Dma {
   void end();
   /// The waits of started halves that could not continue now.
   std::vector<DmaWait> waits() const;
-  /// A channel is started; it may be waiting.
+  /// A channel is started, and may be waiting; or the end of its block is still to come.
   bool active() const;
   /// The ports that started channels use: bit n.
   Word ports_used() const;
@@ -165,7 +167,12 @@ class Dma {
     return (channel(c)[DmaRegister::control] & (dma_control::START.mask() | dma_control::AUX_START.mask())) == 0;
   }
   bool started(int c) const;
+  /// START or AUX START. Without SPLIT MODE the auxiliary half is in reset.
   Word start(Half h) const;
+  std::array<Word, 2> starts(int c) const { return {start({c, 0}), start({c, 1})}; }
+  void reset_halves(int c);
+  void start_halves(int c, const std::array<Word, 2>& before, Cycles at);
+  bool begins_with_list(Half h) const;
   void set_start(Half h, Word value);
   Word mode(Half h) const;
   DmaRegister counter_of(Half h) const { return h.half == 1 ? DmaRegister::auxiliary_counter : DmaRegister::counter; }
@@ -179,10 +186,10 @@ class Dma {
   bool runs(Half h) const;
   std::optional<int> pick() const;
   bool step(Cycles limit, std::optional<DmaRequest>& request);
-  void done(Half h, Word value, Cycles end);
+  void done(Half h, bool divided, Word value, Cycles end);
   void end_block(Half h, Cycles at);
   void begin_list(Half h);
-  void load_list(Half h);
+  void load_list(Half h, bool divided);
 
   DmaState& s_;
   DmaContext& context_;

@@ -53,17 +53,17 @@ Word DmaSide::read(Address address, Cycles at) {
     value = touch_port(port_access(address, false, 0, at), at);
   else
     chip_.peripherals.read(address, at, value);
-  tell_probe(address, value, value, false, at);
+  tell_probe(chip_.state.dma.current / 2, address, value, value, false, at);
   return value;
 }
 
 // The word was moved in the cycle before.
-void DmaSide::tell_probe(Address address, Word before, Word value, bool write, Cycles at) {
+void DmaSide::tell_probe(int channel, Address address, Word before, Word value, bool write, Cycles at) {
   chip_.probe.tell({.address = address,
                     .before = before,
                     .value = value,
                     .write = write,
-                    .channel = chip_.state.dma.current / 2,
+                    .channel = channel,
                     .pc = chip_.state.core.pc,
                     .cycle = at + 1});
 }
@@ -71,13 +71,14 @@ void DmaSide::tell_probe(Address address, Word before, Word value, bool write, C
 void DmaSide::write(Address address, Word value, Cycles at) {
   const Memory::Area* area = chip_.memory.find(address);
   const Word before = area->data != nullptr ? area->data[address - area->base] : value;
+  const int channel = chip_.state.dma.current / 2;  // the write may put it in reset
   if (area->data != nullptr)
     chip_.poke(address, value);
   else if (is_port_register(address))
     touch_port(port_access(address, true, value, at), at);
   else
     chip_.peripherals.write(address, value, at);
-  if (area->data == nullptr || area->set_apart) tell_probe(address, before, value, true, at);
+  if (area->data == nullptr || area->set_apart) tell_probe(channel, address, before, value, true, at);
 }
 
 bool DmaSide::port_ready(Address address, bool write) const {
@@ -99,6 +100,10 @@ void DmaSide::block_ended(int channel, bool auxiliary, bool interrupt, Cycles at
   if (!interrupt) return;
   chip_.peripherals.raise(interrupts::first_dma_flag << channel);
   chip_.dma.stop_requested = true;
+}
+
+void DmaSide::started(int channel, Word control, Cycles at) {
+  chip_.tell({PeripheralEvent::Kind::dma_start, at, channel, control});
 }
 
 std::optional<DmaContext::Span> DmaSide::acquire(const DmaPlace& place, Cycles from, Cycles limit, Word priority) {

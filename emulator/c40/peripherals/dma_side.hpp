@@ -67,6 +67,7 @@ class DmaSide final : public DmaContext {
   Word dma_interrupt_enable() const override;
   std::optional<Span> acquire(const DmaPlace& place, Cycles from, Cycles limit, Word priority) override;
   void block_ended(int channel, bool auxiliary, bool interrupt, Cycles at) override;
+  void started(int channel, Word control, Cycles at) override;
 
   // ---- around an instruction of the processor ----
 
@@ -98,8 +99,8 @@ class DmaSide final : public DmaContext {
   /// \param beside_processor the processor continues as well
   void begin_following(bool beside_processor);
   void end_following();
-  /// Reports an access of the DMA in cycle `at` to the probe.
-  void tell_probe(Address address, Word before, Word value, bool write, Cycles at);
+  /// Reports an access of a channel in cycle `at` to the probe.
+  void tell_probe(int channel, Address address, Word before, Word value, bool write, Cycles at);
   /// Whether the DMA has accessed a linked port since the last call.
   bool take_touched_link() { return std::exchange(touched_link_, false); }
 

@@ -12,7 +12,7 @@ struct PeripheralEvent {
   enum class Kind : std::uint8_t {
     port_write,  ///< a word went into the output FIFO of port `number`
     port_read,   ///< a word was read from the input FIFO of port `number`
-    dma_start,   ///< channel `number` was started; `value` is its control word
+    dma_start,   ///< a half of channel `number` was started, or both; `value` is its control word
     dma_end,     ///< a block of channel `number` has ended; `value` is 1 for the auxiliary half
     timer,       ///< TINT of timer `number`
     interrupt  ///< the interrupt with offset `number` in the vector table was taken; `value` is the interrupted address

@@ -63,8 +63,6 @@ bool Peripherals::write(Address address, Word value, Cycles at) {
   }
   if (is_dma_register(address)) {
     dma_.write(dma_channel_of(address), dma_register(address), value, at);
-    if (dma_register(address) == DmaRegister::control && dma_control::START.of(value) == dma_control::start_run)
-      tell_({PeripheralEvent::Kind::dma_start, at, dma_channel_of(address), value});
     watch_dma();
     return true;
   }
@@ -77,7 +75,7 @@ void Peripherals::raise(Word flag) {
   Word& iif = state_.core.r[reg::IIF];
   for (unsigned pin = 0; pin < 4; ++pin)
     if (flag == iiof_flag(pin) && (iif >> 4 * pin & 1u) == 0) return;  // general-purpose I/O
-  if (dma_active_ && dma_.latch(selects(flag))) return;
+  if (dma_.latch(selects(flag))) return;
   iif |= flag;
 }
 
@@ -107,13 +105,11 @@ bool Peripherals::reacts_to(Pin pin) const {
     return (interrupts::iiof_nibble(state_.core, n) & 9u) == 9u || (dma_active_ && dma_.latches(selects(iiof_flag(n))));
   if (is_timer_pin(pin))
     return state_.timers[n].counts_pin() &&
-           (timer_drives_dma(n) || (state_.core.r[reg::IIE] & (n == 0 ? 1u : 1u << 31)) != 0);
+           (timer_drives_dma(n) ? dma_active_ : (state_.core.r[reg::IIE] & (n == 0 ? 1u : 1u << 31)) != 0);
   return true;
 }
 
-bool Peripherals::timer_drives_dma(std::size_t timer) const {
-  return dma_active_ && dma_.latches(selects(timer_flags[timer]));
-}
+bool Peripherals::timer_drives_dma(std::size_t timer) const { return dma_.latches(selects(timer_flags[timer])); }
 
 void Peripherals::pins_changed() {
   if (!pins_.watched()) return;

@@ -27,11 +27,13 @@ class Peripherals {
   bool interface_changed() const { return interface_changed_; }
   void interface_settled() { interface_changed_ = false; }
 
-  /// An event: goes to the DMA if a started channel selects it in DIE (c40-hardware.md 3.8), else sets a flag of IIF.
+  /// An event: goes to the DMA if a channel that is not in reset selects it in DIE (c40-hardware.md 3.8), else sets a
+  /// flag of IIF.
   void raise(Word flag);
   /// The outside drives a pin from cycle `at` on.
   void set_pin(Pin pin, bool level, Cycles at);
   bool reacts_to(Pin pin) const;
+  /// The timer's events go to the DMA; a halted channel only keeps them.
   bool timer_drives_dma(std::size_t timer) const;
   /// An instruction, or the outside, may have changed what the chip drives.
   void pins_changed();
@@ -43,7 +45,7 @@ class Peripherals {
   /// Within one cycle, the end of a DMA block comes before the timers' events and the processor's access to a port.
   void end_dma_block(Cycles at);
 
-  /// A DMA channel is started, or one of its accesses is under way.
+  /// A DMA channel is started, or one of its accesses or the end of its block is under way.
   bool dma_active() const { return dma_active_; }
   bool dma_busy() const { return dma_active_ && dma_.busy(); }
   bool dma_waits() const { return dma_active_ && !dma_.busy(); }

@@ -10,6 +10,7 @@ namespace {
 constexpr Word kept =
     FUNC.mask() | IO.mask() | DATOUT.mask() | HLD.mask() | CP.mask() | CLKSRC.mask() | INV.mask() | DEBUG.mask();
 constexpr std::uint64_t counter_range = std::uint64_t{1} << 32;
+constexpr Cycles fast_tick_cycles = 1;  // in clock mode with period 0
 constexpr Cycles never_happens = std::numeric_limits<Cycles>::max();
 constexpr Address first_timer = 0x00100020u;
 }  // namespace
@@ -23,10 +24,12 @@ TimerRegister timer_register(Address address) { return static_cast<TimerRegister
 
 bool Timer::drives_pin() const { return FUNC.in(control_) ? internal_clock() : IO.in(control_); }
 
-// If period and counter are 0, a pulse never ends.
+// A pulse with which period and counter are 0 lasts until a write changes one of them.
+bool Timer::stuck() const { return !clock_mode() && pulse_ >= 0 && period_ == 0 && counter_ == 0; }
+
 bool Timer::status(Cycles at) const {
   if (clock_mode()) return toggle_;
-  return pulse_ >= 0 && (at == pulse_ || (period_ == 0 && counter_ == 0));
+  return pulse_ >= 0 && (at == pulse_ || stuck());
 }
 
 bool Timer::pin(Cycles at) const {
@@ -50,27 +53,35 @@ Word Timer::read(TimerRegister reg, Cycles at) const {
 
 bool Timer::write(TimerRegister reg, Word value, Cycles at) {
   bool rose = advance_to(at - 1);
-  if (reg == TimerRegister::period) {
-    period_ = value;
-    return rose;
+  const bool lasts = stuck();
+  switch (reg) {
+    case TimerRegister::counter:
+      skip_ticks(at);  // the write overrides a tick in this cycle
+      counter_ = value;
+      break;
+    case TimerRegister::period: period_ = value; break;
+    case TimerRegister::control:
+      if (write_control(value, at)) rose = true;
+      break;
   }
-  at_ += (at - at_) / tick_cycles() * tick_cycles();  // the write overrides a tick in this cycle
-  if (reg == TimerRegister::counter)
-    counter_ = value;
-  else if (write_control(value, at))
-    rose = true;
+  if (pulse_ < at && !(lasts && stuck())) pulse_ = -1;  // a pulse that is over does not begin again
   return rose;
 }
 
+void Timer::skip_ticks(Cycles at) { at_ += (at - at_) / tick_cycles() * tick_cycles(); }
+
 bool Timer::write_control(Word value, Cycles at) {
-  const bool was_running = running(), line = clock_line(at);
+  const bool was_running = running(), was_internal = internal_clock(), line = clock_line(at);
   control_ = value & kept;
   if (GO.in(value)) {
     counter_ = 0;
     toggle_ = false;
     pulse_ = -1;
   }
-  if (GO.in(value) || !was_running) at_ = at;
+  if (GO.in(value) || !was_running)
+    at_ = at;
+  else if (!was_internal)
+    skip_ticks(at);  // they were the pin's
   const bool edge = !line && clock_line(at);
   return edge && running() && was_running && !internal_clock() && count(1, at);
 }
@@ -85,7 +96,7 @@ bool Timer::set_pin(bool level, Cycles at) {
 
 // If period and counter are 0, clock mode toggles every cycle.
 Cycles Timer::tick_cycles() const {
-  return clock_mode() && period_ == 0 && counter_ == 0 ? 1 : timing::timer_tick_cycles;
+  return clock_mode() && period_ == 0 && counter_ == 0 ? fast_tick_cycles : timing::timer_tick_cycles;
 }
 
 // The counter goes to 0 when it reaches the period. If it is greater than the period, it counts on through FFFFFFFFh.
@@ -105,9 +116,9 @@ bool Timer::count(std::uint64_t ticks, Cycles last) {
   const std::uint64_t period = period_ == 0 ? 1 : period_, beyond = ticks - first;
   const std::uint64_t overflows = 1 + beyond / period;
   counter_ = static_cast<Word>(period_ == 0 ? 0 : beyond % period);
-  const bool stuck = period_ == 0 && pulse_ >= 0;
+  const bool rises = !stuck();
   pulse_ = last - static_cast<Cycles>(beyond % period) * tick_cycles();
-  if (!clock_mode()) return !stuck;
+  if (!clock_mode()) return rises;
   const bool rose = !toggle_ || overflows >= 2;
   toggle_ ^= (overflows & 1) != 0;
   return rose;
@@ -115,17 +126,16 @@ bool Timer::count(std::uint64_t ticks, Cycles last) {
 
 Cycles Timer::next_event() const {
   if (!running() || !internal_clock()) return never_happens;
-  if (!clock_mode() && period_ == 0 && pulse_ >= 0) return never_happens;
-  const std::uint64_t period = period_ == 0 ? 1 : period_;
-  const std::uint64_t ticks = ticks_to_overflow() + (clock_mode() && toggle_ ? period : 0);
-  return at_ + static_cast<Cycles>(ticks) * tick_cycles();
+  if (stuck()) return never_happens;
+  const Cycles overflow = at_ + static_cast<Cycles>(ticks_to_overflow()) * tick_cycles();
+  if (!clock_mode() || !toggle_) return overflow;
+  return overflow + (period_ == 0 ? fast_tick_cycles : Cycles{period_} * timing::timer_tick_cycles);
 }
 
 Cycles Timer::next_change_of_pin(Cycles last) const {
   if (!FUNC.in(control_) || !internal_clock()) return never_happens;
-  const bool stuck = period_ == 0 && counter_ == 0;  // in pulse mode, a pulse never ends
-  if (!clock_mode() && !stuck && pulse_ >= 0 && last <= pulse_) return pulse_ + 1;
-  if (!running() || (!clock_mode() && stuck && pulse_ >= 0)) return never_happens;
+  if (!clock_mode() && !stuck() && pulse_ >= 0 && last <= pulse_) return pulse_ + 1;
+  if (!running() || stuck()) return never_happens;
   return at_ + static_cast<Cycles>(ticks_to_overflow()) * tick_cycles();
 }
 
@@ -133,7 +143,7 @@ bool Timer::advance_to(Cycles at) {
   if (!running() || !internal_clock() || at <= at_) return false;
   const Cycles length = tick_cycles();
   Cycles ticks = (at - at_) / length;
-  const bool changes_pace = period_ == 0 && counter_ != 0 && static_cast<std::uint64_t>(ticks) > ticks_to_overflow();
+  const bool changes_pace = period_ == 0 && counter_ != 0 && static_cast<std::uint64_t>(ticks) >= ticks_to_overflow();
   if (changes_pace) ticks = static_cast<Cycles>(ticks_to_overflow());
   at_ += ticks * length;
   const bool rose = ticks != 0 && count(static_cast<std::uint64_t>(ticks), at_);

@@ -44,8 +44,8 @@ class Timer {
  public:
   /// A register's value in a cycle, which must not be before the last call of advance_to or write.
   Word read(TimerRegister reg, Cycles at) const;
-  /// A write of the processor overrides the timer's own change in that cycle. True if the write changed TSTAT from 0 to
-  /// 1.
+  /// A write of the processor overrides the timer's own change of that register in that cycle. True if the write
+  /// changed TSTAT from 0 to 1.
   bool write(TimerRegister reg, Word value, Cycles at);
   /// Reset; the level that the outside drives stays.
   void start_anew(const Timer& before) { outside_ = before.outside_; }
@@ -72,12 +72,14 @@ class Timer {
   bool running() const { return timer_control::HLD.in(control_); }
   bool internal_clock() const { return timer_control::CLKSRC.in(control_); }
   bool clock_mode() const { return timer_control::CP.in(control_); }
+  bool stuck() const;
   bool status(Cycles at) const;
   bool clock_line(Cycles at) const;
   Cycles tick_cycles() const;
   std::uint64_t ticks_to_overflow() const;
   bool count(std::uint64_t ticks, Cycles last);
   bool write_control(Word value, Cycles at);
+  void skip_ticks(Cycles at);
 
   Word control_ = 0;  ///< without DATIN, GO and TSTAT
   Word counter_ = 0, period_ = 0;

@@ -50,8 +50,8 @@ class Event:
 class PeripheralEvent:
     """An event of a chip's peripherals: ``port_write`` and ``port_read`` (``number`` the port, ``value`` the word,
     ``channel`` the DMA channel, None for the processor), ``dma_start`` and ``dma_end`` (``number`` the channel;
-    ``value`` its control word; at the end 1 for the auxiliary half), ``timer``, ``interrupt`` (``number`` its place in
-    the vector table, ``value`` the interrupted address)."""
+    ``value`` its control word when START or AUX START became 11; at the end 1 for the auxiliary half), ``timer``,
+    ``interrupt`` (``number`` its place in the vector table, ``value`` the interrupted address)."""
 
     chip: int
     time_ps: int
