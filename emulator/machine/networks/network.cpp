@@ -156,7 +156,9 @@ void Network::load_stream(Node& node, const toolchain::Image& image, const c40::
   header.global_interface_control = board.global_interface_control;
   header.local_interface_control = board.local_interface_control;
   try {
-    node.chip.write_block(boot_address(board), boot_memory(image, header));
+    const std::vector<Word> stream = boot_memory(image, header);
+    require_not_overwritten(stream, boot_address(board), image);
+    node.chip.write_block(boot_address(board), stream);
   } catch (const std::exception& error) {
     throw NetworkError(fmt::format("chip {}: board {}: the boot stream at {:08X}h, which the pins choose: {}",
                                    node.number, board.name, boot_address(board), error.what()));
@@ -165,6 +167,7 @@ void Network::load_stream(Node& node, const toolchain::Image& image, const c40::
 }
 
 void Network::ready_to_start(Node& node) {
+  if (node.description.add_words) node.description.add_words(node.chip);
   for (const Address end : program_ends(*node.description.program)) node.chip.add_breakpoint(end);
   if (node.description.until) node.chip.add_breakpoint(*node.description.until);
   start(node);

@@ -75,6 +75,8 @@ struct NetworkChip {
   /// boot ROM, which takes its program from the first port that gives one; `program` then only describes the expected
   /// program (symbols, lines, ends) and may be null.
   bool boot = false;
+  /// Writes further words to its memory, after its program and before its start; null: none.
+  std::function<void(c40::Chip&)> add_words{};
   bool is_in_rom = false;  ///< it boots what the board's ROMs hold: `program` only lends its symbols, lines and ends
   /// Behind windows of its board, besides the board's own.
   std::vector<BoardDevices::Place> devices{};
