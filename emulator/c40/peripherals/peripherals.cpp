@@ -78,6 +78,8 @@ void Peripherals::raise(Word flag) {
   for (unsigned pin = 0; pin < 4; ++pin)
     if (flag == iiof_flag(pin) && (iif >> 4 * pin & 1u) == 0) return;  // general-purpose I/O
   if (dma_active_ && dma_.latch(selects(flag))) return;
+  for (unsigned pin = 0; pin < 4; ++pin)
+    if (flag == iiof_flag(pin) && interrupts::is_level_triggered(state_.core, pin)) return;  // Pins::show_inputs
   iif |= flag;
 }
 
