@@ -94,6 +94,7 @@ void Peripherals::set_pin(Pin pin, bool level, Cycles at) {
     if (!level && !state_.nmi_low) raise(interrupts::nmi_flag);
     state_.nmi_low = !level;
   } else if (is_timer_pin(pin)) {
+    if (state_.held) return state_.timers[n].follow_pin(level);
     advance_to(at - 1);
     if (state_.timers[n].set_pin(level, at)) timer_event(n, at);
     expect();

@@ -351,6 +351,8 @@ class Network {
   void devices_acted();
   void tell_mailboxes(Memory& memory, std::size_t side, c40::Address word, bool write);
   void reset_chip(Node& node);
+  void freeze(Node& node, ChipStatus status);
+  void free_locks(const Node& node);
   std::string describe_wait(const Node& node) const;
   Time at_rest_since() const;
   NetworkStop finish(NetworkStop::Reason reason, Time end);

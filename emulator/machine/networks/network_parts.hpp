@@ -64,6 +64,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   int awaited_number = -1;                 ///< its number
   bool was_ready = false;                  ///< whether the port or memory was ready at the last check
   Time ready_since{0};
+  bool reset_low = false;        ///< the level at its RESET pin, if a net leads there
   c40::Cycles asleep_since = 0;  ///< for a chip that sleeps in a branch to itself
   std::vector<std::size_t> links;
   std::unique_ptr<BoardDevices> devices;  ///< null: none
