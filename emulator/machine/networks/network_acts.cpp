@@ -1,6 +1,7 @@
 // What actions do to a network: links are cut, nets driven, chips held, reset and pulled out.
 #include <fmt/format.h>
 
+#include "c40/peripherals/comm_port.hpp"
 #include "machine/networks/network_parts.hpp"
 
 namespace machine {
@@ -90,7 +91,7 @@ void Network::free_locks(const Node& node) {
 void Network::reset_chip(Node& node) {
   for (int n = 0; n < c40::port_count; ++n)
     for (const c40::Fifo* fifo : {&node.chip.port(n).output, &node.chip.port(n).input})
-      for (const Word word : fifo->words())
+      for (const c40::Word word : fifo->words())
         events_.push_back(
             {NetworkEvent::Kind::discarded, now_, node.number, n, word, fifo == &node.chip.port(n).input ? 1 : 0});
   free_locks(node);
