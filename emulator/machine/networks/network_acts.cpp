@@ -70,7 +70,7 @@ void Network::perform(const NetworkAction& action) {
       free_locks(node);
       return freeze(node, ChipStatus::pulled_out);
     default:
-      if (node.reset_low) free_locks(node);
+      if (node.reset_is_low()) free_locks(node);
       freeze(node, ChipStatus::held);
   }
 }

@@ -64,7 +64,6 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   int awaited_number = -1;                 ///< its number
   bool was_ready = false;                  ///< whether the port or memory was ready at the last check
   Time ready_since{0};
-  bool reset_low = false;        ///< the level at its RESET pin, if a net leads there
   c40::Cycles asleep_since = 0;  ///< for a chip that sleeps in a branch to itself
   std::vector<std::size_t> links;
   std::unique_ptr<BoardDevices> devices;  ///< null: none
@@ -125,6 +124,10 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   }
   bool reacts_to(c40::Pin pin) const;
   bool reacts_to_pins() const;
+  /// Its RESET pin, which a net drives, is low.
+  bool reset_is_low() const {
+    return std::ranges::any_of(nets_in, [this](const Net* net) { return net->is_low_at({number, c40::Pin::reset}); });
+  }
   bool held() const { return status == ChipStatus::held || status == ChipStatus::pulled_out; }
   bool dma_waits() const {
     const bool lives = status == ChipStatus::running || status == ChipStatus::waiting || status == ChipStatus::sleeping;

@@ -55,7 +55,6 @@ void Network::Node::pin_changes(c40::Pin pin, bool level, Time now) {
   if (status == ChipStatus::pulled_out) return;
   if (listens_to(pin)) network.something_happened(), network.changed_ = now;
   if (pin == c40::Pin::reset) {
-    reset_low = !level;
     const auto kind = level ? NetworkAction::Kind::reset : NetworkAction::Kind::hold;
     if (!level || status == ChipStatus::held) network.schedule({.kind = kind, .time = now, .target = number});
     return;

@@ -91,7 +91,6 @@ void Network::Node::list_state(state::Visitor& list) {
   if (list.loads() && waits_for_port()) await(stop.port.port);
   list("was_ready", was_ready);
   list("ready_since", ready_since);
-  list("reset_low", reset_low);
   list("asleep_since", asleep_since);
   list("dma_answered", dma_answered);
   list("patience_since", patience.since);
