@@ -315,3 +315,74 @@ def test_pins_of_a_chip_in_a_network(emulator: Path, tmp_path: Path) -> None:
         bad.returncode == 2
         and "chip 0: board strapped: the boot stream at A0000000h, which the pins choose:" in bad.stderr
     )
+
+
+ADDED = "        .text\nstart:  ldi 1,r7\nend:    bu end\nother:  ldi 77,r7\nend2:   bu end2\n"
+VECTOR = 0x80000000
+
+
+@pytest.mark.parametrize("how", ["poke", "load"])
+@pytest.mark.parametrize("network", [False, True])
+def test_words_of_the_command_line_are_there_before_the_reset(
+    emulator: Path, tmp_path: Path, how: str, network: bool
+) -> None:
+    """The word is the reset vector, which the chip reads at its reset."""
+    board = BOARD.replace("resetloc = 0", "resetloc = 2").replace("romen = true", "romen = false")
+    (tmp_path / "b.toml").write_text(board)
+    (tmp_path / "p.asm").write_text(ADDED)
+    (tmp_path / "n.toml").write_text('[[chip]]\nprogram = "p.asm"\nboard = "b.toml"\nboot = true\n')
+    entry = 0x300000 + 2
+    (tmp_path / "vector.bin").write_bytes(entry.to_bytes(4, "little"))
+    chip = "0:" if network else ""
+    add = {"poke": f"{chip}{VECTOR:#x}={entry:#x}", "load": f"vector.bin@{chip}{VECTOR:#x}"}[how]
+    what = ["--network", "n.toml"] if network else ["p.asm", "--board", "b.toml", "--boot", "reset"]
+    result = subprocess.run(
+        [emulator, "exec", *what, f"--{how}", add, "--json", "--max-cycles", "10000"],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=tmp_path,
+        timeout=60,
+    )
+    assert result.returncode == 0, result.stderr
+    report = json.loads(result.stdout)
+    assert (report["chips"][0] if network else report)["registers"]["R7"] & 0xFF == 77
+
+
+def test_a_program_that_would_overwrite_its_own_stream_is_refused(emulator: Path, tmp_path: Path) -> None:
+    """The stream is put where the pins say, and the loader reads it there while it writes the program."""
+    program = assembled(emulator, tmp_path, PROGRAM, ".text=0x8000000A", ".data=0x80000100")
+    board = BOARD.replace("0x10000", "0x20000")
+    refused = run_on(emulator, tmp_path, board, "--boot", "reset", program=program)
+    assert refused.returncode == 2 and refused.stdout == ""
+    assert "--boot: section .text has a word at 8000000Ah, where the boot loader has not read the stream" in (
+        refused.stderr
+    )
+    (tmp_path / "n.toml").write_text('[[chip]]\nprogram = "p.out"\nboard = "b.toml"\nboot = true\n')
+    network = subprocess.run(
+        [emulator, "exec", "--network", "n.toml"], capture_output=True, text=True, check=False, cwd=tmp_path, timeout=60
+    )
+    assert network.returncode == 2 and "section .text has a word at 8000000Ah" in network.stderr
+    behind = assembled(emulator, tmp_path, PROGRAM, ".text=0x80000000", ".data=0x80000100")
+    done = run_on(emulator, tmp_path, board, "--boot", "reset", "--json", program=behind)
+    assert done.returncode == 0 and json.loads(done.stdout)["registers"]["R7"] & 0xFFFF == 0x1234
+
+
+def test_a_loader_that_reads_memory_is_not_said_to_poll_the_ports(emulator: Path, tmp_path: Path) -> None:
+    """The board's pins say the ports; a net pulls IIOF1 low before the loader reads them, which is 300000h."""
+    (tmp_path / "b.toml").write_text(BOARD.replace("0111", "1111"))
+    (tmp_path / "n.toml").write_text(
+        '[[chip]]\nboard = "b.toml"\nboot = true\n[[net]]\nname = "sel"\nreceivers = ["0.IIOF1"]\nrest = "low"\n'
+    )
+    stream = [32, 0x1DEA4000, 0x1DEA4000, 2, 0x500, 7, 8]
+    pokes = [word for n, value in enumerate(stream) for word in ("--poke", f"0:{0x300000 + n:#x}={value:#x}")]
+    result = subprocess.run(
+        [emulator, "exec", "--network", "n.toml", *pokes],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=tmp_path,
+        timeout=60,
+    )
+    assert "write to 00000500h, which is in the boot ROM" in result.stdout
+    assert "(the boot loader, which reads a stream in memory, its next word at 00300006h)" in result.stdout

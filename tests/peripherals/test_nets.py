@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from cmrc.network import ChipSnapshot, Network
-from net_programs import COUNT, END, LEVEL, assembled, clock, iiof, listener
+from net_programs import COUNT, EDGE, END, LEVEL, assembled, clock, iiof, listener
 
 CYCLE = 50_000  # ps, of H1 at 40 MHz
 
@@ -124,6 +124,17 @@ def test_a_level_interrupts_as_long_as_it_lasts() -> None:
     assert (fall, rise) == ((20_000_000, "fall"), (25_000_000, "rise"))
     taken = interrupts(network, 0)
     assert len(taken) > 3 and taken[0] == 20_000_000 + CYCLE and taken[-1] <= 25_000_000 + CYCLE + 4 * CYCLE
+
+
+@pytest.mark.parametrize(("nibble", "flags", "taken"), [(LEVEL, [1, 0], 0), (EDGE, [1, 1], 1)])
+def test_an_edge_lasts_and_a_level_does_not(nibble: int, flags: list[int], taken: int) -> None:
+    """IIOF1 is low from 4 to 6 us. The program reads IIF at 5 us, and again before it sets GIE."""
+    text = f"{iiof(1, nibble)}        ldi 0,r2\n        ldhi hi16(isr),r0\n        or lo16(isr),r0\n        sti r0,*+ar1(4)\n"
+    waits = "        rpts 99\n        nop\n"
+    text += waits + "        ldi iif,r3\n" + waits + "        ldi iif,r4\n        or 2000h,st\n" + waits + END + COUNT
+    network = run([assembled(text)], ["wire: >0.IIOF1"], 60, lambda network: network.pulse("wire", 4, width_us=2))
+    assert [low(network, 0, register) >> 6 & 1 for register in ("R3", "R4")] == flags
+    assert low(network, 0) == taken
 
 
 def test_nmi_needs_no_enabling() -> None:

@@ -41,9 +41,15 @@ bool Pins::set_iiof(Pin pin, bool level) {
 
 void Pins::show_inputs() {
   Word& iif = state_.core.r[reg::IIF];
-  for (unsigned pin = 0; pin < iiof_pins; ++pin)
+  const auto show = [&iif](unsigned pin, bool flag) {
+    iif = (iif & ~interrupts::iiof_flag(pin)) | (flag ? interrupts::iiof_flag(pin) : 0u);
+  };
+  for (unsigned pin = 0; pin < iiof_pins; ++pin) {
     if ((iif >> 4 * pin & 3u) == 0)
-      iif = (iif & ~interrupts::iiof_flag(pin)) | (input_level(pin) ? interrupts::iiof_flag(pin) : 0u);
+      show(pin, input_level(pin));
+    else if (interrupts::is_level_triggered(state_.core, pin))
+      show(pin, (state_.iiof_levels >> pin & 1u) != 0);
+  }
 }
 
 Drive Pins::drive_of(Pin pin, Cycles at) const {

@@ -23,8 +23,8 @@ class Pins {
   bool level(unsigned pin) const;
   /// The outside drives IIOFn; returns true if IIOFn went low.
   bool set_iiof(Pin pin, bool level);
-  /// Updates FLAG of general-purpose inputs, which is the pin's level and read only. Call it after each write to IIF,
-  /// and each change of a pin.
+  /// Updates FLAG of general-purpose inputs, which is the pin's level and read only; and of level-triggered interrupts,
+  /// which is 1 as long as the outside holds the pin low. Call it after each write to IIF, and each change of a pin.
   void show_inputs();
 
   /// A pin that both the outside and the chip drive.

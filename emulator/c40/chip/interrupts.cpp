@@ -34,9 +34,7 @@ Word pending_if_enabled(const State& state) {
   // The pins that are interrupts (bit 0 of a pin's four) and enabled (bit 3).
   for (Word pins = iif & iif >> 3 & each_pin; pins != 0; pins &= pins - 1) {
     const auto pin = static_cast<unsigned>(std::countr_zero(pins)) / 4;
-    const Word nibble = iiof_nibble(core, pin);
-    const bool requested = (nibble & 4u) != 0 || ((nibble & 2u) != 0 && (state.iiof_levels >> pin & 1u) != 0);
-    if (requested) return first_vector_iiof + pin;
+    if ((iiof_nibble(core, pin) & 4u) != 0) return first_vector_iiof + pin;
   }
   if ((iie & port_sources) != 0)
     if (const Word vector = pending_of_ports(state, iie); vector != 0) return vector;
@@ -52,7 +50,8 @@ void enter(Core& core, Word vector) {
   Word& iif = core.r[reg::IIF];
   if (vector == vector_nmi) iif &= ~nmi_flag;
   if (vector == vector_timer0) iif &= ~timer0_flag;
-  if (vector >= first_vector_iiof && vector < first_vector_iiof + iiof_pins)
+  if (vector >= first_vector_iiof && vector < first_vector_iiof + iiof_pins &&
+      !is_level_triggered(core, vector - first_vector_iiof))
     iif &= ~iiof_flag(vector - first_vector_iiof);
   if (vector >= first_vector_dma && vector < first_vector_dma + dma_channels)
     iif &= ~(first_dma_flag << (vector - first_vector_dma));

@@ -12,6 +12,8 @@ inline constexpr std::array timer_flags{timer0_flag, timer1_flag};
 constexpr Word iiof_flag(unsigned pin) { return 4u << 4 * pin; }
 /// FUNC, TYPE, FLAG and IIOF enable of a pin IIOFn.
 constexpr Word iiof_nibble(const Core& core, unsigned pin) { return core.r[reg::IIF] >> 4 * pin & 0xFu; }
+/// The pin is an interrupt, requested as long as it is low.
+constexpr bool is_level_triggered(const Core& core, unsigned pin) { return (iiof_nibble(core, pin) & 3u) == 3; }
 /// Bits of IIE: the conditions of communication ports, four for each.
 inline constexpr Word port_sources = 0x01FFFFFEu;
 /// The bits of port `n`, in the order ICFULL, ICRDY, OCRDY, OCEMPTY.

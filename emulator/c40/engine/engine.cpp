@@ -41,6 +41,7 @@ void Engine::reset() {
   state_.global_interface_control = board_.global_interface_control;
   state_.local_interface_control = board_.local_interface_control;
   pins_.show_inputs();
+  if (state_.nmi_low) state_.core.r[reg::IIF] |= interrupts::nmi_flag;  // c40-hardware.md 1.2
   peripherals_.pins_changed();
   cache_.was_reset();
   forget_memory();

@@ -115,6 +115,7 @@ class Engine {
     return stop_;
   }
   void pass(Cause cause, Cycles until);
+  void stand_still(Cycles cycles);
   /// Executes everything up to the present cycle: timer events, and changes of the cache's control.
   void reach_present() {
     if (state_.cycle >= peripherals_.next_event()) [[unlikely]]

@@ -15,8 +15,16 @@ void Engine::pass(Cause cause, Cycles until) {
   if (until <= state_.cycle) return;
   if (cause == Cause::idle) idle_.idled(state_.cycle, until);
   add(state_.causes, cause, until - state_.cycle);
+  if (state_.held) stand_still(until - state_.cycle);
   state_.cycle = until;
   pipeline_.set(PipelineTable::drained);
+}
+
+// A held chip is frozen, its DMA and its timers with it. What it has done stays where it was in time.
+void Engine::stand_still(Cycles cycles) {
+  for (Timer& timer : state_.timers) timer.stand_still(cycles);
+  dma_side_.stand_still(state_.cycle, cycles);
+  peripherals_.state_changed();
 }
 
 const StopInfo& Engine::stop(Stepped why) {

@@ -300,6 +300,22 @@ void DmaSide::mark_under_way() {
   chip_.pipeline.set(after);
 }
 
+void DmaSide::stand_still(Cycles from, Cycles cycles) {
+  DmaState& dma = chip_.state.dma;
+  const Cycles later = std::max(dma.now, from) + cycles - dma.now;
+  dma.now += later;
+  if (request) request->cycle += later;
+  const auto delay = [=](Cycles& end) {
+    if (end > from) end += cycles;
+  };
+  delay(dma.answered_until);
+  for (DmaChannel& channel : dma.channels)
+    for (DmaHalf& half : channel.halves) delay(half.since);
+  std::ranges::for_each(taken_until_, delay);
+  std::ranges::for_each(written_, delay);
+  delay(last_taken_);
+}
+
 void DmaSide::reset() {
   accesses_.clear();
   knows_accesses_ = false;

@@ -107,6 +107,8 @@ class DmaSide final : public DmaContext {
   std::optional<DmaRequest> request;  ///< reported and not answered
   std::optional<StopInfo> stop;       ///< to be reported after the instruction
 
+  /// The chip is held for so many cycles from cycle `from` on: what is under way ends later.
+  void stand_still(Cycles from, Cycles cycles);
   void reset();
   void list_state(state::Visitor& list);
 

@@ -76,6 +76,8 @@ void Peripherals::raise(Word flag) {
   for (unsigned pin = 0; pin < 4; ++pin)
     if (flag == iiof_flag(pin) && (iif >> 4 * pin & 1u) == 0) return;  // general-purpose I/O
   if (dma_.latch(selects(flag))) return;
+  for (unsigned pin = 0; pin < 4; ++pin)
+    if (flag == iiof_flag(pin) && interrupts::is_level_triggered(state_.core, pin)) return;  // Pins::show_inputs
   iif |= flag;
 }
 
@@ -90,6 +92,7 @@ void Peripherals::set_pin(Pin pin, bool level, Cycles at) {
     if (!level && !state_.nmi_low) raise(interrupts::nmi_flag);
     state_.nmi_low = !level;
   } else if (is_timer_pin(pin)) {
+    if (state_.held) return state_.timers[n].follow_pin(level);
     advance_to(at - 1);
     if (state_.timers[n].set_pin(level, at)) timer_event(n, at);
     expect();

@@ -47,6 +47,10 @@ class Timer {
   /// A write of the processor overrides the timer's own change of that register in that cycle. True if the write
   /// changed TSTAT from 0 to 1.
   bool write(TimerRegister reg, Word value, Cycles at);
+  /// The chip is held for so many cycles, in which the timer does not count: all that is to come comes later.
+  void stand_still(Cycles cycles) { at_ += cycles; }
+  /// The level at the pin TCLK while the chip is held: it is no tick.
+  void follow_pin(bool level) { outside_ = level; }
   /// Reset; the level that the outside drives stays.
   void start_anew(const Timer& before) { outside_ = before.outside_; }
   /// The timer counts edges of the pin TCLK.

@@ -112,6 +112,34 @@ machine::NetworkDescription read_description(const ExecOptions& options) {
   return network;
 }
 
+/// --load FILE@CHIP:ADDRESS and --poke CHIP:ADDRESS=WORD, in this order. CHIP may be left out where there is one.
+void add_words(machine::NetworkDescription& network, const ExecOptions& options) {
+  struct Additions {
+    std::vector<std::string> loads, pokes;
+  };
+  std::vector<Additions> additions(network.chips.size());
+  const auto add = [&](std::string_view what, std::string_view text, const std::string& file, const char* form) {
+    const ChipText given = chip_text(text, network.chips.size(), what);
+    if (!given.chip && network.chips.size() > 1)
+      throw InputError(fmt::format("{}: \"{}{}\" is not {}, which a network needs", what, file, text, form));
+    Additions& of_chip = additions[given.chip.value_or(0)];
+    (file.empty() ? of_chip.pokes : of_chip.loads).push_back(file + std::string(given.rest));
+  };
+  for (const std::string& text : options.loads) {
+    const std::size_t at = text.rfind('@') == std::string::npos ? 0 : text.rfind('@') + 1;
+    if (at < 2) throw InputError(fmt::format("--load: \"{}\" is not FILE@CHIP:ADDRESS, which a network needs", text));
+    add("--load", std::string_view(text).substr(at), text.substr(0, at), "FILE@CHIP:ADDRESS");
+  }
+  for (const std::string& text : options.pokes) add("--poke", text, "", "CHIP:ADDRESS=WORD");
+  for (std::size_t n = 0; n < network.chips.size(); ++n) {
+    if (additions[n].loads.empty() && additions[n].pokes.empty()) continue;
+    machine::NetworkChip& chip = network.chips[n];
+    chip.add_words = [given = additions[n], program = chip.program](c40::Chip& made) {
+      place_additions(made, given.loads, given.pokes, program.get());
+    };
+  }
+}
+
 }  // namespace
 
 machine::NetworkDescription described(const ExecOptions& options) {
@@ -121,25 +149,8 @@ machine::NetworkDescription described(const ExecOptions& options) {
     boards.emplace_back(network.chips[n].name.empty() ? fmt::format("{}", n) : network.chips[n].name,
                         &network.chips[n].board);
   add_inputs(boards, options);
+  add_words(network, options);
   return network;
-}
-
-void place_in_chips(machine::Network& network, const ExecOptions& options) {
-  const auto place = [&](std::string_view what, std::string_view text, const std::string& file, const char* form) {
-    const ChipText given = chip_text(text, network.chip_count(), what);
-    if (!given.chip && network.chip_count() > 1)
-      throw InputError(fmt::format("{}: \"{}{}\" is not {}, which a network needs", what, file, text, form));
-    const std::size_t chip = given.chip.value_or(0);
-    const std::vector<std::string> one{file + std::string(given.rest)}, none;
-    const bool loads = !file.empty();
-    place_additions(network.chip(chip), loads ? one : none, loads ? none : one, &network.program(chip));
-  };
-  for (const std::string& text : options.loads) {
-    const std::size_t at = text.rfind('@') == std::string::npos ? 0 : text.rfind('@') + 1;
-    if (at < 2) throw InputError(fmt::format("--load: \"{}\" is not FILE@CHIP:ADDRESS, which a network needs", text));
-    place("--load", std::string_view(text).substr(at), text.substr(0, at), "FILE@CHIP:ADDRESS");
-  }
-  for (const std::string& text : options.pokes) place("--poke", text, "", "CHIP:ADDRESS=WORD");
 }
 
 machine::NetworkAction action_of(const std::string& text, const machine::Network& network) {

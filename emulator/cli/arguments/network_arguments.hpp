@@ -7,13 +7,9 @@
 
 namespace cli {
 
-/// Reads the programs, boards and files of the options. \throws InputError, machine::NetworkError,
-/// toolchain::AssemblyError, toolchain::CoffError
+/// Reads the programs, boards and files of the options; the network, when it is made, does --load and --poke. \throws
+/// InputError, machine::NetworkError, toolchain::AssemblyError, toolchain::CoffError
 machine::NetworkDescription described(const ExecOptions& options);
-
-/// --load FILE@CHIP:ADDRESS and --poke CHIP:ADDRESS=WORD: into the chips' own memories. CHIP may be left out where
-/// there is one. \throws InputError
-void place_in_chips(machine::Network& network, const ExecOptions& options);
 
 /// "12.5,cut,0.3:1.0". \throws InputError
 machine::NetworkAction action_of(const std::string& text, const machine::Network& network);

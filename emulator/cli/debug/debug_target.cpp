@@ -28,7 +28,6 @@ DebugTarget network_of(const DebugOptions& options) {
     throw InputError("--boot: of a --network file, boot = true of a [[chip]] says it");
   DebugTarget target;
   target.network = std::make_unique<machine::Network>(described(options.exec));
-  place_in_chips(*target.network, options.exec);
   for (const std::string& text : options.exec.actions) target.network->schedule(action_of(text, *target.network));
   target.debuggee = std::make_unique<machine::debug::NetworkDebuggee>(*target.network);
   return target;

@@ -69,7 +69,6 @@ int exec(const ExecOptions& options) {
   const std::optional<Boot> boot = parse_boot(options, chosen);
   c40::Chip chip(boot ? boot->board : chosen.board);
   prepare(chip, options, image, chosen, boot);
-  place_additions(chip, options.loads, options.pokes, &image);
   for (const auto& [address, word] : until.words) read_dump(chip, address, 1, "--until");
   for (const auto& [address, count] : ranges) read_dump(chip, address, count);  // refuses bad ranges before the run
 

@@ -34,8 +34,12 @@ void load(c40::Chip& chip, const Image& image, const c40::Board& board) {
 /// reset vector of its own.
 void place(c40::Chip& chip, const Image& image, const Boot& boot) {
   if (machine::reset_source(boot.board) == machine::ResetSource::vector) return load(chip, image, boot.board);
+  const std::vector<Word> stream = stream_for(image, boot);
   try {
-    chip.write_block(machine::boot_address(boot.board), stream_for(image, boot));
+    machine::require_not_overwritten(stream, machine::boot_address(boot.board), image);
+    chip.write_block(machine::boot_address(boot.board), stream);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(fmt::format("--boot: {}", error.what()));
   } catch (const std::out_of_range& error) {
     throw InputError(fmt::format("--boot: the stream at {:08X}h does not lie in memory: {}",
                                  machine::boot_address(boot.board), error.what()));
@@ -147,6 +151,7 @@ void prepare(c40::Chip& chip, const ExecOptions& options, const Image& image, co
   if (!boot) {
     chip.reset();
     load(chip, image, board.board);
+    place_additions(chip, options.loads, options.pokes, &image);
     chip.set_pc(options.entry ? parse_address(*options.entry, &image, "--entry") : image.entry);
     return;
   }
@@ -157,6 +162,7 @@ void prepare(c40::Chip& chip, const ExecOptions& options, const Image& image, co
         "--rom: with --boot PORT the chip gets its program through the port; --boot ADDRESS or reset is expected");
   else if (!boot->port)
     place(chip, image, *boot);
+  place_additions(chip, options.loads, options.pokes, &image);  // they may be the reset vector
   try {
     chip.boot();
   } catch (const std::out_of_range& error) {

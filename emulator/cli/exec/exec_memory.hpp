@@ -35,7 +35,7 @@ std::vector<machine::BoardDescription::Contents> rom_contents(const ExecOptions&
                                                               const toolchain::Image* image);
 /// Whether a ROM is booted: one that is given, or one of the board's.
 bool boots_rom(const ExecOptions& options, const machine::BoardDescription& board);
-/// Fills the memories, and puts the chip before its first instruction. \throws InputError
+/// Fills the memories, with --load and --poke last, and puts the chip before its first instruction. \throws InputError
 void prepare(c40::Chip& chip, const ExecOptions& options, const toolchain::Image& image,
              const machine::BoardDescription& board, const std::optional<Boot>& boot);
 /// Does --load and --poke, in this order. \throws InputError

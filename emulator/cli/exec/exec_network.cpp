@@ -239,7 +239,6 @@ int exec_network(const ExecOptions& options) {
                                       [](const std::string& p) { return p.ends_with(".hex"); }))
     throw InputError("--load-at: is for .hex files only; other programs contain their addresses");
   Network network(described(options), options.turn_order);
-  place_in_chips(network, options);
   std::vector<NetworkDump> dumps;
   for (const std::string& text : options.dumps)
     words_of(network, dumps.emplace_back(parse_dump(text, network)));  // refuses bad ranges before the run

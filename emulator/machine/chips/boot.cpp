@@ -87,6 +87,26 @@ std::vector<Word> boot_memory(const toolchain::Image& image, const BootHeader& h
   return stream;
 }
 
+void require_not_overwritten(std::span<const Word> stream, Address at, const toolchain::Image& image) {
+  constexpr std::size_t header_words = 3;
+  for (std::size_t next = header_words; stream[next] != end_of_blocks;) {
+    const Word words = stream[next];
+    Address into = stream[next + 1];
+    next += 2;
+    for (const std::size_t end = next + words; next < end; ++next, ++into) {
+      const std::size_t hit = into - at;
+      if (hit <= next || hit >= stream.size()) continue;
+      const auto section = std::ranges::find_if(image.sections, [&](const toolchain::Image::Section& s) {
+        return s.loaded && into - s.address < s.words.size();
+      });
+      throw std::invalid_argument(
+          fmt::format("section {} has a word at {:08X}h, where the boot loader has not read the stream ({:08X}h to "
+                      "{:08X}h) yet; the program has to lie elsewhere, or to come through a port",
+                      section->name, into, at, at + stream.size() - 1));
+    }
+  }
+}
+
 BootFeeder::BootFeeder(c40::Chip& chip, int port, std::vector<Word> stream)
     : chip_(chip), port_(port), stream_(std::move(stream)) {
   if (!stream_.empty()) chip_.port(port_).receive(stream_[sent_++]);

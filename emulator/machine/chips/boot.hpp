@@ -1,6 +1,7 @@
 #pragma once
 /// Starts a chip as its RESET pin does: the boot ROM, the pins that choose its source, and the streams that the loader
 /// reads (c40-hardware.md 9). The loader itself is C40 code, c40_programs/boot_rom.asm.
+#include <span>
 #include <vector>
 
 #include "c40/chip/chip.hpp"
@@ -36,6 +37,10 @@ c40::Address boot_address(const c40::Board& board);
 std::vector<c40::Word> boot_stream(const toolchain::Image& image, const BootHeader& header);
 /// The same for memory of 32 bits (c40-hardware.md 9.2).
 std::vector<c40::Word> boot_memory(const toolchain::Image& image, const BootHeader& header);
+
+/// For a stream of boot_memory that lies in memory at this address: throws std::invalid_argument if the loader would
+/// write a section over words of the stream that it has not read yet.
+void require_not_overwritten(std::span<const c40::Word> stream, c40::Address at, const toolchain::Image& image);
 
 /// Feeds a boot stream into a port without a link, at a link's speed, whenever the chip waits for a word.
 class BootFeeder {

@@ -146,6 +146,11 @@ bool Net::has_listener() const {
   return false;
 }
 
+bool Net::is_low_at(const ChipPin& pin) const {
+  const auto receiver = std::ranges::find(description_.receivers, pin) - description_.receivers.begin();
+  return receiver != std::ssize(receivers_) && !receivers_[static_cast<std::size_t>(receiver)].level;
+}
+
 void Net::Receiver::list_state(state::Visitor& list) {
   list("level", level);
   list("seen", seen);

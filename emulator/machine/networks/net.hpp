@@ -99,6 +99,8 @@ class Net final : public Scheduler::Actor {
   Time reaches(std::size_t chip) const;
   /// A change of the net would have an effect.
   bool has_listener() const;
+  /// This pin is a receiver, and low behind its synchroniser.
+  bool is_low_at(const ChipPin& pin) const;
   /// The net will change again, as far as is known.
   bool goes_on() const { return next() != never; }
 

@@ -156,7 +156,9 @@ void Network::load_stream(Node& node, const toolchain::Image& image, const c40::
   header.global_interface_control = board.global_interface_control;
   header.local_interface_control = board.local_interface_control;
   try {
-    node.chip.write_block(boot_address(board), boot_memory(image, header));
+    const std::vector<Word> stream = boot_memory(image, header);
+    require_not_overwritten(stream, boot_address(board), image);
+    node.chip.write_block(boot_address(board), stream);
   } catch (const std::exception& error) {
     throw NetworkError(fmt::format("chip {}: board {}: the boot stream at {:08X}h, which the pins choose: {}",
                                    node.number, board.name, boot_address(board), error.what()));
@@ -165,6 +167,7 @@ void Network::load_stream(Node& node, const toolchain::Image& image, const c40::
 }
 
 void Network::ready_to_start(Node& node) {
+  if (node.description.add_words) node.description.add_words(node.chip);
   for (const Address end : program_ends(*node.description.program)) node.chip.add_breakpoint(end);
   if (node.description.until) node.chip.add_breakpoint(*node.description.until);
   start(node);
@@ -346,82 +349,6 @@ void Network::perform_port(Node& node, Cycles cycle) {
   node.chip.complete_port(cycle);
   node.status = ChipStatus::running;
   node.forget_port();
-}
-
-// ---- actions ----
-
-void Network::actions_happen(Time time) {
-  now_ = time;
-  for (auto& node : nodes_)
-    if (node->follows()) node->run_to(time);  // an action on a chip in the middle of an instruction waits for its end
-  for (std::size_t i = 0; i < actions_.size();) {
-    if (effective(actions_[i]) > time) {
-      ++i;
-      continue;
-    }
-    const NetworkAction action = actions_[i];
-    actions_.erase(actions_.begin() + static_cast<std::ptrdiff_t>(i));
-    for (auto& node : nodes_)
-      if (node->status == ChipStatus::sleeping) node->bring_to(time, true);
-    something_happened();
-    changed_ = time;
-    perform(action);
-    for (auto& node : nodes_) node->note_ready(time), node->wake_up();
-  }
-  scheduler_.all_changed();
-}
-
-void Network::perform(const NetworkAction& action) {
-  using enum NetworkAction::Kind;
-  if (action.kind == cut) return links_[action.target]->cut(now_);
-  if (action.kind == restore) return links_[action.target]->restore(now_);
-  if (target_of(action.kind) == ActionTarget::net) {
-    Net& net = *nets_[action.target];
-    if (action.kind == pulse) return net.script(PulseTrain{now_, action.width, action.period, action.count});
-    return net.script(action.kind == low    ? c40::Drive::low
-                      : action.kind == high ? c40::Drive::high
-                                            : c40::Drive::none,
-                      now_);
-  }
-  Node& node = *nodes_[action.target];
-  if (node.status == ChipStatus::pulled_out)
-    throw NetworkError(
-        fmt::format("{} at {} ps: chip {} has been pulled out", name(action.kind), action.time.count(), node.number));
-  node.bring_to(now_, false);
-  node.patience = {};
-  node.chip.set_trace(node.trace);
-  const auto kind = action.kind == reset     ? NetworkEvent::Kind::reset
-                    : action.kind == hold    ? NetworkEvent::Kind::hold
-                    : action.kind == release ? NetworkEvent::Kind::release
-                                             : NetworkEvent::Kind::pull_out;
-  events_.push_back({kind, now_, node.number, 0, 0, 0});
-  switch (action.kind) {
-    case reset: return reset_chip(node);
-    case release:
-      if (node.status != ChipStatus::held) return;
-      node.chip.hold(false);
-      node.status = node.chip.halted() ? ChipStatus::fault : ChipStatus::running;
-      return node.note_idle();  // where the chip is, not where its next run will end
-    case pull_out:
-      for (const std::size_t link : node.links) links_[link]->cut(now_);
-      node.chip.hold(true);
-      node.status = ChipStatus::pulled_out;
-      return;
-    default: node.chip.hold(true); node.status = ChipStatus::held;
-  }
-}
-
-void Network::reset_chip(Node& node) {
-  for (int n = 0; n < c40::port_count; ++n)
-    for (const c40::Fifo* fifo : {&node.chip.port(n).output, &node.chip.port(n).input})
-      for (const Word word : fifo->words())
-        events_.push_back(
-            {NetworkEvent::Kind::discarded, now_, node.number, n, word, fifo == &node.chip.port(n).input ? 1 : 0});
-  for (auto& memory : memories_)
-    if (memory->owner == node.number) memory->owner.reset();
-  node.chip.hold(false);
-  if (!node.description.boot) node.chip.reset();  // booting resets it already
-  start(node);
 }
 
 // ---- the end, and queries ----

@@ -75,6 +75,8 @@ struct NetworkChip {
   /// boot ROM, which takes its program from the first port that gives one; `program` then only describes the expected
   /// program (symbols, lines, ends) and may be null.
   bool boot = false;
+  /// Writes further words to its memory, after its program and before its start; null: none.
+  std::function<void(c40::Chip&)> add_words{};
   bool is_in_rom = false;  ///< it boots what the board's ROMs hold: `program` only lends its symbols, lines and ends
   /// Behind windows of its board, besides the board's own.
   std::vector<BoardDevices::Place> devices{};
@@ -349,6 +351,8 @@ class Network {
   void devices_acted();
   void tell_mailboxes(Memory& memory, std::size_t side, c40::Address word, bool write);
   void reset_chip(Node& node);
+  void freeze(Node& node, ChipStatus status);
+  void free_locks(const Node& node);
   std::string describe_wait(const Node& node) const;
   Time at_rest_since(Time at_least = Time{0}) const;
   NetworkStop finish(NetworkStop::Reason reason, Time end);

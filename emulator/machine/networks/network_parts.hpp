@@ -124,6 +124,10 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   }
   bool reacts_to(c40::Pin pin) const;
   bool reacts_to_pins() const;
+  /// Its RESET pin, which a net drives, is low.
+  bool reset_is_low() const {
+    return std::ranges::any_of(nets_in, [this](const Net* net) { return net->is_low_at({number, c40::Pin::reset}); });
+  }
   bool held() const { return status == ChipStatus::held || status == ChipStatus::pulled_out; }
   bool dma_waits() const {
     const bool lives = status == ChipStatus::running || status == ChipStatus::waiting || status == ChipStatus::sleeping;

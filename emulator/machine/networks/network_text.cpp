@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "isa/types.hpp"
 #include "machine/networks/network_parts.hpp"
 
 namespace machine {
@@ -91,6 +92,9 @@ bool Network::boots(const Node& node) const {
 
 std::string Network::where(const Node& node) const {
   if (boots(node)) {
+    if (const auto next = node.chip.register_value(isa::Register::AR1); next != 0)  // boot_rom.asm
+      return fmt::format("PC {:08X}h (the boot loader, which reads a stream in memory, its next word at {:08X}h)",
+                         node.chip.pc(), next);
     std::string taken = "no word of its stream yet";
     for (int port = 0; port < c40::port_count; ++port)
       if (const auto words = node.chip.port(port).traffic.read; words != 0)
