@@ -95,7 +95,9 @@ def test_a_reader_that_goes_away_costs_only_its_own_output(folder: Path) -> None
 
 @pytest.mark.parametrize("what", ["s.asm", "s.obj", "x.out"])
 @pytest.mark.parametrize(
-    "command", [["exec", "pipe"], ["disasm", "pipe"], ["image", "pipe", "--format", "intel-hex", "-o", "rom"]], ids=" ".join
+    "command",
+    [["exec", "pipe"], ["disasm", "pipe"], ["image", "pipe", "--format", "intel-hex", "-o", "rom"]],
+    ids=" ".join,
 )
 def test_a_program_in_a_pipe_is_read_once(folder: Path, command: list[str], what: str) -> None:
     """Whoever opens it first ends its writer when it closes, and a second opening has nobody to wait for. What kind of
