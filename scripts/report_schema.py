@@ -44,9 +44,11 @@ RUNS: tuple[dict[str, Any], ...] = (
     {"dsps": 2, "duration_s": 0.2, "settings": {"dock.crane": "gantry", "dock.agvs": 2, "dock.wind_mean_m_s": 12}},
     {"dsps": 1, "duration_s": 0.2, "events": [{"at_s": 0.1, "action": "fail", "dsp": 0}]},
     {"dsps": 2, "duration_s": 1.5, "events": [{"at_s": 0.2, "action": "fail_drive", "joint": "slew"}]},
+    {"dsps": 1, "duration_s": 0.06, "settings": {"machine.cycle_time_factor": 100}},
+    {"dsps": 2, "duration_s": 0.1, "settings": {"scheduling.servo_loss_share": 1}},
 )
-"""What the schema is made from: presets, cranes, failures, an error that is handled, a run that stops, and one without
-a reference."""
+"""What the schema is made from: presets, cranes, failures, an error that is handled, a run that stops, one without a
+reference, one that ends before the first refresh, and one in which PID never servoes."""
 
 MAPS = (
     "tasks",
@@ -101,6 +103,8 @@ NEVER_SEEN: dict[str, Schema] = {
 """What none of the runs has but as null or empty, from docs/report.md"""
 INSTANTS = re.compile(r"(_s|_ps|_hz|_m|_rad|_share|_m2s)$")
 """Units of keys that may be null in a run that has not come so far"""
+MEASURED = re.compile(r"\.(best|mean|p50|p99|p99_9|worst|rms|peak|utilisation|load_of_doing_nothing)$")
+"""Values that are null where nothing has been measured: of summaries, of errors and of loads"""
 
 
 def descriptions() -> dict[str, str]:
@@ -114,6 +118,10 @@ def descriptions() -> dict[str, str]:
         for key in re.findall(r"`([^`]+)`", keys):
             found[key] = meaning
     return found
+
+
+def may_be_missing(path: str) -> bool:
+    return MEASURED.search(path) is not None or (INSTANTS.search(path) is not None and "." in path)
 
 
 def merged(values: list[Any], path: str) -> Schema:
@@ -153,7 +161,7 @@ def merged(values: list[Any], path: str) -> Schema:
     if not types:
         assert INSTANTS.search(path), f"{path}: no run has a value for it; a row of NEVER_SEEN says its type"
         types = ["number"]
-    if "null" in parts or (types in (["integer"], ["number"]) and INSTANTS.search(path) and "." in path):
+    if "null" in parts or (types in (["integer"], ["number"]) and may_be_missing(path)):
         types.append("null")
     schema["type"] = types[0] if len(types) == 1 else types
     if path in ENUMERATIONS:

@@ -9,7 +9,6 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
-#include <csignal>
 #include <system_error>
 
 namespace debugger::dap {
@@ -75,7 +74,6 @@ std::string framed(const Json& message) {
 
 Connection::Connection(int in, int out) : in_(in), out_(out) {
   if (pipe(wake_) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
-  std::signal(SIGPIPE, SIG_IGN);  // a client that has disconnected ends the session, not the program
   reader_ = std::thread([this] { read_all(); });
 }
 

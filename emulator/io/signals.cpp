@@ -44,7 +44,9 @@ void take_signals() {
     action.sa_flags = SA_RESTART;  // reads and writes under way continue; the work checks for a stop at its slices
     ::sigaction(number, &action, nullptr);
   }
-  ::signal(SIGXFSZ, SIG_IGN);  // a write beyond `ulimit -f` fails, and the error names the file
+  // A write beyond `ulimit -f`, or into a pipe that nobody reads any more, fails, and the error names the file.
+  ::signal(SIGXFSZ, SIG_IGN);
+  ::signal(SIGPIPE, SIG_IGN);
 }
 
 StopBySignal::StopBySignal() : asker_([] { return noted != 0; }) {

@@ -8,7 +8,8 @@
 namespace io {
 
 /// From now on a signal ends the program at once with status 128 + its number, and temporary files are removed. A
-/// signal that is ignored at the start (nohup) stays ignored. A file that reaches `ulimit -f` ends no program.
+/// signal that is ignored at the start (nohup) stays ignored. A file that reaches `ulimit -f`, or a pipe that nobody
+/// reads any more, ends no program.
 void take_signals();
 
 /// During its lifetime the first signal is only noted: stop_asked() is true, the work ends at its next slice and writes

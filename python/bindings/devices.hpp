@@ -79,8 +79,8 @@ class PythonDevice final : public machine::BoardDevice {
   bool acts_;
 };
 
-/// console, led_changes, not_modelled, type, send and sent of what has devices. \param devices_of may give null: there
-/// are none
+/// console, led_changes, led_change_count, not_modelled, type, send and sent of what has devices. \param devices_of may
+/// give null: there are none
 template <class Class, class DevicesOf>
 void bind_devices(Class& bound, DevicesOf devices_of) {
   using T = typename Class::type;
@@ -108,7 +108,10 @@ void bind_devices(Class& bound, DevicesOf devices_of) {
               changes.append(py::make_tuple(change.device, change.cycle, change.value));
             return changes;
           },
-          "(name, cycle, value) of each change of an LED.")
+          "(name, cycle, value) of the first thousand changes of LEDs.")
+      .def_property_readonly(
+          "led_change_count", [all](T& object) { return all(object).change_count(); },
+          "How many changes of LEDs there were.")
       .def_property_readonly(
           "not_modelled",
           [all](T& object) {

@@ -268,12 +268,18 @@ have released in time. <i>load error</i>: RMS distance of the crane's load from 
 def main(folder: Path, tell: Callable[[str], None] = print) -> Path:
     """Runs the scenes, prints each, and writes the page. Returns its path. Raises OSError if the folder cannot be
     written."""
-    folder.mkdir(parents=True, exist_ok=True)
     recorded = folder / "scene5.html"
+    fresh = not folder.exists()
+    folder.mkdir(parents=True, exist_ok=True)
     scenes = []
-    for make in (one_long_block, vehicles_together, vehicles_apart, killed, lambda: plugged_in(recorded)):
-        scenes.append(make())
-        tell(scenes[-1].text())
+    try:
+        for make in (one_long_block, vehicles_together, vehicles_apart, killed, lambda: plugged_in(recorded)):
+            scenes.append(make())
+            tell(scenes[-1].text())
+    except BaseException:
+        if fresh and not any(folder.iterdir()):
+            folder.rmdir()
+        raise
     page = folder / "demo.html"
     files.write(page, PAGE.format(scenes="\n".join(scene.page() for scene in scenes), page=recorded.name))
     tell(f"Open {page}")

@@ -208,8 +208,13 @@ class Front:
 
     @property
     def led_changes(self) -> list[tuple[str, int, int]]:
-        """(name, cycle, value) of each change of an LED of the board file."""
+        """(name, cycle, value) of the first thousand changes of the board file's LEDs."""
         return list(self._core.led_changes)
+
+    @property
+    def led_change_count(self) -> int:
+        """How many changes of LEDs there were."""
+        return int(self._core.led_change_count)
 
     @property
     def not_modelled(self) -> list[tuple[str, int, str]]:

@@ -181,7 +181,13 @@ def _unlike(left: Mapping[str, Any], right: Mapping[str, Any]) -> Iterator[tuple
 
 
 def _number(value: Any) -> float:
-    return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else math.nan
+    """NaN for what is no number, or an integer that no report has: beyond every double."""
+    if not isinstance(value, (int, float)) or isinstance(value, bool):
+        return math.nan
+    try:
+        return float(value)
+    except OverflowError:
+        return math.nan
 
 
 def _shown(value: Any) -> str:

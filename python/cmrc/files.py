@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import os
 import stat
@@ -10,6 +11,12 @@ from contextlib import contextmanager
 from typing import BinaryIO
 
 from cmrc import _core, arguments
+from cmrc.errors import Error
+
+
+class WriteFailed(Error, OSError):
+    """A file could be opened, and then not be written: the disk is full, or the reader of a pipe has gone."""
+
 
 FileRoles = _core.io.FileRoles
 SameFile = _core.io.SameFile
@@ -52,9 +59,37 @@ def open_anywhere(path: str | os.PathLike[str]) -> BinaryIO:
 
 def write(path: str | os.PathLike[str], content: str | bytes) -> None:
     """Writes a file; text in UTF-8. Until the new file is complete, the old one stays. A device, a pipe or a terminal
-    is written directly. Raises OSError."""
+    is written directly. Raises OSError: CannotOpen, or WriteFailed."""
     place = arguments.path("path", path, "the path of a file")
-    _core.io.write(place, content.encode() if isinstance(content, str) else content)
+    try:
+        _core.io.write(place, content.encode() if isinstance(content, str) else content)
+    except _core.io.CannotOpen:
+        raise
+    except OSError as error:
+        raise WriteFailed(str(error)) from None
+
+
+NO_ROOM = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EPIPE})
+
+
+def writing_failed(error: BaseException | None) -> bool:
+    """Whether the error is a failed write, or says it in other words (``raise ... from``)."""
+    while error is not None:
+        if isinstance(error, WriteFailed) or (isinstance(error, OSError) and error.errno in NO_ROOM):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
+
+
+def reason(error: BaseException) -> str:
+    """What a reader of a file is told, without the words of Python."""
+    if isinstance(error, KeyError) and error.args:
+        return f"no {error.args[0]!r} in it"
+    if isinstance(error, UnicodeDecodeError):
+        return f"byte {error.start} is no UTF-8"
+    if isinstance(error, OSError) and error.strerror:
+        return error.strerror
+    return str(error)
 
 
 @contextmanager

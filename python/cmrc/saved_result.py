@@ -66,7 +66,7 @@ def load(path: str | os.PathLike[str]) -> dict[str, Any]:
         except SchemaError as error:
             raise SchemaError(f"{name}: {error}") from None
         except Exception as error:  # zipfile and its decompressors raise errors of many kinds for a damaged file
-            raise ValueError(f"{name}: no saved result ({_shown(error)}); Result.save writes one") from error
+            raise ValueError(f"{name}: no saved result ({files.reason(error)}); Result.save writes one") from error
 
 
 def _unpacked(archive: zipfile.ZipFile) -> dict[str, Any]:
@@ -138,14 +138,10 @@ def load_report(path: str | os.PathLike[str]) -> dict[str, Any]:
     except SchemaError as error:
         raise SchemaError(f"{name}: {error}") from None
     except (ValueError, RecursionError) as error:
-        raise ValueError(f"{name}: neither a saved result nor a JSON report ({_shown(error)})") from error
+        raise ValueError(f"{name}: neither a saved result nor a JSON report ({files.reason(error)})") from error
 
 
 def _packed(table: Table) -> bytes:
     out = io.BytesIO()
     np.savez_compressed(out, **dict(table))  # type: ignore[arg-type]  # the names are its own
     return out.getvalue()
-
-
-def _shown(error: Exception) -> str:
-    return f"no {error.args[0]!r} in it" if isinstance(error, KeyError) and error.args else str(error)

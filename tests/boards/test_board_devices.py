@@ -93,6 +93,24 @@ def test_a_console_and_an_led_in_exec(board: Path, source: Path, tmp_path: Path)
     assert report["console"] == "HELLO\n" and [led["value"] for led in report["leds"]] == [0x55, 7]
 
 
+def test_the_first_thousand_changes_of_an_led_are_kept_and_all_are_counted(board: Path, tmp_path: Path) -> None:
+    """A program that blinks without an end must not fill the memory."""
+    blink = " .text\nstart: ldhi 0A000h,ar0\n or 200h,ar0\nl: addi 1,r0\n sti r0,*ar0\n b l\n"
+    (tmp_path / "blink.asm").write_text(blink)
+    run = ["exec", tmp_path / "blink.asm", "--board", board, "--cycles", "50000"]
+    report = json.loads(emulator(*run, "--json").stdout)
+    written = report["registers"]["R0"] & 0xFFFFFFFF
+    assert report["led_changes"] in (written, written - 1) and written > 2000
+    assert [led["value"] for led in report["leds"]] == list(range(1, 1001))
+    assert f"led: {report['led_changes'] - 100} more changes" in emulator(*run).stdout
+    processor = Processor(assemble(blink), board=board)
+    processor.run(max_cycles=50000)
+    assert (processor.led_change_count, len(processor.led_changes)) == (report["led_changes"], 1000)
+    again = Processor(assemble(blink), board=board)
+    again.restore(pickle.loads(pickle.dumps(processor.snapshot())))
+    assert again.led_change_count == report["led_changes"] and again.led_changes == processor.led_changes
+
+
 def test_an_access_takes_the_waits_of_its_device(tmp_path: Path) -> None:
     (tmp_path / "one.asm").write_text("start: ldhi 0A000h,ar0\n ldi *ar0,r0\nend: b end\n")
     cycles = []

@@ -1,5 +1,6 @@
 """Output files appear whole or not at all, never replace an input, and are never lost without a message."""
 
+import json
 import os
 import resource
 import shutil
@@ -73,6 +74,56 @@ def test_a_device_stays_a_device_and_a_full_one_is_reported(folder: Path, comman
     full = emulator(folder, *command, "/dev/full")
     assert full.returncode == 1 and "/dev/full: writing failed: No space left on device" in full.stderr
     assert stat.S_ISCHR(Path("/dev/full").stat().st_mode)
+
+
+def test_a_reader_that_goes_away_costs_only_its_own_output(folder: Path) -> None:
+    """The run, its report and its page are there; the error names the pipe."""
+    os.mkfifo(folder / "pipe")
+
+    def read_a_little() -> None:
+        with (folder / "pipe").open("rb") as pipe:
+            pipe.read(10)
+
+    reader = threading.Thread(target=read_a_little)
+    reader.start()
+    ended = emulator(folder, *RUN, "--report", "r.json", "--page", "p.html", "--trace", "pipe", timeout=60)
+    reader.join()
+    assert (ended.returncode, ended.stderr) == (1, "emulator: pipe: writing failed: Broken pipe\n")
+    assert json.loads((folder / "r.json").read_text())["stop_reason"] == "completed"
+    assert "</html>" in (folder / "p.html").read_text()[-100:]
+
+
+@pytest.mark.parametrize("what", ["s.asm", "s.obj", "x.out"])
+@pytest.mark.parametrize(
+    "command",
+    [["exec", "pipe"], ["disasm", "pipe"], ["image", "pipe", "--format", "intel-hex", "-o", "rom"]],
+    ids=" ".join,
+)
+def test_a_program_in_a_pipe_is_read_once(folder: Path, command: list[str], what: str) -> None:
+    """Whoever opens it first ends its writer when it closes, and a second opening has nobody to wait for. What kind of
+    file it is, is seen from the pipe's name: a source is no COFF file."""
+    assert emulator(folder, "asm", "s.asm", "-o", "x.out").returncode == 0
+    os.mkfifo(folder / "pipe")
+    openings: list[str] = []
+
+    def write() -> None:
+        with (folder / "pipe").open("wb") as pipe:
+            openings.append(what)
+            try:
+                pipe.write((folder / what).read_bytes())
+                pipe.flush()
+            except BrokenPipeError:
+                openings.append("broken")
+
+    writer = threading.Thread(target=write, daemon=True)
+    writer.start()
+    ended = emulator(folder, *command, timeout=20)
+    writer.join(20)
+    assert openings == [what]
+    if what == "s.asm":
+        assert ended.returncode == 2 and "pipe: not a COFF file" in ended.stderr
+    else:
+        assert ended.returncode == emulator(folder, *[what if word == "pipe" else word for word in command]).returncode
 
 
 def test_a_link_to_a_file_stays_a_link_and_the_files_mode_stays(folder: Path) -> None:
@@ -295,6 +346,13 @@ def test_a_full_or_closed_standard_output_is_reported(folder: Path, command: lis
         [EMULATOR, *command], check=False, cwd=folder, stderr=subprocess.PIPE, text=True, preexec_fn=lambda: os.close(1)
     )
     assert closed.returncode == 1 and "Bad file descriptor" in closed.stderr
+    from_pipe, into_pipe = os.pipe()
+    os.close(from_pipe)
+    left = subprocess.run(
+        [EMULATOR, *command], check=False, cwd=folder, stdout=into_pipe, stderr=subprocess.PIPE, text=True
+    )
+    os.close(into_pipe)
+    assert left.returncode == 1 and left.stderr.endswith("standard output: writing failed: Broken pipe\n")
 
 
 def test_an_output_file_never_gets_what_is_printed(folder: Path) -> None:

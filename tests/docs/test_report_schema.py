@@ -34,8 +34,10 @@ def report(**run: Any) -> dict[str, Any]:
             "settings": {"dock.agvs": 8, "bus.topology": "single", "dock.crane": "gantry"},
         },
         {"dsps": 2, "duration_s": 0.06, "events": [{"at_s": 0.03, "action": "fail", "dsp": n} for n in (0, 1)]},
+        {"dsps": 2, "duration_s": 0.06, "settings": {"machine.cycle_time_factor": 100}},
+        {"dsps": 4, "duration_s": 0.09, "settings": {"scheduling.servo_loss_share": 1, "dock.crane": "gantry"}},
     ],
-    ids=["default", "heavy", "tight", "single bus", "no DSP left"],
+    ids=["default", "heavy", "tight", "single bus", "no DSP left", "no refresh", "no servoing"],
 )
 def test_reports_obey_the_schema(run: dict[str, Any]) -> None:
     errors = [f"{'.'.join(map(str, e.absolute_path))}: {e.message[:200]}" for e in VALIDATOR.iter_errors(report(**run))]

@@ -97,6 +97,18 @@ def test_a_net_and_an_action_on_the_command_line(command: Any) -> None:
     assert "net 0 (0.TCLK0>1.IIOF1): high, 10 edges\n" in text
 
 
+def test_the_first_thousand_missed_pulses_of_a_net_are_events_and_all_are_counted(command: Any, tmp_path: Path) -> None:
+    """Pulses of 10 ns every 20 ns: a chip that looks every 50 ns misses nearly all, for as long as they last."""
+    (tmp_path / "spin.asm").write_text("start: nop\n br start\n")
+    run = ["spin.asm", "--net", "x: >0.IIOF2", "--net", "y: >0.IIOF3", "--action", "0,pulse,x,0.01,0.02,20000"]
+    run += ["--action", "0,pulse,y,0.01,0.02,600", "--cycles", "10000", "--json"]
+    found = json.loads(command(*run).stdout)
+    missed = {net["name"]: net["missed"] for net in found["nets"]}
+    assert missed["x"] > 10000 and 0 < missed["y"] <= 1000
+    for name, count in missed.items():
+        assert sum(f"missed {name}" in event for event in found["events"]) == min(count, 1000), name
+
+
 @pytest.mark.parametrize(("action", "message"), [
     ("10,pulse,index", "AT_US,pulse,NET,WIDTH_US[,PERIOD_US[,COUNT]] is expected"),
     ("10,pulse,index,x", "AT_US,pulse,NET,WIDTH_US[,PERIOD_US[,COUNT]] is expected"),

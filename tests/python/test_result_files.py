@@ -198,6 +198,16 @@ def test_a_failed_save_keeps_the_file_that_was_there(result: cmrc.Result, tmp_pa
     assert cmrc.Result.load(tmp_path / "a").hash == result.hash
 
 
+def test_a_number_beyond_every_double_differs_without_a_change(result: cmrc.Result, tmp_path: Path) -> None:
+    report = json.loads(json.dumps(result.report))
+    report["host"]["refreshes"] = 10**400
+    for left, right in ((result.report, report), (report, result.report)):
+        assert [name for name, *_ in cmrc.diff(left, right).metrics] == ["host.refreshes"]
+        assert "(+" not in cmrc.diff(left, right).text() and "(-" not in cmrc.diff(left, right).text()
+    (tmp_path / "big.json").write_text(json.dumps(report))
+    assert "host.refreshes" in cmrc.diff(result, tmp_path / "big.json").text()
+
+
 def test_a_difference_names_settings_event_and_metrics(result: cmrc.Result, other: cmrc.Result) -> None:
     found = cmrc.diff(result, other)
     assert found and found.configuration == {"machine.dsps": (1, 2)}

@@ -203,6 +203,74 @@ def test_a_thousand_errors_are_reported_and_then_an_end_is_made() -> None:
     assert len(caught.value.diagnostics) == 1001
 
 
+CHAIN = "".join(f"x{i + 1} .set x{i}+x{i}\n" for i in range(60))
+TAGS = "s0 .struct\nx .word\nz0 .endstruct\n" + "".join(
+    f"s{i + 1} .struct\na .tag s{i}\nb .tag s{i}\nz{i + 1} .endstruct\n" for i in range(40)
+)
+
+
+@pytest.mark.parametrize(
+    ("source", "word"),
+    [
+        (f"\t.word {'1|' * 499}1\n", 1),
+        (f"\t.word {'0<<' * 60}1\n", 0),
+        (f"\t.word single({'1.0+' * 400}1.0)\n", 0x08488000),
+        (f"\t.word {'-' * 499}1\n", 0xFFFFFFFF),
+        (f"\t.word {'~' * 498}1\n", 1),
+        (f"\t.word {'hi16(' * 99}x{')' * 99}\nx .set 1\n", 0),
+        ("\t.word x60>>60\n" + CHAIN + "x0 .set 1\n", 1),
+    ],
+    ids=["or", "shift", "float", "minus", "not", "hi16", "forward symbols"],
+)
+def test_what_is_written_once_is_evaluated_once(source: str, word: int) -> None:
+    """Twice for each operator or symbol would be 2 to the power of 60 or more: no end."""
+    assert toolchain.assemble(source).sections[0].words[0] == word
+
+
+def test_a_symbol_that_later_symbols_give_a_value_has_it() -> None:
+    source = "a .set c+1\n .word a\nb .set a+1\nc .set d\n .word b\nd .set 5\ne .set a+b\n .word e\n"
+    assert list(toolchain.assemble(source).sections[0].words) == [6, 7, 13]
+    assert list(toolchain.assemble("a .set hi16(b)\nc .set a\n .word c,a\nb .word 0\n").sections[0].words[:2]) == [
+        0x30,
+        0x30,
+    ]
+
+
+@pytest.mark.parametrize(
+    ("source", "message", "last"),
+    [
+        ("".join(f"x{i} .set nix\n" for i in range(20000)), "undefined symbol 'nix' (in 'x0', defined at <text>:1)", 18999),
+        ("".join(f"x{i} .set y{i}\n" for i in range(20000)), "undefined symbol 'y0'; did you mean 'x0'? (in", 18999),
+        ("".join(f"x{i} .set x{i + 1}\n" for i in range(20000)), "'x200' is defined through more than 200", 18999),
+        ("s .struct\n" + "".join(f"m{i} .word\n" for i in range(3000)) + "z .endstruct\nname .tag s\n", "undefined symbol 'name'", 1999),
+    ],
+)  # fmt: skip
+def test_an_error_of_a_symbol_costs_the_same_however_many_there_are(source: str, message: str, last: int) -> None:
+    """The number of names compared in search of a suggestion has a limit, and an error is found once."""
+    with pytest.raises(toolchain.AssemblyError) as caught:
+        toolchain.assemble(source)
+    assert message in caught.value.diagnostics[0]["message"]
+    assert len(caught.value.diagnostics) == 1001
+    assert f"(and {last} more errors)" in caught.value.diagnostics[-1]["message"]
+
+
+def test_suggestions_end_when_many_names_have_been_compared() -> None:
+    """20,000 names and 1000 undefined symbols: the first hundred get a suggestion."""
+    names = "".join(f"place{i:05} .set {i}\n" for i in range(20000))
+    with pytest.raises(toolchain.AssemblyError) as caught:
+        toolchain.assemble(names + "".join(f" .word plaze{i:05}\n" for i in range(1000)))
+    suggested = ["did you mean" in error["message"] for error in caught.value.diagnostics]
+    assert suggested == [True] * 100 + [False] * 900
+
+
+def test_structures_of_structures_have_a_limit() -> None:
+    """Each has the members of the one before twice: 2 to the power of 40 names."""
+    with pytest.raises(
+        toolchain.AssemblyError, match="too many members: the names that structures make have more than"
+    ):
+        toolchain.assemble(TAGS)
+
+
 def test_nothing_is_written_when_something_is_wrong(tmp_path: Path, emulator: Path) -> None:
     (tmp_path / "bad.asm").write_text("\tldi 70000,r0\n\t.word 1/0\n\tcall nowhere\n")
     (tmp_path / "cut.o").write_bytes((Path(__file__).parent / "linking/a.gnu.o").read_bytes()[:500])

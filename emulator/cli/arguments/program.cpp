@@ -1,9 +1,9 @@
 #include "cli/arguments/program.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 
 #include "cli/arguments/options.hpp"
@@ -62,7 +62,8 @@ void require_file(const std::string& path) {
   if (!std::filesystem::exists(path, error)) throw InputError(fmt::format("{}: no such file", path));
   if (std::filesystem::is_directory(path, error))
     throw InputError(fmt::format("{}: is a directory; a program is expected", path));
-  if (!std::ifstream(path)) throw InputError(fmt::format("{}: cannot be read", path));
+  // Not opened: a pipe that is opened twice has lost its writer in between.
+  if (::access(path.c_str(), R_OK) != 0) throw InputError(fmt::format("{}: cannot be read", path));
 }
 
 bool is_coff_name(const std::string& path) {

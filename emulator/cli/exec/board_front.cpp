@@ -229,8 +229,8 @@ std::string BoardConsole::text() const {
     for (std::size_t n = 0; n < std::min(changes.size(), most_changes); ++n)
       out += fmt::format("led {}: {:X}h at cycle {}\n", called(chip, changes[n].device), changes[n].value,
                          changes[n].cycle);
-    if (changes.size() > most_changes)
-      out += fmt::format("led: {} more changes of chip {}\n", changes.size() - most_changes, chip);
+    if (devices->change_count() > most_changes)
+      out += fmt::format("led: {} more changes of chip {}\n", devices->change_count() - most_changes, chip);
     for (const auto& [described, device] : devices->places()) {
       const auto* sent = device->sent();
       if (sent != nullptr && described.kind != DeviceKind::console && !sent->empty()) {
@@ -256,6 +256,7 @@ void BoardConsole::add_to(nlohmann::ordered_json& root) const {
   if (empty()) return;
   using Json = nlohmann::ordered_json;
   const bool one = boards_.size() == 1;
+  std::uint64_t led_changes = 0;
   Json leds = Json::array(), sent = Json::array(), inputs = Json::array(), consoles = Json::array(),
        missing = Json::array();
   for (const auto& [chip, devices] : boards_) {
@@ -266,6 +267,7 @@ void BoardConsole::add_to(nlohmann::ordered_json& root) const {
       return out;
     };
     consoles.push_back(devices->console());
+    led_changes += devices->change_count();
     for (const auto& change : devices->changes()) {
       Json out = entry(change.device);
       out["cycle"] = change.cycle, out["value"] = change.value;
@@ -291,6 +293,7 @@ void BoardConsole::add_to(nlohmann::ordered_json& root) const {
   }
   root["console"] = one ? consoles.front() : std::move(consoles);
   root["leds"] = std::move(leds);
+  root["led_changes"] = led_changes;
   root["sent"] = std::move(sent);
   root["inputs"] = std::move(inputs);
   if (!missing.empty()) root["not_modelled"] = std::move(missing);

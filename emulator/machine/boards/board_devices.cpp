@@ -106,7 +106,8 @@ std::optional<BoardDevices::Answer> BoardDevices::access(const c40::ExternalAcce
 }
 
 void BoardDevices::note(const Place& place, const c40::ExternalAccess& access, Word before) {
-  if (place.described.kind == DeviceKind::led && before != access.value)
+  constexpr std::uint64_t most_changes = 1000;  // a program that blinks has no end
+  if (place.described.kind == DeviceKind::led && before != access.value && ++change_count_ <= most_changes)
     changes_.push_back({place.described.name, access.cycle, access.value});
   if (place.described.kind != DeviceKind::console || access.address != place.described.base) return;
   console_ += static_cast<char>(access.value & 0xFF);
@@ -184,6 +185,7 @@ void BoardDevices::list_state(state::Visitor& list) {
   list("low", low_);
   list("console", console_);
   list("changes", changes_);
+  list("change_count", change_count_);
 }
 
 bool serve(BoardDevices& devices, c40::Chip& chip, const c40::ExternalAccess& access) {

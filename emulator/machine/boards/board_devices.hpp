@@ -71,9 +71,10 @@ class BoardDevices {
   void type(std::string_view text);
   void type(const HostStep& step);
   bool has_console() const { return console_at() != nullptr; }
-  /// Everything that consoles have sent, and all changes of LEDs so far.
+  /// Everything that consoles have sent; the first changes of LEDs, and how many there were.
   const std::string& console() const { return console_; }
   const std::vector<Change>& changes() const { return changes_; }
+  std::uint64_t change_count() const { return change_count_; }
   /// Called for each character that a console sends.
   std::function<void(char)> on_output;
 
@@ -95,6 +96,7 @@ class BoardDevices {
   unsigned low_ = 0;  ///< bit n: pin n was last reported low
   std::string console_;
   std::vector<Change> changes_;
+  std::uint64_t change_count_ = 0;
 };
 
 /// Devices around a chip without another driver: the caller asks how far the chip may run, and lets the pins follow.

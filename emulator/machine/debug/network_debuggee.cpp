@@ -191,6 +191,8 @@ std::string NetworkDebuggee::devices_page() {
     }
     for (const BoardDevices::Change& change : devices->changes())
       text += fmt::format("{}: led {}: {:X}h at cycle {}\n", chip_name(n), change.device, change.value, change.cycle);
+    if (const auto more = devices->change_count() - devices->changes().size(); more > 0)
+      text += fmt::format("{}: {} more changes of LEDs\n", chip_name(n), more);
   }
   return text.empty() ? "no chip has a device\n" : text;
 }

@@ -284,6 +284,9 @@ struct Network::ActionTurn final : Scheduler::Actor {
   Network& network;
 };
 
+/// Missed edges of a net that are recorded though nobody asked for events; the net counts all.
+constexpr std::uint64_t most_missed_events = 1000;
+
 /// Records events of nets. If two nets change at one instant, either may report first.
 struct Network::NetTap final : Net::Listener {
   explicit NetTap(Network& network_) : network(network_) {}
@@ -291,7 +294,8 @@ struct Network::NetTap final : Net::Listener {
     if (network.records_words_) keep(level ? NetworkEvent::Kind::rise : NetworkEvent::Kind::fall, net, at, 0);
   }
   void missed(Net& net, std::size_t chip, Time at) override {
-    keep(NetworkEvent::Kind::missed, net, at, static_cast<int>(chip));
+    if (network.records_words_ || net.missed() <= most_missed_events)
+      keep(NetworkEvent::Kind::missed, net, at, static_cast<int>(chip));
   }
   void keep(NetworkEvent::Kind kind, const Net& net, Time at, int side) {
     const auto which = std::ranges::find(network.nets_, &net, &std::unique_ptr<Net>::get);

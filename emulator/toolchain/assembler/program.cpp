@@ -18,6 +18,7 @@ constexpr Address largest_loaded_section = 1U
                                            << 24;  // In words; a mistake in a source must not fill the host's memory.
 constexpr Address largest_reserved_section = 0xFFFFFFFF;
 constexpr int deepest_definition = 200;
+constexpr std::size_t most_names_compared = 2'000'000;  // With undefined symbols; later ones get no suggestion.
 constexpr Word nop = 0x0C800000;
 
 std::string place_of(const SourceLine* line) {
@@ -50,6 +51,11 @@ bool same(const Value& a, const Value& b) {
   return a.kind == b.kind && a.integer == b.integer && a.section == b.section && a.real.nearest == b.real.nearest &&
          a.real.residue == b.real.residue;
 }
+
+/// A symbol needs one that is not defined.
+struct UndefinedSymbol : LineError {
+  std::string name;
+};
 
 }  // namespace
 
@@ -85,11 +91,13 @@ void Program::define(const std::string& name, const Value& value, const SourceLi
 
 void Program::define(const std::string& name, Expression expression, const SourceLinePtr& line, std::size_t offset) {
   std::optional<Value> value;
+  trying_ = true;
   try {
     value = evaluate(expression, *this);
   } catch (const LineError&) {
     // The value may need later definitions; finish() reports errors.
   }
+  trying_ = false;
   if (value) return define(name, *value, line, offset);
   const auto [found, fresh] = symbols_.insert({name, Symbol{std::move(expression), line, offset}});
   if (!fresh)
@@ -188,46 +196,68 @@ Value Program::value_of(const std::string& name, std::size_t offset) const {
   // A register of the other processor is not taken as a symbol of another object, unless the source declares it.
   const bool taken_as_external = undefined_external_ && register_of_other(name, options_.cpu).empty();
   if (found == symbols_.end() && relocatable_ && (globals_.contains(name) || taken_as_external)) {
-    const auto external = std::find(externals_.begin(), externals_.end(), name);
-    const auto number = static_cast<int>(external - externals_.begin());
-    if (external == externals_.end()) externals_.push_back(name);
-    return Value::external(number);
+    return Value::external(externals_.insert({name, static_cast<int>(externals_.size())}).first->second);
   }
-  if (found == symbols_.end())
-    throw LineError{offset,
-                    fmt::format("undefined symbol '{}'{}", as_written(name),
-                                globals_.contains(name)
-                                    ? ", which another object is to define (emulator asm --object, emulator link)"
-                                    : symbol_near(name))};
+  if (found == symbols_.end()) throw UndefinedSymbol{{offset, undefined(name)}, name};
   const Symbol& symbol = found->second;
   if (const auto* value = std::get_if<Value>(&symbol.meaning)) return *value;
+  const auto fail = [&](const Problem& problem) {
+    std::string message = problem.undefined.empty() ? problem.message : undefined(problem.undefined);
+    if (evaluation_depth_ == 0) message += fmt::format(" (in '{}', defined {})", name, place_of(symbol.line.get()));
+    if (problem.undefined.empty()) throw LineError{offset, std::move(message)};
+    throw UndefinedSymbol{{offset, std::move(message)}, problem.undefined};
+  };
+  if (const Evaluated* before = known(symbol)) {
+    if (const auto* value = std::get_if<Value>(&before->result)) return *value;
+    fail(std::get<Problem>(before->result));
+  }
   if (symbol.busy) throw LineError{offset, fmt::format("'{}' is defined in terms of itself", name)};
   if (evaluation_depth_ >= deepest_definition)
     throw LineError{offset,
                     fmt::format("'{}' is defined through more than {} other symbols", name, deepest_definition)};
   symbol.busy = true;
   ++evaluation_depth_;
-  const auto leave = [&] {
-    symbol.busy = false;
-    --evaluation_depth_;
-  };
+  Evaluated now{Problem{}, stage_};
   try {
-    const Value value = evaluate(std::get<Expression>(symbol.meaning), *this);
-    leave();
-    return value;
+    now.result = evaluate(std::get<Expression>(symbol.meaning), *this);
+  } catch (const UndefinedSymbol& error) {
+    now.result = Problem{{}, error.name};
   } catch (const LineError& error) {
-    leave();
-    if (evaluation_depth_ > 0) throw LineError{offset, error.message};
-    throw LineError{offset, fmt::format("{} (in '{}', defined {})", error.message, name, place_of(symbol.line.get()))};
+    now.result = Problem{error.message, {}};
   }
+  symbol.busy = false;
+  --evaluation_depth_;
+  symbol.found = std::move(now);
+  if (const auto* problem = std::get_if<Problem>(&symbol.found->result)) fail(*problem);
+  return std::get<Value>(symbol.found->result);
 }
 
-std::string Program::symbol_near(std::string_view name) const {
+const Program::Evaluated* Program::known(const Symbol& symbol) const {
+  if (!symbol.found || symbol.found->stage != stage_) return nullptr;
+  const auto* problem = std::get_if<Problem>(&symbol.found->result);
+  if (problem != nullptr && !problem->undefined.empty() && is_defined(problem->undefined)) return nullptr;
+  return &*symbol.found;
+}
+
+std::string Program::undefined(const std::string& name) const {
+  if (trying_) return {};
+  return fmt::format("undefined symbol '{}'{}", as_written(name),
+                     globals_.contains(name)
+                         ? ", which another object is to define (emulator asm --object, emulator link)"
+                         : symbol_near(name));
+}
+
+std::string Program::symbol_near(const std::string& name) const {
   if (std::string other = register_of_other(name, options_.cpu); !other.empty()) return other;
+  if (const auto before = suggestions_.find(name); stage_ > 0 && before != suggestions_.end()) return before->second;
+  if (names_compared_ >= most_names_compared) return {};
+  names_compared_ += symbols_.size();
   std::vector<std::string_view> names;
   for (const auto& [known, symbol] : symbols_)
     if (as_written(known) == known) names.push_back(known);  // no local label: its name is not what the source has
-  return io::suggestion(io::nearest(name, names, io::most_wrong(name)), '\'');
+  std::string near = io::suggestion(io::nearest(name, names, io::most_wrong(name)), '\'');
+  if (stage_ > 0) suggestions_[name] = near;  // all symbols are known
+  return near;
 }
 
 std::vector<Program::Section*> Program::placement_order() {

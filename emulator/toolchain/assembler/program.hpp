@@ -121,12 +121,24 @@ class Program final : public SymbolSource {
     std::vector<Item> items;
     Address address = 0;
   };
+  /// Why a symbol has no value.
+  struct Problem {
+    std::string message;
+    std::string undefined;  ///< The symbol that is not defined, if that is why: the problem lasts until it is.
+  };
+  /// What the evaluation of a symbol gave. It holds until the next stage, so that a symbol is evaluated once however
+  /// many others use it.
+  struct Evaluated {
+    std::variant<Value, Problem> result;
+    int stage = 0;
+  };
   struct Symbol {
     std::variant<Value, Expression> meaning;
     SourceLinePtr line;
     std::size_t offset = 0;
     mutable bool busy =
         false;  ///< The symbol is being evaluated: meeting it again means that it is defined in terms of itself.
+    mutable std::optional<Evaluated> found = {};
   };
   struct Global {
     SourceLinePtr line;
@@ -157,10 +169,13 @@ class Program final : public SymbolSource {
   static void check_run(std::span<const Item> items, const Image::Section& section, Image& image);
   void export_symbols(Image& image, std::vector<Diagnostic>& diagnostics) const;
   void check_globals(std::vector<Diagnostic>& diagnostics) const;
+  /// What the last evaluation gave, if another would give the same.
+  const Evaluated* known(const Symbol& symbol) const;
+  std::string undefined(const std::string& name) const;
   /// "; did you mean 'start'?", what the name means on the other processor, or nothing.
-  std::string symbol_near(std::string_view name) const;
+  std::string symbol_near(const std::string& name) const;
   bool goes_into_object(std::size_t section) const;
-  void add_object_symbols(Object& object, const std::vector<int>& numbers, std::vector<Diagnostic>& diagnostics) const;
+  void add_object_symbols(Object& object, const std::vector<int>& numbers, std::vector<Diagnostic>& diagnostics);
   Relocation relocation(Object& object, const std::vector<int>& numbers, const WordRelocation& wanted) const;
   Address entry_point(const Image& image, std::vector<Diagnostic>& diagnostics) const;
 
@@ -173,9 +188,14 @@ class Program final : public SymbolSource {
   std::vector<std::string> files_read_;
   bool placed_ = false;
   bool undefined_external_ = false;
-  bool relocatable_ = false;                    ///< finish_object() is running.
-  mutable std::vector<std::string> externals_;  ///< External symbols found so far by finish_object().
+  bool relocatable_ = false;                      ///< finish_object() is running.
+  mutable std::map<std::string, int> externals_;  ///< External symbols found so far by finish_object(), numbered.
+  std::size_t first_external_ = 0;                ///< Its place among the object's symbols.
   mutable int evaluation_depth_ = 0;
+  int stage_ = 0;        ///< What an expression means changes when sections get addresses, or an object is made.
+  bool trying_ = false;  ///< define() asks whether a value is known already: nobody reads the message.
+  mutable std::map<std::string, std::string> suggestions_;  ///< By undefined symbol, of this stage.
+  mutable std::size_t names_compared_ = 0;
   std::map<std::string, Symbol, std::less<>> symbols_;
   std::map<std::string, Global, std::less<>> globals_;
 };

@@ -43,6 +43,7 @@ void Program::place(std::vector<Diagnostic>& diagnostics) {
                                                       section->name, section->address, section->alignment)));
   }
   placed_ = true;
+  ++stage_;
   check_overlaps(placed, diagnostics);
 }
 

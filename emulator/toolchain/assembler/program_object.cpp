@@ -20,6 +20,7 @@ bool Program::goes_into_object(std::size_t section) const {
 
 Object Program::finish_object(Image& listed, std::vector<Diagnostic>& diagnostics) {
   relocatable_ = true;
+  ++stage_;
   listed.warnings = warnings_;
   listed.dialects = dialects_;
   listed.files_read = files_read_;
@@ -57,7 +58,7 @@ Object Program::finish_object(Image& listed, std::vector<Diagnostic>& diagnostic
 
 /// First the sections' own symbols, then the others by name, then the external ones.
 void Program::add_object_symbols(Object& object, const std::vector<int>& numbers,
-                                 std::vector<Diagnostic>& diagnostics) const {
+                                 std::vector<Diagnostic>& diagnostics) {
   for (std::size_t i = 0; i < object.sections.size(); ++i)
     object.symbols.push_back({.name = object.sections[i].name,
                               .value = 0,
@@ -85,9 +86,11 @@ void Program::add_object_symbols(Object& object, const std::vector<int>& numbers
     }
   }
   check_globals(diagnostics);
-  for (const std::string& name : externals_)
-    object.symbols.push_back(
-        {.name = name, .value = 0, .section = ObjectSymbol::undefined, .global = true, .stands_for_section = false});
+  first_external_ = object.symbols.size();
+  object.symbols.resize(first_external_ + externals_.size());
+  for (const auto& [name, number] : externals_)
+    object.symbols[first_external_ + index(number)] = {
+        .name = name, .value = 0, .section = ObjectSymbol::undefined, .global = true, .stands_for_section = false};
 }
 
 /// A branch refers to a symbol exactly at its target, so that 16 bits always hold the rest of the distance. All other
@@ -103,8 +106,7 @@ Relocation Program::relocation(Object& object, const std::vector<int>& numbers, 
     return at != object.symbols.end();
   };
   if (target.is_external()) {
-    const std::string& name = externals_[static_cast<std::size_t>(target.external_number())];
-    found([&](const ObjectSymbol& s) { return s.section == ObjectSymbol::undefined && s.name == name; });
+    out.symbol = static_cast<int>(first_external_) + target.external_number();
     return out;
   }
   const int section = target.is_absolute() ? ObjectSymbol::absolute : numbers[index(target.section)];

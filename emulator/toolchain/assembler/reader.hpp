@@ -121,6 +121,7 @@ class Reader {
   void member(Statement& statement);
   void tag(Statement& statement);
   const Structure& structure_named(Parser& parser);
+  void count_member(const std::string& name, std::size_t offset);
 
   // directives.cpp
   static const std::map<std::string, Directive, std::less<>>& directives();
@@ -173,6 +174,7 @@ class Reader {
   std::map<std::string, Macro, std::less<>> macros_;
   std::map<std::string, Structure, std::less<>> structures_;
   std::optional<Structure> structure_;  ///< The structure that is being declared.
+  std::size_t letters_of_members_ = 0;  ///< In all names that structures made.
   std::vector<Conditional> conditionals_;
   std::unique_ptr<Collector> collector_;
   std::vector<std::filesystem::path> open_files_;  ///< The present file and the files that include it.

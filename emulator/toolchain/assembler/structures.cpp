@@ -7,6 +7,18 @@
 #include "toolchain/assembler/reader.hpp"
 
 namespace toolchain {
+namespace {
+
+constexpr std::size_t most_letters = 1U << 22;  // .tag can double them with each structure
+
+}  // namespace
+
+void Reader::count_member(const std::string& name, std::size_t offset) {
+  letters_of_members_ += name.size();
+  if (letters_of_members_ > most_letters)
+    throw LineError{offset, fmt::format("too many members: the names that structures make have more than {} letters",
+                                        most_letters)};
+}
 
 /// `[NAME] .struct [offset]` or `.union`: the lines up to .endstruct or .endunion declare members.
 void Reader::start_structure(Statement& s) {
@@ -31,6 +43,7 @@ void Reader::end_structure(Statement& s) {
   const Value size = Value::of(std::int64_t{structure.size});
   for (const auto& [member, place] : structure.members) {
     const std::string name = structure.name.empty() ? member : structure.name + "." + member;
+    count_member(name, s.operation_offset);
     program_.define(name, Value::of(std::int64_t{place}), s.line, s.operation_offset);
   }
   if (!s.label.empty()) program_.define(s.label, size, s.line, s.label_offset);
@@ -56,8 +69,10 @@ void Reader::member(Statement& s) {
   } else if (operation == ".tag") {
     const Structure& other = structure_named(p);
     if (!s.label.empty())
-      for (const auto& [name, place] : other.members)
+      for (const auto& [name, place] : other.members) {
         structure_->members.emplace_back(s.label + "." + name, structure_->place + place);
+        count_member(structure_->members.back().first, s.label_offset);
+      }
     size = other.size;
   } else if (words.contains(operation) || operation == ".ldouble") {
     const Address count = p.at_end() ? 1 : known_size(p, "the number of elements");
@@ -89,6 +104,7 @@ void Reader::tag(Statement& s) {
   const Expression base{Expression::Kind::symbol, {}, s.label, {}, at};
   for (const auto& [member, place] : structure.members) {
     const Expression offset{Expression::Kind::constant, Value::of(std::int64_t{place}), {}, {}, at};
+    count_member(s.label + "." + member, at);
     program_.define(s.label + "." + member, Expression{Expression::Kind::binary, {}, "+", {base, offset}, at}, s.line,
                     at);
   }

@@ -9,6 +9,7 @@
 namespace toolchain {
 namespace {
 
+/// Evaluates each node once: an operand that was evaluated twice would cost two to the power of its depth.
 class Evaluator {
  public:
   explicit Evaluator(const SymbolSource& symbols) : symbols_(symbols) {}
@@ -26,8 +27,7 @@ class Evaluator {
 
  private:
   /// An address as a plain number: allowed once the sections have addresses.
-  std::int64_t number(const Expression& e) const {
-    const Value value = (*this)(e);
+  std::int64_t number(const Expression& e, const Value& value) const {
     if (value.is_real()) throw LineError{e.offset, "an integer is needed here, not a float"};
     if (value.is_absolute()) return value.integer;
     if (!symbols_.is_placed())
@@ -37,9 +37,8 @@ class Evaluator {
     return symbols_.address_of_section(value.section) + value.integer;
   }
 
-  Real real(const Expression& e) const {
-    const Value value = (*this)(e);
-    return value.is_real() ? value.real : real_of(number(e));
+  Real real(const Expression& e, const Value& value) const {
+    return value.is_real() ? value.real : real_of(number(e, value));
   }
 
   static Value half(Value address, Value::Half which) {
@@ -49,20 +48,19 @@ class Evaluator {
 
   Value unary(const Expression& e) const {
     const Expression& operand = e.operands[0];
-    if (e.name == "-") {
-      const Value value = (*this)(operand);
-      if (value.is_real()) return Value::of(-value.real);
-      return Value::of(negated(number(operand)));
-    }
-    if (e.name == "~") return Value::of(~number(operand));
-    return Value::of(std::int64_t{number(operand) == 0});
+    const Value value = (*this)(operand);
+    if (e.name == "-" && value.is_real()) return Value::of(-value.real);
+    const std::int64_t x = number(operand, value);
+    if (e.name == "-") return Value::of(negated(x));
+    if (e.name == "~") return Value::of(~x);
+    return Value::of(std::int64_t{x == 0});
   }
 
   static std::int64_t negated(std::int64_t x) { return static_cast<std::int64_t>(0 - static_cast<std::uint64_t>(x)); }
 
   Value binary(const Expression& e) const {
     const Value a = (*this)(e.operands[0]), b = (*this)(e.operands[1]);
-    if (a.is_real() || b.is_real()) return float_operation(e);
+    if (a.is_real() || b.is_real()) return float_operation(e, a, b);
     if (a.half != Value::Half::none || b.half != Value::Half::none)
       throw LineError{e.offset, "half of an address that is not assigned yet cannot be part of an expression"};
     if (!symbols_.is_placed() && !a.is_absolute() && b.is_absolute()) {
@@ -75,15 +73,15 @@ class Evaluator {
       if (b.is_absolute()) return Value::at(a.section, wrap_add(a.integer, negated(b.integer)));
       if (a.section == b.section) return Value::of(wrap_add(a.integer, negated(b.integer)));
     }
-    return Value::of(integer_operation(e, number(e.operands[0]), number(e.operands[1])));
+    return Value::of(integer_operation(e, number(e.operands[0], a), number(e.operands[1], b)));
   }
 
   static std::int64_t wrap_add(std::int64_t a, std::int64_t b) {
     return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
   }
 
-  Value float_operation(const Expression& e) const {
-    const double a = real(e.operands[0]).nearest, b = real(e.operands[1]).nearest;
+  Value float_operation(const Expression& e, const Value& left, const Value& right) const {
+    const double a = real(e.operands[0], left).nearest, b = real(e.operands[1], right).nearest;
     if (e.name == "+") return Value::of(Real(a + b));
     if (e.name == "-") return Value::of(Real(a - b));
     if (e.name == "*") return Value::of(Real(a * b));
@@ -129,22 +127,19 @@ class Evaluator {
 
   Value call(const Expression& e) const {
     const Expression& argument = e.operands[0];
+    const Value value = (*this)(argument);
     if (e.name == "single") {
-      const auto word = to_single(real(argument));
+      const auto word = to_single(real(argument, value));
       if (!word) throw LineError{e.offset, "out of the range of a 32-bit float"};
       return Value::of(std::int64_t{*word});
     }
-    if (e.name == "^" || e.name == "#") {  // for a constant: the constant itself
-      const Value address = (*this)(argument);
-      if (address.is_real() || address.is_absolute()) return address;
-      return call({Expression::Kind::call, {}, e.name == "^" ? "hi16" : "lo16", {argument}, e.offset});
-    }
-    if (const Value address = (*this)(argument);
-        !symbols_.is_placed() && !address.is_real() && !address.is_absolute() && address.half == Value::Half::none)
-      return half(address, e.name == "lo16" ? Value::Half::low : Value::Half::high);
-    const std::int64_t value = number(argument);
-    if (e.name == "lo16") return Value::of(value & 0xFFFF);
-    return Value::of((value >> 16) & 0xFFFF);  // hi16, page
+    const bool prefix = e.name == "^" || e.name == "#";  // for a constant: the constant itself
+    if (prefix && (value.is_real() || value.is_absolute())) return value;
+    const auto which = e.name == "lo16" || e.name == "#" ? Value::Half::low : Value::Half::high;  // high: hi16, page
+    if (!symbols_.is_placed() && !value.is_real() && !value.is_absolute() && value.half == Value::Half::none)
+      return half(value, which);
+    const std::int64_t address = number(argument, value);
+    return Value::of((which == Value::Half::low ? address : address >> 16) & 0xFFFF);
   }
 
   const SymbolSource& symbols_;

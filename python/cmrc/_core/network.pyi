@@ -11,6 +11,7 @@ class Chip:
     pc: int
     console: bytes
     led_changes: list[tuple[str, int, int]]
+    led_change_count: int
     not_modelled: list[tuple[str, int, str]]
     def type(self, text: bytes) -> None: ...
     def send(self, name: str, words: Sequence[int]) -> None: ...

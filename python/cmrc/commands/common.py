@@ -51,7 +51,7 @@ def command(
 
 
 def status_of(name: str, do: Callable[[argparse.Namespace], int], given: argparse.Namespace) -> int:
-    """Bad input becomes a message and status 2, a failure of the work a message and status 1."""
+    """Bad input becomes a message and status 2, a failure of the work or of a write a message and status 1."""
     from cmrc.sweeps.grid import GridError
     from cmrc.sweeps.store import SweepError
 
@@ -59,7 +59,7 @@ def status_of(name: str, do: Callable[[argparse.Namespace], int], given: argpars
         return do(given)
     except (OSError, ImportError, ConfigError, GridError, SweepError, ValueError, TypeError, KeyError) as error:
         streams.say(f"cmrc {name}: {files.printable(_words(error))}")
-        return 2
+        return 1 if files.writing_failed(error) else 2
     except RuntimeError as error:
         streams.say(f"cmrc {name}: {files.printable(str(error))}")
         return 1
@@ -112,6 +112,13 @@ def numbers(text: str, option: str) -> list[float]:
     if not (step > 0 and begin <= end and (end - begin) / step < MOST_POINTS):
         raise ValueError(f"{option}: {text!r} holds no value, or more than {MOST_POINTS}; FROM:TO:STEP is expected")
     return [round(begin + n * step, 6) for n in range(math.floor((end - begin) / step + 1e-9) + 1)]
+
+
+def output_name(text: str) -> str:
+    """The type of an option that names an output. An empty name would be the working folder, or none."""
+    if not text:
+        raise argparse.ArgumentTypeError("the name is empty; the name of an output is expected")
+    return text
 
 
 OptionalPath = str | Path | None
@@ -176,6 +183,12 @@ def output(option: str, path: OptionalPath) -> None:
     folder = Path(path).absolute().parent
     if not folder.is_dir():
         raise ValueError(f"{option}: {path}: there is no folder {folder}")
+    try:
+        os.stat(path)
+    except FileNotFoundError:
+        pass
+    except OSError as error:
+        raise ValueError(f"{option}: {path}: cannot be written: {error.strerror}") from None
     if Path(path).is_dir():
         raise ValueError(f"{option}: {path}: is a folder; the name of a file is expected")
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from cmrc import demo, events, files, page
 from cmrc.commands import streams
-from cmrc.commands.common import Commands, check_files, command, folder, picture, settings
+from cmrc.commands.common import Commands, check_files, command, folder, output_name, picture, settings
 from cmrc.progress import ProgressLine
 from cmrc.simulation import Setting, Simulation, configured
 
@@ -23,18 +23,21 @@ def add(commands: Commands) -> None:
             "--out",
             "--html",
             dest="out",
+            type=output_name,
             metavar="PAGE",
             nargs="?",
             help="where the page is written (default: RUN with the ending .html)",
         )
-        parser.add_argument("--plots", metavar="PNG", help="write the plots of cmrc.plot")
+        parser.add_argument("--plots", type=output_name, metavar="PNG", help="write the plots of cmrc.plot")
         _settings(parser)
     parser = command(commands, "events", "the events of a run as a Parquet table (docs/timelines.md)", _events)
     parser.add_argument("run", metavar="RUN", help="an event trace, or a configuration (.toml) to run")
-    parser.add_argument("-o", "--output", metavar="FILE.parquet", required=True, help="the table")
+    parser.add_argument("-o", "--output", type=output_name, metavar="FILE.parquet", required=True, help="the table")
     _settings(parser)
     parser = command(commands, "demo", "what the emulator shows, in five scenes, and a page of them", _demo)
-    parser.add_argument("--out", metavar="FOLDER", default="demo", help="where the page is written (default: demo)")
+    parser.add_argument(
+        "--out", type=output_name, metavar="FOLDER", default="demo", help="where the page is written (default: demo)"
+    )
 
 
 def _settings(parser: argparse.ArgumentParser) -> None:

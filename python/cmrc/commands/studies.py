@@ -9,7 +9,7 @@ from typing import Any
 import cmrc
 from cmrc import _core, files, studies
 from cmrc.commands import signals, streams
-from cmrc.commands.common import Commands, check_files, command, numbers, settings
+from cmrc.commands.common import Commands, check_files, command, numbers, output_name, settings
 from cmrc.progress import ProgressLine
 from cmrc.simulation import configured
 
@@ -41,7 +41,7 @@ def _configuration(parser: argparse.ArgumentParser) -> None:
         words = f"{meaning}: {choices[key]}" if choices[key] else meaning
         parser.add_argument(option, dest=key, type=kind, metavar=metavar, help=words)
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="a setting; may be given again")
-    parser.add_argument("--json", metavar="FILE", help="write all of it as JSON")
+    parser.add_argument("--json", type=output_name, metavar="FILE", help="write all of it as JSON")
 
 
 def _configured(given: argparse.Namespace) -> _core.cmrc.Config:
@@ -104,7 +104,7 @@ def _diff(commands: Commands) -> None:
     parser = command(commands, "diff", "the differences between two results; status 1 if there are any", _do_diff)
     parser.add_argument("left", metavar="A", help="a saved result, or a JSON report")
     parser.add_argument("right", metavar="B", help="another one")
-    parser.add_argument("--json", metavar="FILE", help="write all of it as JSON")
+    parser.add_argument("--json", type=output_name, metavar="FILE", help="write all of it as JSON")
     parser.add_argument("--all", action="store_true", help="show every metric that differs, not the first 40")
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from cmrc import files
 from cmrc.commands import streams
-from cmrc.commands.common import Commands, check_files, check_outside, command, picture
+from cmrc.commands.common import Commands, check_files, check_outside, command, output_name, picture
 from cmrc.progress import ProgressLine, shown
 from cmrc.simulation import ConfigError, Setting, configured
 
@@ -26,7 +26,9 @@ def add(commands: Commands) -> None:
 
 
 def _where(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--out", metavar="FOLDER", help="folder of the runs (default: FILE without its ending)")
+    parser.add_argument(
+        "--out", type=output_name, metavar="FOLDER", help="folder of the runs (default: FILE without its ending)"
+    )
     parser.add_argument(
         "--workers", type=int, metavar="N", help="processes of this machine (default: one per processor)"
     )
@@ -60,8 +62,8 @@ def _sweep(commands: Commands) -> None:
     parser.add_argument("file", metavar="FILE.toml", help="the grid (docs/sweeps.md)")
     _where(parser)
     parser.add_argument("--metric", metavar="NAME", action="append", help="a metric of the table; may be given again")
-    parser.add_argument("--csv", metavar="FILE", help="write one row per run")
-    parser.add_argument("--plot", metavar="PICTURE", help="draw the first metric over the grid")
+    parser.add_argument("--csv", type=output_name, metavar="FILE", help="write one row per run")
+    parser.add_argument("--plot", type=output_name, metavar="PICTURE", help="draw the first metric over the grid")
     parser.add_argument("--again-failed", action="store_true", help="run again what failed")
     parser.add_argument("--show", action="store_true", help="run nothing; show what is in the folder")
 

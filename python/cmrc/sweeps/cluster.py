@@ -7,6 +7,7 @@ import os
 import select
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -65,8 +66,8 @@ class Workers:
 class _Processes:
     """Workers of this machine, one process each. A dead worker is restarted, and so is the process that forks them."""
 
-    def __init__(self, count: int) -> None:
-        self.count = count
+    def __init__(self, count: int, scratch: str) -> None:
+        self.count, self.scratch = count, scratch
         self.address = ""
         self.number = 0
         self._start()  # it imports the workers' modules while this process does the same
@@ -80,7 +81,7 @@ class _Processes:
         command = [sys.executable, "-m", "cmrc.sweeps.local_worker", str(os.getpid())]
         self.forker = subprocess.Popen(
             command,
-            env=environment(),
+            env={**environment(), "DASK_TEMPORARY_DIRECTORY": self.scratch},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
@@ -134,7 +135,10 @@ def workers(address: str | None, count: int | None, security: Mapping[str, Any] 
     cluster answers.
     """
     if address is None:
-        with _local(count or os.cpu_count() or 1) as found:
+        with (
+            tempfile.TemporaryDirectory(prefix="cmrc-sweep-", ignore_cleanup_errors=True) as scratch,
+            _local(count or os.cpu_count() or 1, scratch) as found,
+        ):
             yield found
         return
     dask, distributed = needed("dask", "sweep", "cmrc.sweep"), needed("distributed", "sweep", "cmrc.sweep")
@@ -177,12 +181,13 @@ def _greet(address: str, security: Any) -> None:
 
 
 @contextmanager
-def _local(count: int) -> Iterator[Workers]:
-    processes = _Processes(count)
+def _local(count: int, scratch: str) -> Iterator[Workers]:
+    """``scratch``: the folder in which Dask makes its own."""
+    processes = _Processes(count, scratch)
     try:
         dask, distributed = needed("dask", "sweep", "cmrc.sweep"), needed("distributed", "sweep", "cmrc.sweep")
         with (
-            dask.config.set({**SETTINGS, **QUIET}),
+            dask.config.set({**SETTINGS, **QUIET, "temporary-directory": scratch}),
             distributed.LocalCluster(
                 n_workers=0,
                 processes=True,

@@ -13,6 +13,7 @@ import stat
 import uuid
 import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
@@ -118,9 +119,15 @@ class Folder:
             raise SweepError(
                 f"{self.path}: {files.printable(who)} sweeps into this folder; one sweep at a time may"
             ) from None
-        file.truncate(0)
-        file.write(f"process {os.getpid()} on {socket.gethostname()}")
-        file.flush()
+        try:
+            file.truncate(0)
+            file.write(f"process {os.getpid()} on {socket.gethostname()}")
+            file.flush()
+        except OSError as error:
+            place.unlink()
+            with suppress(OSError):
+                file.close()
+            raise SweepError(f"{place}: cannot be written: {error.strerror}") from None
         return file
 
     def check(self) -> None:
@@ -140,7 +147,7 @@ class Folder:
         except FileNotFoundError:
             return None
         except (OSError, ValueError) as error:
-            raise SweepError(f"{self.path / HEAD}: cannot be read: {error}") from None
+            raise SweepError(f"{self.path / HEAD}: cannot be read: {files.reason(error)}") from None
         if not isinstance(found, dict):
             raise SweepError(f"{self.path / HEAD}: no head of a sweep")
         return found
@@ -168,7 +175,7 @@ class Folder:
                 if part in parts:
                     raise SweepError(f"{part}: cannot be read: {error.strerror}") from None
             except Exception as error:  # noqa: BLE001 (pyarrow raises errors of many kinds for a damaged file)
-                raise SweepError(f"{part}: cannot be read: {error}") from None
+                raise SweepError(f"{part}: cannot be read: {files.reason(error)}") from None
 
     def opened(self, row: Mapping[str, Any]) -> Row:
         """A row with its JSON, ``place`` and ``settings``, as dictionaries. Raises SweepError."""
