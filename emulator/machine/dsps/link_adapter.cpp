@@ -51,6 +51,7 @@ void LinkAdapter::reset(unsigned slot, Time now) {
 
 void LinkAdapter::set_plugged(unsigned slot, bool plugged, Time now) {
   ports_.at(slot).plugged = plugged;
+  if (!plugged) ports_.at(slot).closed = false;  // a cut link: the words that the host writes stay in the FIFO
   join(ports_.at(slot), now);
 }
 
