@@ -19,6 +19,7 @@ NAMED = [
     "GridError",
     "LayoutError",
     "LinkError",
+    "ListFull",
     "MemoryMapError",
     "NetworkError",
     "PageError",
@@ -54,7 +55,9 @@ def test_each_is_an_error_of_the_package_and_a_built_in_one() -> None:
     assert sorted(set(found) - {"RunDied", "Stopped"}) == NAMED
     for name in NAMED:
         assert issubclass(found[name], cmrc.Error), name
-        built_in = OSError if name == "CannotOpen" else RuntimeError if name == "SweepError" else ValueError
+        built_in = (
+            OSError if name == "CannotOpen" else RuntimeError if name in ("ListFull", "SweepError") else ValueError
+        )
         assert issubclass(found[name], built_in), name
 
 
