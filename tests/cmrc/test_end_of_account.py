@@ -19,7 +19,8 @@ def event(at_s: float, action: str, **more: Any) -> dict[str, Any]:
     return {"at_s": at_s, "action": action, **more}
 
 
-def simulation_of(events: list[dict[str, Any]], toml: str = "", **settings: Any) -> Any:
+def simulation_of(events: list[dict[str, Any]], **settings: Any) -> Any:
+    toml = settings.pop("toml", "")
     return cmrc.Simulation(
         cmrc.config(toml=toml, settings={"machine.dsps": 1, "report.reference": "none", **settings}, events=events)
     )
@@ -33,7 +34,7 @@ def report_of(events: list[dict[str, Any]], **settings: Any) -> dict[str, Any]:
     return report
 
 
-def end_of(report: dict[str, Any]) -> tuple[str, float]:
+def end_of(report: dict[str, Any]) -> Any:
     return report["stop_reason"], report["account_end_s"]
 
 
