@@ -76,6 +76,7 @@ std::string text_of(const std::string& argument, const py::object& given) {
 void bind_config(py::module_& m) {
   m.attr("emulator_version") = report::emulator_version;
   python::register_error<cmrc::ConfigError>(m, "ConfigError", PyExc_ValueError);
+  python::register_error<cmrc::ListFull>(m, "ListFull", PyExc_RuntimeError);
 
   py::class_<cmrc::Config>(m, "Config", "All parameters of a run (docs/configuration.md).")
       .def(

@@ -124,26 +124,26 @@ void bind_debug(py::module_& core) {
       .def(
           "go",
           [](PythonDebugger& d, std::optional<std::int64_t> until) {
-            return stop_of(d, "go", "go", [&](Debugger& x) { x.go(until ? Time{*until} : machine::never); });
+            return stop_of(d, "go", [&](Debugger& x) { x.go(until ? Time{*until} : machine::never); });
           },
           py::arg("until"))
       .def(
           "step",
           [](PythonDebugger& d, std::size_t chip, const std::string& step) {
-            return stop_of(d, "step", "step", [&, s = step_named(step)](Debugger& x) { x.step(chip, s); });
+            return stop_of(d, "step", [&, s = step_named(step)](Debugger& x) { x.step(chip, s); });
           },
           py::arg("chip"), py::arg("step"))
-      .def("go_back", [](PythonDebugger& d) { return stop_of(d, "go_back", "go_back", [](Debugger& x) { x.go_back(); }); })
+      .def("go_back", [](PythonDebugger& d) { return stop_of(d, "go_back", [](Debugger& x) { x.go_back(); }); })
       .def(
           "step_back",
           [](PythonDebugger& d, std::size_t chip, const std::string& step) {
-            return stop_of(d, "step_back", "step_back", [&, s = step_named(step)](Debugger& x) { x.step_back(chip, s); });
+            return stop_of(d, "step_back", [&, s = step_named(step)](Debugger& x) { x.step_back(chip, s); });
           },
           py::arg("chip"), py::arg("step"))
       .def(
           "go_to",
           [](PythonDebugger& d, std::int64_t time) {
-            return stop_of(d, "go_to", "go_to", [&](Debugger& x) { x.go_to(Time{time}); });
+            return stop_of(d, "go_to", [&](Debugger& x) { x.go_to(Time{time}); });
           },
           py::arg("time"))
       .def(

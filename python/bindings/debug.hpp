@@ -2,20 +2,19 @@
 // cmrc._core.debug: the debugger over what can be debugged.
 #include <memory>
 #include <optional>
-#include <optional>
 #include <utility>
 
 #include "machine/debug/debugger.hpp"
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/ctrl_c.hpp"
 #include "python/bindings/one_user.hpp"
-#include "python/bindings/one_user.hpp"
 
 /// A debugger, with the machine that it drives and the objects that must outlive this machine. One thread at a time may
 /// be in the debugger and in its machine.
 class PythonDebugger {
  public:
-  /// \param with_gil long calls keep the GIL: the run's listeners make Python objects, or nothing else guards the machine
+  /// \param with_gil long calls keep the GIL: the run's listeners make Python objects, or nothing else guards the
+  /// machine
   /// \param machine_user who is in the machine, where its own calls release the GIL
   PythonDebugger(std::shared_ptr<void> owner, std::unique_ptr<machine::debug::Debuggee> debuggee, bool with_gil,
                  OneUser* machine_user = nullptr)

@@ -6,8 +6,6 @@
 #include "plant/vehicles/agv_alone.hpp"
 #include "python/bindings/ctrl_c.hpp"
 #include "python/bindings/one_user.hpp"
-#include "io/stop.hpp"
-#include "python/bindings/ctrl_c.hpp"
 #include "python/bindings/plant.hpp"
 #include "python/bindings/state.hpp"
 

@@ -80,7 +80,6 @@ class Run {
     return run_;
   }
   OneUser& user() { return user_; }
-  OneUser& user() { return user_; }
   /// For short calls that change the run, or must not see it between two states.
   template <class Work>
   auto moment(const char* call, Work work) {

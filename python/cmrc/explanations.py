@@ -73,7 +73,7 @@ def explain(report: Mapping[str, Any], n: int | None = None) -> str:
                 if left == 0
                 else (f"{left} jobs missed their deadlines, but the report lists none one by one (report.misses_max).")
             )
-        n = min(range(len(misses)), key=lambda i: _due_ps(misses[i]))
+        n = min(range(len(misses)), key=lambda i: due_ps(misses[i]))
     if not -len(misses) <= n < len(misses):
         raise IndexError(f"n: {n}; the report lists {len(misses)} missed jobs one by one, 0 to {len(misses) - 1}")
     return " ".join(_sentences(misses, misses[n]))
@@ -211,7 +211,8 @@ def _name(of: Mapping[str, Any]) -> str:
     return f"{of['kind']} number {of['number']} of {robot}"
 
 
-def _due_ps(miss: Mapping[str, Any]) -> int:
+def due_ps(miss: Mapping[str, Any]) -> int:
+    """The instant by which missed jobs are ordered: the deadline, or the release of a job that has none."""
     return int(miss["deadline_ps"] if miss["deadline_ps"] is not None else miss["release_ps"])
 
 

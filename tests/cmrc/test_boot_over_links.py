@@ -190,3 +190,33 @@ def test_a_wire_cut_anywhere_in_a_word_loses_no_word_unsaid(cycle: int) -> None:
         assert link["in"] == report["boot_words"] and report["dsps"][0]["boots"][0]["boot_s"] is not None
     else:
         assert ("boot", 0) in failures(report)
+
+
+@pytest.mark.parametrize("action", ["hang", "freeze"])
+@pytest.mark.parametrize("at_s", [0.05, 0.050005])
+@pytest.mark.parametrize("boot", ["link", "preloaded"])
+def test_a_failure_during_a_reset_holds_until_the_next_reset(action: str, at_s: float, boot: str) -> None:
+    events = [{"at_s": 0.05, "action": "reset", "dsp": 0}, {"at_s": at_s, "action": action, "dsp": 0}]
+    settings = {"report.reference": "none", "duration_s": 0.12, "machine.dsps": 2, "machine.boot": boot}
+    simulation = _core.cmrc.Simulation(_core.cmrc.config(settings=settings, events=events))
+    simulation.run()
+    report = json.loads(simulation.report_json())
+    assert report["audit"]["violations"] == []
+    assert [failure["dsp"] for failure in report["failures"] if failure["kind"] == "silent"] == [0]
+    assert report["dsps"][0]["resets"] == 1 and report["dsps"][0]["state"] == "idle"
+
+
+def test_a_board_that_is_pulled_while_it_boots_takes_no_further_word() -> None:
+    """The host notices it like a broken wire, and says how many words have left the adapter."""
+    messages = []
+    for action in ("unplug", "break_link"):
+        events = [{"at_s": 0.001, "action": action, "dsp": 0}]
+        settings = {"report.reference": "none", "duration_s": 0.03, "machine.dsps": 2}
+        simulation = _core.cmrc.Simulation(_core.cmrc.config(settings=settings, events=events))
+        simulation.run()
+        report = json.loads(simulation.report_json())
+        assert report["audit"]["violations"] == []
+        [failure] = [failure for failure in report["failures"] if failure["kind"] == "boot"]
+        messages.append((failure["time_s"], int(failure["message"].split("; ")[1].split()[0])))
+        assert 0 <= messages[-1][1] - report["dsps"][0]["link_words"]["in"] <= 2  # under way, or in its FIFO
+    assert messages[0][0] == messages[1][0]

@@ -266,3 +266,11 @@ def test_longer_cycles_leave_the_buses_alone() -> None:
     for kind in ("pid", "torque_compensation"):
         own = [run["tasks"][kind]["execution_causes_ps"]["execute"] for run in (slow, fast)]
         assert own[0] / own[1] == pytest.approx(1.37, rel=0.02)
+
+
+def test_the_first_miss_is_the_first_by_deadline() -> None:
+    """Number 22 is dropped before number 21 ends late: it is found first."""
+    found = cmrc.limits(cycles=[1], dsps=None, duration_s=0.1, settings={"machine.dsps": 1})
+    [point] = found.report["scans"]["cycles"]["points"]
+    single = cmrc.run(dsps=1, duration_s=0.1, settings={"report.reference": "none"}).report
+    assert point["first_miss_s"] == min(miss["deadline_ps"] for miss in single["misses"]) / 1e12 == 0.022

@@ -159,7 +159,7 @@ def test_a_processs_steps_decide_when_the_servo_runs() -> None:
         for n, name in ((3, "torque_compensation"), (4, "pid"))
     )
     released = json.loads(run_report(rows, 0.1))["tasks"]["pid"]["released"]
-    assert released == 98  # ticks 3 ms, 4 ms, ..., 100 ms
+    assert released == 97  # ticks 3 ms, 4 ms, ..., 99 ms
 
 
 @pytest.mark.parametrize(("toml", "place", "says"), [

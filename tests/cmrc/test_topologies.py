@@ -40,7 +40,7 @@ def words(result: package.Result, bus: str) -> dict[str, int]:
 def servo_is_sound(result: package.Result) -> None:
     assert result.report["audit"]["violations"] == [] and result.report["failures"] == []
     tasks = result.report["tasks"]
-    assert tasks["pid"]["released"] == tasks["torque_compensation"]["released"] == 131  # 20 ms to 150 ms
+    assert tasks["pid"]["released"] == tasks["torque_compensation"]["released"] == 130  # 20 ms to 149 ms
     assert tasks["pid"]["on_time"] >= 130
 
 

@@ -19,6 +19,7 @@ NAMED = [
     "GridError",
     "LayoutError",
     "LinkError",
+    "ListFull",
     "MemoryMapError",
     "NetworkError",
     "PageError",
@@ -56,7 +57,11 @@ def test_each_is_an_error_of_the_package_and_a_built_in_one() -> None:
     for name in NAMED:
         assert issubclass(found[name], cmrc.Error), name
         built_in = (
-            OSError if name in ("CannotOpen", "WriteFailed") else RuntimeError if name == "SweepError" else ValueError
+            OSError
+            if name in ("CannotOpen", "WriteFailed")
+            else RuntimeError
+            if name in ("ListFull", "SweepError")
+            else ValueError
         )
         assert issubclass(found[name], built_in), name
 

@@ -79,6 +79,9 @@ class Host final : public cmrc::HostServices {
   }
   void load_within(const cmrc::Task& task, report::Time) override { load(task, std::nullopt); }
   void drop(const cmrc::Task&, std::int64_t due, std::int64_t) override { told.push_back(fmt::format("drop {}", due)); }
+  void drop_within(const cmrc::Task&, std::int64_t due, std::optional<report::Time>) override {
+    told.push_back(fmt::format("drop {}", due));
+  }
   void write(Word offset, std::span<const Word> values) override {
     for (const Word value : values) words[offset++] = value;
   }

@@ -12,6 +12,7 @@
 
 #include "cmrc/configuration/machine_topology.hpp"
 #include "cmrc/programs/servo_law.hpp"
+#include "cmrc/tasks/task_list.hpp"
 #include "machine/dsps/slot_links.hpp"
 #include "machine/networks/net.hpp"
 #include "plant/scene/wind.hpp"
@@ -67,6 +68,7 @@ class Invariants {
     loads();
     plant();
     for (const Subprocess& row : config_.processes.subprocesses) events(row, topology);
+    blocks();
   }
 
  private:
@@ -143,6 +145,26 @@ class Invariants {
     require(apart <= 0.05, {"scheduling.event_read_refreshes", "rates.refresh_frequency_hz"},
             fmt::format("a range sensor is read every {:g} ms", apart * 1e3),
             "at most 50 ms are expected: so that an entering object differs from an approaching one");
+  }
+
+  /// The most blocks that can be in the list at once: one for each sub-process of each robot, one for each task with a
+  /// period, each process of no robot and an error. Trajectory planning and inverse kinematics are in the list while a
+  /// leg is under way, and so is no task that is a step of the same robot.
+  void blocks() const {
+    const std::int64_t agvs = config_.dock.agvs;
+    std::int64_t most = 1;
+    for (const UserTask& task : config_.tasks) most += task.period_ms > 0;
+    for (const Process& process : config_.processes.processes) most += process.robot == Robots::none;
+    for (const Subprocess& row : config_.processes.subprocesses) {
+      most += !row.crane.empty();
+      most += row.agv.empty() ? 0 : agvs;
+      if (most <= usual_block_count) continue;
+      refuse(row.origin, "subprocesses.agv",
+             fmt::format("with sub-process {} and dock.agvs = {} up to {} or more blocks can be in the list at once, "
+                         "which holds {}",
+                         row.number, agvs, most, usual_block_count),
+             "fewer sub-processes, tasks with a period, or AGVs are expected");
+    }
   }
 
   void heartbeats() const {

@@ -22,10 +22,6 @@ BootLoader::BootLoader(const Words& words, std::function<std::vector<Word>(unsig
 
 void BootLoader::expect(unsigned slot, Time now) { boots_.push_back({slot, now, now, 0, {}}); }
 
-bool BootLoader::boots(unsigned slot) const {
-  return requested_ || std::ranges::find(boots_, slot, &Boot::slot) != boots_.end();
-}
-
 Time BootLoader::next() const {
   if (requested_) return Time{};
   Time next = machine::never;
@@ -91,7 +87,8 @@ bool BootLoader::look(Word status, Time now, machine::HostPort& port) {
     boot.sent += count;
     boot.progress = now;
   } else if (now - boot.progress > limit_) {
-    end(fmt::format("it has taken {} of the {} words of its program", boot.sent - waiting, boot.stream.size()));
+    end(fmt::format("it takes no word; {} of the {} words of its program have left the link adapter",
+                    boot.sent - waiting, boot.stream.size()));
     return false;
   }
   boot.due = now + pause_;

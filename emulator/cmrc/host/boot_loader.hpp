@@ -35,8 +35,6 @@ class BootLoader {
   void requested() { requested_ = true; }
   /// No DSP is being booted, or expected to request its program.
   bool done() const { return !requested_ && boots_.empty(); }
-  /// The slot's DSP is being booted, or is expected to request its program, or has perhaps requested it.
-  bool boots(unsigned slot) const;
   /// When the host should take the next step; never if there is nothing to do.
   Time next() const;
   /// Makes the next access. True: the access is a read; pass its answer to answer().

@@ -75,6 +75,7 @@ void Host::start() {
   refresh_at_ = clock_.at(first);
   for (Servo* servo : {&torque_, &pid_})
     while (servo->next < first) servo->next += intervals_.servo;
+  user_tasks_.start(first);
   for (unsigned slot = 0; slot < static_cast<unsigned>(config_.machine.dsps); ++slot) liveness_.sign(slot, looks());
 }
 
@@ -154,7 +155,10 @@ void Host::boot_requested(Time now) {
 void Host::rest() {
   step_ = Step::resting;
   for (const BootLoader::Ended& ended : boots_.take_ended())
-    if (!ended.failure.empty()) listener_.failure({now_, ended.slot, "boot", ended.failure});
+    if (!ended.failure.empty()) {
+      listener_.failure({now_, ended.slot, "boot", ended.failure});
+      listener_.boot_given_up(ended.slot, now_);
+    }
   if (refresh_at_ == machine::never && boots_.done()) start();
   wake_at_ = std::max(now_, std::min(refresh_at_, boots_.next()));
 }
@@ -252,8 +256,11 @@ void Host::think() {
   }
   for (const Done& done : done_) take_out(done);
   for (const Hung& hung : hung_) recompute(hung);
-  servoing_ = released(pid_);
-  course_->servo(servoing_, clock_.at(tick_));
+  if (!released(pid_))
+    servoing_from_.reset();
+  else if (!servoing_from_)
+    servoing_from_ = clock_.at(tick_);
+  course_->servo(servoing(), clock_.at(tick_));
   if (drives_wait_too_long()) errors_.pid_silent(now_, *this);
   errors_.refresh(now_, *this);
   control_.refresh(*this);
@@ -304,14 +311,17 @@ void Host::semaphore_read(Word taken) {
   port_->read(words_.semaphore_held + words_.semaphore_list - words_.semaphore, 1, 0);
 }
 
-// With a constant pause the host could stay in step with polling DSPs, and never find the list free. In an ideal run no
-// access takes time: without a pause the host would ask at one instant without an end.
+// With a constant pause the host could stay in step with polling DSPs, and never find the list free. So it varies in 16
+// steps of a quarter of the key's value, or of a bus clock if this is longer: accesses begin at bus clocks. In an ideal
+// run no access takes time: without a pause the host would ask at one instant without an end.
 void Host::try_again() {
   constexpr double shortest_ns = 1;
   dither_ ^= dither_ << 13, dither_ ^= dither_ >> 17, dither_ ^= dither_ << 5;
   step_ = Step::retry;
-  const double pause_ns = config_.host.semaphore_retry_ns * (1 + dither_ % 16 / 4.0);
-  wake_at_ = now_ + nanoseconds(std::max(shortest_ns, pause_ns));
+  const double clock_ns = config_.run.ideal ? 0 : 1e9 / config_.bus.clock_hz;
+  const double pause_ns = config_.host.semaphore_retry_ns, steps = dither_ % 16;
+  const double varied_ns = std::max(pause_ns * (1 + steps / 4.0), pause_ns + steps * clock_ns);
+  wake_at_ = now_ + nanoseconds(std::max(shortest_ns, varied_ns));
 }
 
 void Host::relink() {

@@ -54,6 +54,7 @@ class HostListener {
   virtual void event(const report::Event& event) = 0;
   virtual void failure(const report::FailureReport& failure) = 0;
   virtual void reset_by_watchdog(unsigned slot) = 0;
+  virtual void boot_given_up(unsigned slot, Time at) = 0;
 };
 
 class Host : public machine::HostProgram, private HostServices, private ErrorActions {
@@ -66,15 +67,17 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   void change(Time at, const TimedEvent& event) { changes_.emplace(at, event); }
   /// Reports processes, milestones and servoing to `course`. To be called before the run.
   void set_course(Course* course) { course_ = course; }
-  /// Adds to an account that ends at `now` the nominal ticks that are over by then, and for which the host has loaded
-  /// no block yet: it is paused, or waits for a bus. When it continues, it drops them itself.
-  void skip_passed(Time now, Ledger& ledger) const;
+  /// Adds to an account that ends at `end` the releases before then that the host has not looked at: it is paused, or
+  /// waits for a bus. Every nominal tick before the end, minus gamma, belongs to the account. It is dropped if another
+  /// one has come since, or the block before it is in its way; else its job was never started. When the host continues,
+  /// it does the same.
+  void count_rest(Time end, Ledger& account) const;
   /// Torque compensation and PID are released at every tick.
-  bool servoing() const { return servoing_; }
+  bool servoing() const { return servoing_from_.has_value(); }
+  /// The refresh from which on they are.
+  std::optional<Time> servoing_from() const { return servoing_from_; }
   bool job_done() const { return processes_.job_done(); }
   std::optional<Time> first_refresh() const { return first_refresh_; }
-  /// The host sends this slot's DSP its program, or is going to.
-  bool boots(unsigned slot) const { return boots_.boots(slot); }
 
   Time next_wake() const override { return wake_at_; }
   void wake(Time now, machine::HostPort& port) override;
@@ -146,7 +149,12 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
     const Time released = clock_.at(tick_);
     load_block(task, job_kind(task.kind, words_), released, released + allowed, std::nullopt);
   }
-  void drop(const Task& task, std::int64_t due, std::int64_t deadline) override;
+  void drop(const Task& task, std::int64_t due, std::int64_t deadline) override {
+    drop_block(task, due, clock_.at(deadline));
+  }
+  void drop_within(const Task& task, std::int64_t due, std::optional<Time> allowed) override {
+    drop_block(task, due, allowed ? std::optional(clock_.at(due) + *allowed) : std::nullopt);
+  }
   using HostServices::write;
   void write(Word offset, std::span<const Word> words) override;
   bool servo_resting() const override;
@@ -212,7 +220,11 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   void drop_tick(Servo& servo);
   /// The task is released at nominal ticks: servoing is on, and no error has stopped it.
   bool released(const Servo& servo) const;
+  void drop_block(const Task& task, std::int64_t due, std::optional<Time> deadline);
+  Time release_of_tick(std::int64_t tick) const { return clock_.at(tick - config_.scheduling.gamma_refreshes); }
   void skip(const Servo& servo, std::int64_t tick, Time found, Ledger& ledger) const;
+  /// Throws the list's error with instant and place.
+  std::size_t place_in_list(const Task& task);
   /// An experiment leaves out this nominal tick (scheduling.servo_loss_share, servo_served_every).
   bool left_out(std::int64_t tick) const;
   std::size_t load_block(const Task& task, JobKind job, Time released, std::optional<Time> deadline,
@@ -259,7 +271,7 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   ContainerCycles cycles_;
   Servo torque_, pid_;
   Course* course_ = nullptr;
-  bool servoing_ = false;
+  std::optional<Time> servoing_from_;
   std::optional<Time> first_refresh_;
 
   Step step_ = Step::resting;

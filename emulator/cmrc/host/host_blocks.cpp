@@ -1,4 +1,6 @@
 // The host's software for blocks: loading, writing, holding back and taking out, and the servo's releases.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -10,9 +12,20 @@ namespace cmrc {
 
 using report::EventKind;
 
+std::size_t Host::place_in_list(const Task& task) {
+  try {
+    return list_.load(task);
+  } catch (const ListFull& full) {
+    throw ListFull(fmt::format(
+        "the host at {:.9f} s, refresh {}: no place for a block of kind {}: {}; fewer sub-processes, tasks or AGVs are "
+        "expected",
+        report::seconds(now_), tick_, ledger_.name(job_kind(task.kind, words_)), full.what()));
+  }
+}
+
 std::size_t Host::load_block(const Task& task, JobKind job, Time released, std::optional<Time> deadline,
                              std::optional<std::int64_t> number) {
-  const std::size_t index = list_.load(task);
+  const std::size_t index = place_in_list(task);
   ledger_.release(index, job, released, deadline, number, task.robot);
   note(EventKind::load, {words_.block(index), task.kind, task.area, task.tick, list_[index].generation});
   return index;
@@ -25,7 +38,7 @@ void Host::load(const Task& asked, std::optional<std::int64_t> deadline) {
              deadline ? std::optional(clock_.at(*deadline)) : std::nullopt, std::nullopt);
 }
 
-void Host::drop(const Task& task, std::int64_t due, std::int64_t deadline) {
+void Host::drop_block(const Task& task, std::int64_t due, std::optional<Time> deadline) {
   const auto order = list_.order();
   const auto before = std::ranges::find_if(order, [&](std::size_t index) {
     return list_[index].task.kind == task.kind && list_[index].task.robot == task.robot;
@@ -33,7 +46,7 @@ void Host::drop(const Task& task, std::int64_t due, std::int64_t deadline) {
   note(EventKind::miss,
        {task.kind, static_cast<std::uint32_t>(due), static_cast<std::uint32_t>(report::Outcome::dropped),
         before == order.end() ? 0 : words_.block(*before), 0});
-  ledger_.skipped(job_kind(task.kind, words_), clock_.at(due), clock_.at(deadline), std::nullopt, now_, task.robot);
+  ledger_.skipped(job_kind(task.kind, words_), clock_.at(due), deadline, std::nullopt, now_, task.robot);
 }
 
 void Host::write(Word offset, std::span<const Word> words) { port_->write(offset, words); }
@@ -135,7 +148,7 @@ void Host::load_next_part(std::size_t done, const Task& task, std::uint32_t own_
   next.x = own_x;
   ++next.slice;
   next.t = 0;
-  const std::size_t index = list_.load(next);
+  const std::size_t index = place_in_list(next);
   ledger_.continued(done, index, now_);
   note(EventKind::load, {words_.block(index), next.kind, next.area, next.tick, list_[index].generation});
 }
@@ -165,7 +178,7 @@ void Host::load_servo(Servo& servo) {
   }
   task.tick = static_cast<std::uint32_t>(due);
   servo.block =
-      load_block(task, servo.job, clock_.at(due - gamma), clock_.at(due + intervals_.servo), due / intervals_.servo);
+      load_block(task, servo.job, release_of_tick(due), clock_.at(due + intervals_.servo), due / intervals_.servo);
   servo.out = true;
   servo.next = due + intervals_.servo;
 }
@@ -192,20 +205,45 @@ void Host::drop_tick(Servo& servo) {
 }
 
 void Host::skip(const Servo& servo, std::int64_t tick, Time found, Ledger& ledger) const {
-  ledger.skipped(servo.job, clock_.at(tick), clock_.at(tick + intervals_.servo), tick / intervals_.servo, found);
+  ledger.skipped(servo.job, release_of_tick(tick), clock_.at(tick + intervals_.servo), tick / intervals_.servo, found);
 }
 
-void Host::skip_passed(Time now, Ledger& ledger) const {
-  if (refresh_at_ == machine::never) return;  // it has not begun
-  const std::int64_t tick = clock_.tick_at_or_before(now);
+void Host::count_rest(Time end, Ledger& account) const {
+  if (refresh_at_ == machine::never) return;                   // it has not begun
+  const std::int64_t last = clock_.tick_at_or_after(end) - 1;  // refresh before the end
   for (const Servo* servo : {&torque_, &pid_}) {
     if (!released(*servo)) continue;
-    for (std::int64_t next = servo->next; next + intervals_.servo <= tick; next += intervals_.servo)
-      skip(*servo, next, now, ledger);
+    const bool blocked = servo->waits || (servo->out && account.is_open(servo->block));
+    const std::int64_t period = intervals_.servo;
+    for (std::int64_t next = servo->next; next - config_.scheduling.gamma_refreshes <= last; next += period) {
+      if (next + period <= last || (blocked && next <= last) || left_out(next))
+        skip(*servo, next, end, account);
+      else
+        account.never_loaded(servo->job, release_of_tick(next), clock_.at(next + period), next / period, end);
+    }
   }
-  processes_.each_passed(tick, [&](const Task& task, std::int64_t due, std::int64_t deadline) {
-    ledger.skipped(job_kind(task.kind, words_), clock_.at(due), clock_.at(deadline), std::nullopt, now, task.robot);
-  });
+  const auto in_the_way = [&](const Task& task) {
+    return std::ranges::any_of(list_.order(), [&](std::size_t index) {
+      const Task& other = list_[index].task;
+      return other.kind == task.kind && other.robot == task.robot && other.subprocess == task.subprocess &&
+             account.is_open(index);
+    });
+  };
+  const auto count = [&](const Task& task, std::int64_t due, std::optional<Time> deadline, bool dropped) {
+    const JobKind job = job_kind(task.kind, words_);
+    if (dropped)
+      account.skipped(job, clock_.at(due), deadline, std::nullopt, end, task.robot);
+    else
+      account.never_loaded(job, clock_.at(due), deadline, std::nullopt, end, task.robot);
+  };
+  processes_.each_passed(last, in_the_way,
+                         [&](const Task& task, std::int64_t due, std::int64_t deadline, bool dropped) {
+                           count(task, due, clock_.at(deadline), dropped);
+                         });
+  user_tasks_.each_passed(
+      last, in_the_way, [&](const Task& task, std::int64_t due, std::optional<Time> allowed, bool dropped) {
+        count(task, due, allowed ? std::optional(clock_.at(due) + *allowed) : std::nullopt, dropped);
+      });
 }
 
 bool Host::servo_resting() const {

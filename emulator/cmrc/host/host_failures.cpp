@@ -20,7 +20,8 @@ std::int64_t Host::watchdog_limit(JobKind job) const {
 }
 
 // Refreshes since the last sign of life of a claimed block: since its present heartbeat was first read, or since it was
-// first seen claimed. So a block that was claimed while the host was paused has age 0, whatever its t.
+// first seen claimed. So a block that was claimed while the host was paused has age 0, whatever its t. Else t is one
+// more: t + 1 follows in the same refresh (ruling 20). An age that reaches the limit is a t above it.
 std::int64_t Host::age(const TaskBlock& block) const {
   return tick_ - (block.beat_seen < 0 ? block.seen : block.beat_seen);
 }
@@ -142,6 +143,8 @@ void Host::give_up(std::size_t index) {
                      fmt::format("block {:#x} of kind {} hung {} times and is given up", words_.block(index),
                                  ledger_.name(job_of(index)), list_[index].recomputations + 1)});
   note(EventKind::remove, {words_.block(index), task.kind, list_[index].generation, 0, 0});
+  note(EventKind::miss,
+       {task.kind, task.tick, static_cast<std::uint32_t>(report::Outcome::dropped), words_.block(index), 0});
   list_.remove(index);
   ledger_.dropped(index, now_);
   for (Servo* servo : {&torque_, &pid_}) {

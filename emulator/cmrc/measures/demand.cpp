@@ -107,16 +107,17 @@ class DemandOf {
     for (const auto& [key, jobs] : run_.jobs)
       if (key.first == kind) robots.insert(key.second);
     double time = 0;
+    const Time before_end = run_.to - Time{1};  // a release at the end belongs to no account
     for (const Robot robot : robots) {
       const auto asked = demanded_.find({kind, robot});
       const auto own = run_.jobs.find({kind, robot});
-      const std::uint64_t demanded = asked == demanded_.end() ? 0 : asked->second.released.until(run_.to);
+      const std::uint64_t demanded = asked == demanded_.end() ? 0 : asked->second.released.until(before_end);
       static const JobTimes none;
       const JobTimes& jobs = own == run_.jobs.end() ? none : own->second;
       all.demanded += demanded;
-      const std::uint64_t released = jobs.released.until(run_.to);
+      const std::uint64_t released = jobs.released.until(before_end);
       all.released += released;
-      all.misses += jobs.missed.until(run_.to);
+      all.misses += jobs.missed.until(before_end);
       all.not_demanded += demanded - std::min(demanded, released);
       all.extra += released - std::min(demanded, released);
       all.finished += jobs.finished.until(run_.to);

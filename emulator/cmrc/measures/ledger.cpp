@@ -126,8 +126,9 @@ void Ledger::release(std::size_t block, JobKind kind, Time released, std::option
   open_[block] = std::move(open);
 }
 
-void Ledger::skipped(JobKind kind, Time released, Time deadline, std::optional<std::int64_t> tick, Time found,
-                     std::uint32_t robot) {
+void Ledger::skipped(JobKind kind, Time released, std::optional<Time> deadline, std::optional<std::int64_t> tick,
+                     Time found, std::uint32_t robot) {
+  const Time end = deadline.value_or(found);
   const auto index = static_cast<std::size_t>(kind);
   Open open;
   open.kind = kind;
@@ -140,19 +141,33 @@ void Ledger::skipped(JobKind kind, Time released, Time deadline, std::optional<s
   job.released = released;
   job.deadline = deadline;
   job.tick = tick;
-  account_.add(job, deadline);
+  account_.add(job, end);
   ++misses_;
   JobTimes& jobs = jobs_[{job.kind, robot}];
   jobs.released.add(released);
   jobs.missed.add(released);
-  MissedJob missed = missed_job(open, report::Outcome::dropped, deadline);
+  MissedJob missed = missed_job(open, report::Outcome::dropped, end);
   missed.given_up = found;
   for (const auto& [block, other] : open_) {
     if (other.kind == kind && other.name.robot == robot) missed.previous = other.name.number;
   }
   if (watcher_ != nullptr)
-    watcher_->ended({open.name, report::Outcome::dropped, true, released, deadline, {}, deadline, true});
+    watcher_->ended({open.name, report::Outcome::dropped, true, released, deadline, {}, end, true});
   why_.missed(missed, timeline_, audit_, watcher_);
+}
+
+void Ledger::never_loaded(JobKind kind, Time released, std::optional<Time> deadline, std::optional<std::int64_t> tick,
+                          Time end, std::uint32_t robot) {
+  const auto index = static_cast<std::size_t>(kind);
+  Open open;
+  open.kind = kind;
+  open.name = {index, robot, tick ? *tick : released_.at(index)++};
+  open.released = released;
+  open.deadline = deadline;
+  open.tick = tick;
+  open.tries.emplace_back();
+  open.tries.back().waits_from = released;
+  book(open, job_of(open), end);
 }
 
 void Ledger::claimed(std::size_t block, unsigned number, Time at, CauseTimes causes, Word generation) {
@@ -177,8 +192,7 @@ void Ledger::claimed(std::size_t block, unsigned number, Time at, CauseTimes cau
 
 void Ledger::leave(Open& open, Time at, report::Run::End end) {
   if (!open.slot) return;
-  const Time claimed = open.claimed();
-  slot(*open.slot).occupied[static_cast<std::size_t>(open.kind)] += (at - claimed).count();
+  slot(*open.slot).occupied[static_cast<std::size_t>(open.kind)] += open.occupies_until(at);
   if (watcher_ != nullptr) watcher_->left(*open.slot, end, at, open.spent);
   report::Run& run = *open.tries.back().run;
   if (run.end != report::Run::End::running) return;  // it had failed before
@@ -396,7 +410,7 @@ void Ledger::list_freed(Time at) {
 
 void Ledger::book_end(Time now, const std::function<CauseTimes(unsigned)>& causes, const Rest& rest) {
   for (auto& [block, open] : open_) {
-    if (open.released > now) continue;
+    if (open.released >= now) continue;
     if (open.slot && !open.finished && !open.failed && causes) open.spent = minus(causes(*open.slot), open.at_claim);
     const Time end = open.finished.value_or(now);
     book(open, job_of(open), end);
@@ -438,8 +452,7 @@ std::vector<report::Share> Ledger::occupied(unsigned number, Time now) const {
   std::vector<report::Share> shares;
   std::vector<std::int64_t> sums = number < slots_.size() ? slots_[number].occupied : Slot{}.occupied;
   for (const auto& [block, open] : open_) {
-    if (open.slot == number && !open.finished)
-      sums[static_cast<std::size_t>(open.kind)] += (now - open.claimed()).count();
+    if (open.slot == number && !open.finished) sums[static_cast<std::size_t>(open.kind)] += open.occupies_until(now);
   }
   for (std::size_t i = 0; i < sums.size(); ++i) {
     if (sums[i] != 0) shares.push_back({names_.at(i), sums[i]});

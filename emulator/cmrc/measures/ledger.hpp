@@ -47,8 +47,16 @@ class Ledger {
                std::optional<std::int64_t> tick, std::uint32_t robot = 0);
   /// A nominal tick for which no block could be released; the host found this at `found`.
   /// \param tick number of the nominal tick; none: for a kind without ticks, counted together with its jobs
-  void skipped(JobKind kind, Time released, Time deadline, std::optional<std::int64_t> tick, Time found,
+  void skipped(JobKind kind, Time released, std::optional<Time> deadline, std::optional<std::int64_t> tick, Time found,
                std::uint32_t robot = 0);
+  /// A job of an account that ends at `end`: released before, but the host has loaded no block for it yet.
+  void never_loaded(JobKind kind, Time released, std::optional<Time> deadline, std::optional<std::int64_t> tick,
+                    Time end, std::uint32_t robot = 0);
+  /// The block's job is not finished, whether or not the host knows that.
+  bool is_open(std::size_t block) const {
+    const auto found = open_.find(block);
+    return found != open_.end() && !found->second.finished;
+  }
 
   // The host's refresh: it begins, requests the list, has the list, has offered these blocks with J > 0, and has
   // released the list.
@@ -66,7 +74,8 @@ class Ledger {
   void watch(RunWatcher* watcher) { watcher_ = watcher, timeline_.watch(watcher); }
   /// Reports the DSPs' present states and the open jobs. \param generation of a block, by its place in the pool
   void introduce(RunWatcher& watcher, const std::function<Word(std::size_t)>& generation) const;
-  /// Adds to an account what only the host knows at its end: the ticks that it has not looked at yet, by skipped().
+  /// Adds to an account what only the host knows at its end: the releases that it has not looked at yet, by skipped()
+  /// and never_loaded().
   using Rest = std::function<void(Ledger& account)>;
   /// Reports the jobs that are open at `now`, and the rest, as tell() counts them, to a watcher.
   void close(Time now, const std::function<CauseTimes(unsigned)>& causes, const Rest& rest, RunWatcher& watcher) const;
@@ -87,7 +96,8 @@ class Ledger {
   /// A DSP has failed, hung, been pulled out or reset; the block that it was running is lost unless it is recomputed.
   void slot_failed(unsigned slot, Time at);
 
-  /// Statistics, chains of causes, and the audit; jobs that are still open are counted with their state at `now`.
+  /// Statistics, chains of causes, and the audit; jobs that are still open are counted with their state at `now`, if
+  /// they were released before.
   struct Report {
     std::vector<report::TaskReport> tasks;
     std::vector<report::MissReport> misses;
@@ -129,6 +139,11 @@ class Ledger {
     Time first_claim{};  // first claim of the whole run: of its first part, if it has parts
     Parts parts;         // finished parts
     Time claimed() const { return tries.back().run ? tries.back().run->claimed : Time{}; }
+    /// How long its DSP has been occupied with it until `now`: no longer than until the DSP's failure or reset.
+    std::int64_t occupies_until(Time now) const {
+      const report::Run& run = *tries.back().run;
+      return ((run.end == report::Run::End::running ? now : run.ended) - run.claimed).count();
+    }
   };
   struct Slot {
     std::uint64_t claims = 0;

@@ -23,6 +23,8 @@ class HostServices {
   /// A block was due at refresh `due`, but could not be loaded, because the block before it was not finished. It is
   /// dropped, and counts as missed.
   virtual void drop(const Task& task, std::int64_t due, std::int64_t deadline) = 0;
+  /// The same, with a deadline like that of load_within; none: without a deadline.
+  virtual void drop_within(const Task& task, std::int64_t due, std::optional<report::Time> allowed) = 0;
   /// Writes words of a job area; they arrive before a block loaded in the same refresh can be claimed.
   virtual void write(Word offset, std::span<const Word> words) = 0;
   void write(Word offset, Word word) { write(offset, std::span<const Word>(&word, 1)); }

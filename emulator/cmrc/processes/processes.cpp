@@ -345,14 +345,16 @@ void Processes::release(Robot robot, HostServices& services) {
   }
 }
 
-void Processes::each_passed(
-    std::int64_t tick,
-    const std::function<void(const Task& task, std::int64_t due, std::int64_t deadline)>& passed) const {
+void Processes::each_passed(std::int64_t tick, const std::function<bool(const Task&)>& in_the_way,
+                            const Passed& passed) const {
   for (const Release& release : releases_) {
     if (!runs(release, tick)) continue;
     const std::int64_t period = interval(release.robot());
     for (const std::int64_t nominal : release.passed(tick, period, staggered_))
-      passed(block_of(release, tick), nominal, nominal + period);
+      passed(block_of(release, tick), nominal, nominal + period, true);
+    const Task task = block_of(release, tick);
+    if (const auto last = release.last_passed(tick, period, staggered_, in_the_way(task)))
+      passed(task, last->nominal, last->nominal + period, last->dropped);
   }
 }
 

@@ -49,9 +49,10 @@ class Processes {
 
   /// Sub-process `number` of a robot has to be released now.
   bool releases(unsigned number, Robot robot) const;
-  /// Reports the releases by interval since the last refresh that are over at refresh `tick`.
-  void each_passed(std::int64_t tick,
-                   const std::function<void(const Task& task, std::int64_t due, std::int64_t deadline)>& passed) const;
+  using Passed = std::function<void(const Task& task, std::int64_t due, std::int64_t deadline, bool dropped)>;
+  /// Reports the releases by interval up to refresh `tick` to which the host has not come.
+  /// \param in_the_way whether an earlier block of this task is not finished
+  void each_passed(std::int64_t tick, const std::function<bool(const Task&)>& in_the_way, const Passed& passed) const;
   /// The work of the crane and of every AGV is finished (processes 7 and 8 have ended).
   bool job_done() const;
   /// AGVs whose range sensors the host reads at this refresh.

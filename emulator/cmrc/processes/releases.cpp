@@ -24,17 +24,20 @@ std::vector<std::int64_t> Release::passed(std::int64_t tick, std::int64_t period
   return all;
 }
 
+std::optional<Release::Last> Release::last_passed(std::int64_t tick, std::int64_t period, bool staggered,
+                                                  bool out) const {
+  const std::int64_t last = congruent_before(tick, phase(period, staggered), period);
+  if (!row_->by_interval() || last <= seen_ || (out && deadline_ > last)) return std::nullopt;
+  return Last{last, out};
+}
+
 Release::Due Release::due(std::int64_t tick, std::int64_t period, bool staggered) {
   Due due;
   due.dropped = passed(tick, period, staggered);
-  const std::int64_t before = std::exchange(seen_, tick);
-  const std::int64_t last = congruent_before(tick, phase(period, staggered), period);
-  if (row_->by_interval() && last > before) {
-    if (out_ && deadline_ <= last)
-      due.dropped.push_back(last);
-    else if (!out_)
-      due.load = true;
-  }
+  const auto last = last_passed(tick, period, staggered, out_);
+  seen_ = tick;
+  if (last && last->dropped) due.dropped.push_back(last->nominal);
+  due.load = last && !last->dropped;
   if (object_ && !out_) due.load = true;
   if (due.load) object_ = false;
   return due;

@@ -62,6 +62,14 @@ class Release {
   Due due(std::int64_t tick, std::int64_t period, bool staggered);
   /// The nominal refreshes since the refresh before that are over at `tick`: another has come since.
   std::vector<std::int64_t> passed(std::int64_t tick, std::int64_t period, bool staggered) const;
+  /// The last nominal refresh up to `tick`, to which the host has not come.
+  struct Last {
+    std::int64_t nominal;
+    bool dropped;  ///< the block before it is in its way; else there is only no block yet
+  };
+  /// None if the host has come to it, or would neither drop it nor load a block.
+  /// \param out the block before it is not finished, which the host may not know yet
+  std::optional<Last> last_passed(std::int64_t tick, std::int64_t period, bool staggered, bool out) const;
   /// To be called at a refresh in which it does not run.
   void rests(std::int64_t tick) { seen_ = tick, object_ = false; }
   void object_entered() { object_ = row_->by_event(); }

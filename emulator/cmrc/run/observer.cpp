@@ -58,6 +58,7 @@ void RunObserver::attach(plant::Dock& dock, Course* course, double wind_limit) {
     }
     effort_ += squares * static_cast<double>((time - effort_until_).count()) * 1e-12;
     effort_until_ = time;
+    standstill_.latch(dock.braked(), time);
     wind_->at(time);
   });
   dock.on_event([this, crane = dock.config().crane.machine](const plant::Event& event) { dock_event(event, crane); });
@@ -248,6 +249,7 @@ void RunObserver::semaphore(unsigned number, machine::SemaphoreEvent event, unsi
 
 void RunObserver::fault(const machine::ChipFault& fault) {
   ++faults_.at(fault.slot);
+  standstill_.stops(fault.slot, fault.time);
   ledger_.slot_failed(fault.slot, fault.time);
   log_.add({fault.time, report::dsp(fault.slot), EventKind::fault, {0, fault.pc, fault.address, 0, 0}});
   failures_.push_back({fault.time, fault.slot, "fault", fault.message});
@@ -255,6 +257,10 @@ void RunObserver::fault(const machine::ChipFault& fault) {
 
 void RunObserver::slot(unsigned slot, machine::SlotChange change, Time now) {
   std::vector<report::BootReport>& boots = boots_.at(slot);
+  if (change == machine::SlotChange::unplugged)
+    standstill_.stops(slot, now);
+  else
+    standstill_.works(slot);
   if (change == machine::SlotChange::reset) boots.push_back({now, {}});
   if (change == machine::SlotChange::booted) {
     ledger_.timeline().slot(slot, SlotState::awake, now);
@@ -279,6 +285,7 @@ void RunObserver::link_lost(unsigned slot, bool to_dsp, machine::Word word, int 
 
 void RunObserver::scripted(const machine::ScriptedEvent& event, Time now) {
   using machine::Action;
+  if (event.action == Action::fail || event.action == Action::freeze) standstill_.stops(event.number, now);
   if (event.action == Action::fail || event.action == Action::freeze || event.action == Action::hang)
     ledger_.slot_failed(event.number, now);
   log_.add({now,

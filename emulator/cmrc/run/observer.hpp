@@ -11,6 +11,7 @@
 #include "cmrc/measures/instability.hpp"
 #include "cmrc/measures/ledger.hpp"
 #include "cmrc/measures/run_profile.hpp"
+#include "cmrc/measures/standstill.hpp"
 #include "cmrc/measures/wind_watch.hpp"
 #include "cmrc/tasks/words.hpp"
 #include "machine/system/machine.hpp"
@@ -45,6 +46,8 @@ class RunObserver : public machine::Observer, public HostListener {
   void attach(plant::Dock& dock, Course* course, double wind_limit);
   /// Notes in the profile when jobs begin and end; null: none.
   void set_profile(RunProfile* profile) { profile_ = profile; }
+  /// At power-on there is a DSP in this slot.
+  void plugged_from_power_on(unsigned slot) { standstill_.works(slot); }
   /// At power-on the slot's DSP has yet to be booted.
   void boots_from_power_on(unsigned slot) { boots_.at(slot).emplace_back(); }
   /// The watcher gets what the ledger gets, and the dock; null: none. Not part of the state.
@@ -79,12 +82,15 @@ class RunObserver : public machine::Observer, public HostListener {
   void event(const report::Event& event) override { log_.add(event); }
   void failure(const report::FailureReport& failure) override { failures_.push_back(failure); }
   void reset_by_watchdog(unsigned slot) override { ++resets_.at(slot); }
+  void boot_given_up(unsigned slot, Time at) override { standstill_.stops(slot, at); }
 
   const std::vector<report::FailureReport>& failures() const { return failures_; }
   const report::Distribution& semaphore_hold() const { return hold_; }
   const std::array<PidErrorSum, 5>& pid_error() const { return pid_error_; }
   /// The integral of the squared torque codes, s.
   double drive_effort() const { return effort_; }
+  /// Since when DSPs and drives do nothing.
+  const Standstill& standstill() const { return standstill_; }
   /// How long the wind has been above its limit.
   const WindWatch& wind() const { return wind_.value(); }
   /// Time at full torque by joint, in latches.
@@ -135,6 +141,7 @@ class RunObserver : public machine::Observer, public HostListener {
   Word errors_ = 0, stage_ = 0, servoing_stage_ = 0;
   bool errors_hold_ = false;  // the errors belong to the run of PID whose words are being written
   Instability instability_;
+  Standstill standstill_;
   double effort_ = 0;
   Time effort_until_{};
   std::optional<WindWatch> wind_;

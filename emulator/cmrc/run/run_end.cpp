@@ -4,6 +4,7 @@
 
 #include "cmrc/configuration/config.hpp"
 #include "cmrc/host/host.hpp"
+#include "cmrc/measures/standstill.hpp"
 #include "machine/system/machine.hpp"
 #include "plant/dock/dock.hpp"
 #include "report/event.hpp"
@@ -17,25 +18,37 @@ constexpr Time patience = std::chrono::milliseconds{500};
 
 }  // namespace
 
-RunEnd::RunEnd(const Config& config, const machine::Machine& machine, plant::Dock& dock, const Host& host)
-    : config_(config), machine_(machine), dock_(dock), host_(host), end_(report::from_seconds(config.run.duration_s)) {}
+RunEnd::RunEnd(const Config& config, const machine::Machine& machine, plant::Dock& dock, const Host& host,
+               const Standstill& standstill)
+    : config_(config),
+      machine_(machine),
+      dock_(dock),
+      host_(host),
+      standstill_(standstill),
+      end_(report::from_seconds(config.run.duration_s)) {}
 
-void RunEnd::look() {
-  for (unsigned slot = 0; slot < machine_.slots(); ++slot)
-    if (alive(slot)) last_alive_ = now();
-  enabled_ = enabled_ || !dock_.braked();
-  if (!enabled_ || !dock_.braked() || !host_.servoing()) last_driven_ = now();
-  const Time after = report::from_seconds(config_.run.after_stop_s);
-  if (config_.run.until == RunUntil::job_done && host_.job_done())
-    return stop_account(report::StopReason::job_done, Time{});
-  if (dock_.faulted()) return stop_account(report::StopReason::plant_fault, after);
-  if (now() - last_alive_ >= patience) return stop_account(report::StopReason::no_dsp_left, after);
-  if (now() - last_driven_ >= std::max(after, patience)) stop_account(report::StopReason::drives_stopped, Time{});
+Time RunEnd::after_stop() const { return report::from_seconds(config_.run.after_stop_s); }
+
+Time RunEnd::dsps_limit() const {
+  const auto since = standstill_.of_dsps();
+  return since ? *since + patience : machine::never;
 }
 
-bool RunEnd::alive(unsigned slot) const {
-  if (!machine_.plugged(slot) || machine_.standing(slot)) return false;
-  return machine_.booted(slot) || machine_.in_reset(slot) || host_.boots(slot);
+Time RunEnd::drives_limit() const {
+  const auto braked = standstill_.of_drives(), servoing = host_.servoing_from();
+  return braked && servoing ? std::max(*braked, *servoing) + std::max(after_stop(), patience) : machine::never;
+}
+
+Time RunEnd::limit() const { return std::min(dsps_limit(), drives_limit()); }
+
+void RunEnd::look() {
+  if (now() % look_period == Time{}) {
+    if (config_.run.until == RunUntil::job_done && host_.job_done())
+      return stop_account(report::StopReason::job_done, Time{});
+    if (dock_.faulted()) return stop_account(report::StopReason::plant_fault, after_stop());
+  }
+  if (now() >= dsps_limit()) return stop_account(report::StopReason::no_dsp_left, after_stop());
+  if (now() >= drives_limit()) stop_account(report::StopReason::drives_stopped, Time{});
 }
 
 void RunEnd::stop_account(report::StopReason reason, Time after) {
@@ -55,9 +68,6 @@ bool RunEnd::resume() {
 Time RunEnd::now() const { return account_end_ ? std::max(*account_end_, dock_.time()) : machine_.time(); }
 
 void RunEnd::list_state(state::Visitor& list) {
-  list("last alive", last_alive_);
-  list("last driven", last_driven_);
-  list("enabled", enabled_);
   list("account end", account_end_);
   list("after end", after_end_);
   list("stop", stop_);

@@ -21,16 +21,22 @@ namespace cmrc {
 
 struct Config;
 class Host;
+class Standstill;
 
 class RunEnd {
  public:
-  /// The end of a run is checked at whole multiples of this, however the caller divides the run.
+  /// Whether the job is finished or the plant has faulted is checked at whole multiples of this, however the caller
+  /// divides the run.
   static constexpr machine::Time look_period = std::chrono::milliseconds{10};
 
-  RunEnd(const Config& config, const machine::Machine& machine, plant::Dock& dock, const Host& host);
+  RunEnd(const Config& config, const machine::Machine& machine, plant::Dock& dock, const Host& host,
+         const Standstill& standstill);
 
   /// Checks whether the job is finished, no DSP or no drive works any more, or the plant has faulted.
   void look();
+  /// The instant at which the account ends because DSPs or drives have not worked for too long, if none works until
+  /// then; never while they work. The machine must not run beyond it.
+  machine::Time limit() const;
   /// A run that was stopped from outside.
   void interrupt() { stop_ = report::StopReason::interrupted; }
   /// An interrupted run continues. \returns whether it was interrupted
@@ -50,17 +56,17 @@ class RunEnd {
   void list_state(state::Visitor& list);
 
  private:
-  /// The slot's DSP runs its program, or is on the way to it: in reset, or being booted by the host.
-  bool alive(unsigned slot) const;
+  machine::Time dsps_limit() const;
+  machine::Time drives_limit() const;
+  machine::Time after_stop() const;
   void stop_account(report::StopReason reason, machine::Time after);
 
   const Config& config_;
   const machine::Machine& machine_;
   plant::Dock& dock_;
   const Host& host_;
+  const Standstill& standstill_;
   machine::Time end_;
-  machine::Time last_alive_{}, last_driven_{};
-  bool enabled_ = false;  // the drives were on at some time
   std::optional<machine::Time> account_end_;
   machine::Time after_end_{};
   std::optional<report::StopReason> stop_;

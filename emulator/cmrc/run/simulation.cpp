@@ -73,7 +73,7 @@ void Simulation::close_watch() {
   Parts& p = *parts_;
   p.ledger.close(
       p.machine.time(), [&p](unsigned slot) { return job_causes(p.machine, slot); },
-      [&p](Ledger& account) { p.host.skip_passed(p.machine.time(), account); }, p.watchers);
+      [&p](Ledger& account) { p.host.count_rest(p.machine.time(), account); }, p.watchers);
 }
 
 void Simulation::trace(unsigned slot, c40::TraceSink& sink) {

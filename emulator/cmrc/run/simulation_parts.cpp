@@ -39,7 +39,7 @@ Simulation::Parts::Parts(const Config& given, std::shared_ptr<Course> recorded,
       host(config, words, crane_of(config, dock_config, dock), fleet_of(config, dock_config), ledger, observer,
            [this](unsigned slot) { return machine.boot_stream(slot); }),
       machine(machine_config, image, &dock, &host),
-      run_end(config, machine, dock, host),
+      run_end(config, machine, dock, host, observer.standstill()),
       course(recorded ? recorded
                       : std::make_shared<Course>(ideal.measured() ? rows_of(config) : 0,
                                                  static_cast<int>(config.dock.agvs))) {
@@ -58,6 +58,7 @@ Simulation::Parts::Parts(const Config& given, std::shared_ptr<Course> recorded,
   observer.attach(dock, course->recorded() ? course.get() : nullptr, config.dock.wind_limit_m_s);
   machine.set_observer(&observer);
   for (unsigned slot = 0; slot < machine.slots(); ++slot) {
+    if (machine.plugged(slot)) observer.plugged_from_power_on(slot);
     if (machine.plugged(slot) && !machine.booted(slot)) observer.boots_from_power_on(slot);
     ledger.timeline().slot(slot, machine.booted(slot) ? SlotState::awake : SlotState::off, Time{0});
   }
@@ -95,8 +96,8 @@ void Simulation::Parts::run_until(Time time) {
     if (run_end.account_end()) {
       dock.advance_to(std::min(time, run_end.after_end()));
     } else {
-      machine.run_until(std::min(time, (now() / ask_period + 1) * ask_period));
-      if (now() % RunEnd::look_period == Time{}) run_end.look();
+      machine.run_until(std::min({time, (now() / ask_period + 1) * ask_period, run_end.limit()}));
+      run_end.look();
     }
   }
   if (now() > settling) log.settle(now() - settling);
@@ -109,7 +110,7 @@ void Simulation::Parts::resume() {
 Ledger::Report Simulation::Parts::ledger_report() const {
   return ledger.tell(
       machine.time(), [this](unsigned slot) { return job_causes(machine, slot); },
-      [this](Ledger& account) { host.skip_passed(machine.time(), account); });
+      [this](Ledger& account) { host.count_rest(machine.time(), account); });
 }
 
 std::optional<report::Errors> Simulation::Parts::measure_errors(const JobsByRobot& jobs) {

@@ -228,7 +228,7 @@ void Host::list_state(state::Visitor& list) {
   list("cycles", cycles_);
   list("torque", torque_);
   list("pid", pid_);
-  list("servoing", servoing_);
+  list("servoing_from", servoing_from_);
   list("first_refresh", first_refresh_);
   list("step", step_);
   list("wake_at", wake_at_);
@@ -344,6 +344,12 @@ void WindWatch::list_state(state::Visitor& list) {
   list("samples", samples_);
 }
 
+void Standstill::list_state(state::Visitor& list) {
+  list("stopped", stopped_);
+  list("driven", driven_);
+  list("braked", braked_);
+}
+
 void RunObserver::list_state(state::Visitor& list) {
   list("snapshots", snapshots_);
   list("blocks", blocks_);
@@ -358,6 +364,7 @@ void RunObserver::list_state(state::Visitor& list) {
   list("saturated", saturated_);
   list("errors_hold", errors_hold_);
   list("instability", instability_);
+  list("standstill", standstill_);
   list("effort", effort_);
   list("effort_until", effort_until_);
   list("wind", wind_);

@@ -52,6 +52,11 @@ struct TaskBlock {
   std::int64_t written_link = -1;  // as in shared memory, so that only changes are written
 };
 
+/// BLOCK_COUNT of the DSP programs (task_block.inc).
+inline constexpr std::int64_t usual_block_count = 64;
+
+/// The list has no place for a further block. Configurations that could fill it are refused (config_invariants.cpp), as
+/// far as their blocks can be counted; errors that come at once, and a block that DSPs may still pass through, cannot.
 class ListFull : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -1,6 +1,7 @@
 #pragma once
 // Users' tasks at work: released once per period, or by processes.
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -14,11 +15,20 @@ class Visitor;
 
 namespace cmrc {
 
-/// Releases each task once per period; leaves out a period in which the block of the one before is not finished.
+/// Releases each task once per period, at refreshes that are multiples of it; leaves out a period in which the block of
+/// the one before is not finished. If the host is late, the last of the periods that have passed is released and the
+/// others are dropped.
 class UserTasks {
  public:
   UserTasks(std::span<const UserTask> tasks, const Words& words, double refresh_frequency);
+  /// The first refresh.
+  void start(std::int64_t first);
   void refresh(HostServices& services);
+  using Passed =
+      std::function<void(const Task& task, std::int64_t due, std::optional<report::Time> allowed, bool dropped)>;
+  /// Reports the releases up to refresh `tick` to which the host has not come.
+  /// \param in_the_way whether an earlier block of this task is not finished
+  void each_passed(std::int64_t tick, const std::function<bool(const Task&)>& in_the_way, const Passed& passed) const;
   /// A block of a user's task has left the list, finished or given up.
   void ended(const Task& task) { rows_.at(task.kind - words_.kind_user).out = false; }
   /// The task is not released any more.
@@ -45,6 +55,8 @@ class UserTasks {
     bool stopped = false;  // given up
     void list_state(state::Visitor& list);
   };
+  Task block_of(std::size_t number, std::int64_t tick) const;
+
   const Words& words_;
   std::vector<Row> rows_;
 };

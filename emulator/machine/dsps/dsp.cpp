@@ -235,7 +235,7 @@ void Dsp::hang(Time now) {
     go_astray();
     state_ = State::running;
     own_next_ = clock_.at(chip_.cycle());
-  } else if (in_access()) {
+  } else if (in_access() || in_reset()) {
     hang_waiting_ = true;
   }
   set_next();

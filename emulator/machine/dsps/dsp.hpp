@@ -283,7 +283,7 @@ class Dsp final : public Scheduler::Processor,
   bool broken_ = false;        // no reset repairs it
   bool answered_ = true;       // since its reset the program has reported over the link
   bool edge_waiting_ = false;  // an edge during an access; taken when its instruction has ended
-  bool hang_waiting_ = false;  // the same
+  bool hang_waiting_ = false;  // the same; during a reset: hangs at its first instruction
   bool dma_waits_ = false;     // its DMA waits for the processor: for a window, or for the processor's own access
   Time next_ = never;
   Time own_next_ = never;

@@ -119,7 +119,7 @@ void LinkAdapter::write(pci::Address offset, Word value, const pci::Access& acce
     return;
   }
   Port& port = ports_[offset / symbols_.link_words];
-  if (port.closed) return;
+  if (port.closed && port.plugged) return;  // an empty slot is a cut link: the words stay in the FIFO
   port.link->advance_to(clock_.at(access.clock));
   port.port.write(value);
   changed(port, access);

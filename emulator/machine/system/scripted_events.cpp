@@ -72,7 +72,8 @@ constexpr ScriptedAction actions[] = {
     {Action::fail, Target::dsp, Amount::none, happens_to_dsp<&Dsp::fail>, "fail",
      "the chip fails until its board is replaced (unplug, plug)"},
     {Action::hang, Target::dsp, Amount::none, happens_to_dsp<&Dsp::hang>, "hang",
-     "its program loops forever with interrupts masked, until it is reset"},
+     "its program loops forever with interrupts masked, until it is reset; during a reset: from the end of this reset "
+     "until the next one"},
     {Action::freeze, Target::dsp, Amount::none, happens_to_dsp<&Dsp::freeze>, "freeze",
      "the chip is halted until it is reset"},
     {Action::unplug, Target::dsp, Amount::none, unplug, "unplug",
