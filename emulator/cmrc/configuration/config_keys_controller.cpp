@@ -24,8 +24,7 @@ std::vector<Key> controller_keys() {
              "docs/report.md"),
       boolean("run.ideal", FIELD(run.ideal),
               "instant execution: one DSP (whatever machine.dsps is), a thousand times as fast, buses and host take no "
-              "time, "
-              "nothing of the machine fails (docs/report.md, Ideal)",
+              "time, nothing of the machine fails (docs/report.md, Ideal)",
               "plant-and-bus.md 5"),
 
       boolean("run.phase_jitter", FIELD(run.phase_jitter),
