@@ -10,7 +10,7 @@
 
 ; Drives' errors go to ERRORS. CR_REJOIN is added to the set-point of a joint whose drive is or was failed, late or off
 ; (R9). While off: the set-point's error, so nothing pulls at a closed brake. When on: decays to 0, damped by K_PD_BACK.
-; The last tick may be long ago; from here on PD_H is one servo period.
+; The last tick may be long ago: from here on PD_H is at most K_PD_LONGEST.
 pid_left_alone:
         ldi     @PD_DRIVES, r0
         lsh     -DRIVE_FAULT, r0
@@ -64,7 +64,7 @@ pid_alone_no_trip:
         ldi     9, rc
         call    copy_words
         subi    10, ar1
-        ldf     @SV_SERVO_PERIOD, r0            ; time in which PID did not control is no sample of its law
+        ldf     @K_PC_STEP, r0                  ; time in which PID did not control is no sample of its law
         stf     r0, @PD_H
         ldi     @PD_REJOIN, r0
         bnz     pid_alone_joints
