@@ -10,6 +10,7 @@
 
 ; Drives' errors go to ERRORS. CR_REJOIN is added to the set-point of a joint whose drive is or was failed, late or off
 ; (R9). While off: the set-point's error, so nothing pulls at a closed brake. When on: decays to 0, damped by K_PD_BACK.
+; The last tick may be long ago: from here on PD_H is at most K_PD_LONGEST.
 pid_left_alone:
         ldi     @PD_DRIVES, r0
         lsh     -DRIVE_FAULT, r0
@@ -63,6 +64,8 @@ pid_alone_no_trip:
         ldi     9, rc
         call    copy_words
         subi    10, ar1
+        ldf     @K_PC_STEP, r0                  ; time in which PID did not control is no sample of its law
+        stf     r0, @PD_H
         ldi     @PD_REJOIN, r0
         bnz     pid_alone_joints
         ldf     0.0, r0
@@ -102,17 +105,15 @@ pid_alone_back:
         addf    r3, r0
         rnd     r0, r0
 pid_alone_add:
-        stf     r0, *ar1
         stf     r1, *+ar1(5)
+        stf     r0, *ar1++
         absf    r0, r2
         cmpf    @K_PD_BACK_ENDS, r2
         ldigt   1, r7
         addf    *ar2, r0
         rnd     r0, r0
-        stf     r0, *ar2
+        stf     r0, *ar2++
         lsh     1, r5
-        addi    1, ar1
-        addi    1, ar2
         dbu     ar4, pid_alone_joint
         sti     r7, @PD_REJOIN
         or      @PD_MOVING, r7

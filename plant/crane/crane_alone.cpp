@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -162,15 +163,48 @@ std::array<std::int32_t, 2> CraneAlone::sway() const {
           sway_code(state_.crane.q[Q_BETA], config_.sensors, Stream::sway_tangential, sample)};
 }
 
+// Derivatives of the motion exist, and the right-hand side alone gives them, if nothing acts between its grid points.
+void CraneAlone::refuse_wind() const {
+  refuse(config_.wind.blows(), "derivatives leave the wind out: a crane without wind is expected", config_.wind.mean);
+}
+
+void CraneAlone::refuse_events(const Joints& torque, double seconds) const {
+  if (state_.faulted != 0 || state_.swung_out)
+    throw std::invalid_argument("plant: sensitivities need all drives, but one is off; reset the crane first");
+  CraneAlone ahead(config_);
+  ahead.restore(state_);
+  ahead.step(torque, seconds);
+  for (const Event& event : ahead.events()) {
+    static constexpr std::array names{"reaches its end stop", "sticks", "breaks away", "", "swings out"};
+    if (event.kind == CraneEvent::Kind::slack) continue;
+    const bool load = event.kind == CraneEvent::Kind::swung_out;
+    throw std::invalid_argument(
+        fmt::format("plant: sensitivities need a motion without events, but {} {} after {:.3f} s; expected is a time "
+                    "that ends before (got {} s)",
+                    load ? "the load" : joint_names(config_.crane.machine)[static_cast<std::size_t>(event.joint)].name,
+                    names.at(static_cast<std::size_t>(event.kind)),
+                    static_cast<double>(event.time - state_.time) * 1e-12, seconds));
+  }
+  if (ahead.state().modes.at_limit != 0)
+    throw std::invalid_argument("plant: sensitivities need joints that are free, but one rests in its end stop");
+}
+
+CraneMotion::Slope CraneAlone::linearize(const State& state) const {
+  refuse_wind();
+  return motion_.linearize(state.crane, state.inputs);
+}
+
 CraneSensitivity CraneAlone::sensitivity(const Joints& torque, double seconds) const {
   refuse(!(seconds > 0.0 && seconds <= longest_step), "sensitivities need a time of more than 0, at most 60 s",
          seconds);
+  refuse_wind();
   CraneInputs inputs = state_.inputs;
   for (std::size_t j = 0; j < joint_count; ++j) {
     refuse(!std::isfinite(torque[j]), "torques must be numbers", torque[j]);
     const double most = config_.crane.drives[j].maximum_torque();
     inputs.command[j] = std::clamp(torque[j], -most, most);
   }
+  refuse_events(torque, seconds);
   CraneSensitivity out{};
   const auto [by_mass, by_length] = motion_.sensitivity(state_.crane, inputs, seconds);
   std::copy_n(by_mass.begin(), crane_size, out.q_by_mass.begin());

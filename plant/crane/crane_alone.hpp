@@ -64,14 +64,18 @@ class CraneAlone {
   double energy() const;                                        // J
   std::array<std::uint32_t, joint_count> encoders() const;      // 24-bit counters
   std::array<std::int32_t, 2> sway() const;                     // codes, 2048 = 10 degrees; of this instant
-  // By CVODES, over `seconds` from the present state with the torques held; the state does not change. `state` may be
-  // the state of another crane with the same config.
-  CraneMotion::Slope linearize(const State& state) const { return motion_.linearize(state.crane, state.inputs); }
+  // `state` may be the state of another crane with the same config. Throws std::invalid_argument in wind.
+  CraneMotion::Slope linearize(const State& state) const;
+  // By CVODES, over `seconds` from the present state with the torques held; the state does not change. Throws
+  // std::invalid_argument in wind, without all drives, and when a joint reaches its end stop, sticks or breaks away
+  // within this time.
   CraneSensitivity sensitivity(const Joints& torque, double seconds) const;
 
  private:
   void piece(double at, double seconds);
   void brake_off_drives();
+  void refuse_wind() const;
+  void refuse_events(const Joints& torque, double seconds) const;
 
   CraneAloneConfig config_;
   CraneMotion motion_;

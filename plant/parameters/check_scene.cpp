@@ -22,7 +22,8 @@ struct Thing {
 // The crane's legs at the start.
 std::vector<Solid> legs_of(const DockConfig& c) {
   std::vector<Solid> legs;
-  each_leg(c.crane.portal, c.home.s, 0.0, [&legs](const Solid& leg) { legs.push_back(leg); });
+  const double at = c.crane.machine == CraneKind::gantry ? c.home.x : c.home.s;
+  each_leg(c.crane.portal, at, 0.0, [&legs](const Solid& leg) { legs.push_back(leg); });
   return legs;
 }
 

@@ -183,13 +183,23 @@ class Reader {
   }
 
   void home(const toml::table& t) {
-    Fields(t, file_, "home")
-        .number_to("gantry_m", c_.home.s)
+    Fields fields(t, file_, "home");
+    fields.number_to("gantry_m", c_.home.s)
         .number_to("x_m", c_.home.x)
         .number_to("y_m", c_.home.y)
         .number_to("z_m", c_.home.z)
         .number_to("yaw_deg", c_.home.yaw, degree)
         .done();
+    if (c_.crane.machine != CraneKind::gantry) return;
+    // A gantry stands where its load hangs.
+    const toml::node* at = t.get("gantry_m");
+    if (at != nullptr && c_.home.s != c_.home.x)
+      ::plant::refuse(
+          at->source(), file_,
+          fmt::format("gantry_m of home is {} m, but a gantry stands at the x_m of its load, {} m; expected "
+                      "is the same number, or no gantry_m",
+                      c_.home.s, c_.home.x));
+    c_.home.s = c_.home.x;
   }
 
   void box(const toml::table& t, const std::string& what, Box& b) {

@@ -113,7 +113,7 @@ def test_a_setting_reaches_the_dock(key: str, value: Any, place: str, reached: A
 def test_a_layout_lists_its_own_containers_and_gives_those_without_a_mass_the_docks(tmp_path: Path) -> None:
     layout = tmp_path / "layout.toml"
     layout.write_text(
-        "containers = [{x_m = 2, y_m = 24}, {x_m = 20, y_m = 24, mass_kg = 5000}]\n[warehouse]\ntake_s = 3\n"
+        "containers = [{x_m = 2, y_m = 24}, {x_m = 18, y_m = 24, mass_kg = 5000}]\n[warehouse]\ntake_s = 3\n"
     )
     made = dock(dock__layout=str(layout), dock__container_mass_kg=20000.0)
     assert [container.mass for container in made.layout.containers] == [20000.0, 5000.0]

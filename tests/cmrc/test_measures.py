@@ -259,6 +259,26 @@ def test_the_lag_grows_beyond_the_last_milestone_while_the_ideal_run_moves() -> 
     assert alive.errors["lag"]["crane"]["peak_s"] < 0.005  # it does what the ideal run does
 
 
+def test_where_the_window_ends_changes_no_lag() -> None:
+    """One point per second. The ideal run uses one at 2.022 s, the run 2 ms later; a window that ends between the two
+    must not cost the run the second since the point before."""
+    for end in (2.021, 2.022, 2.023, 2.024):
+        run = cmrc.run(dsps=2, duration_s=end, settings={"rates.crane_point_frequency_hz": 1.0})
+        lag = run.errors["lag"]["crane"]
+        assert 0.0015 < lag["end_s"] <= lag["peak_s"] < 0.003, end
+        assert run.errors["joints"]["psi"]["path"]["peak"] < 5e-6, end
+
+
+def test_the_lag_of_a_dead_machine_grows_by_a_second_per_second_where_points_are_far_apart() -> None:
+    def lag(end: float) -> float:
+        dead = [{"at_s": 1.1, "action": "fail", "dsp": dsp} for dsp in (0, 1)]
+        settings = {"rates.crane_point_frequency_hz": 1.0}
+        return float(cmrc.run(dsps=2, duration_s=end, settings=settings, events=dead).errors["lag"]["crane"]["end_s"])
+
+    early, late = lag(2.5), lag(3.0)
+    assert late - early == pytest.approx(0.5, abs=1e-3) and 3.0 - 2.03 < late < 3.0 - 1.02
+
+
 # ---- how runs end ----------------------------------------------------------------------------------------------------
 
 

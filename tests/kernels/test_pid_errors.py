@@ -164,6 +164,30 @@ def test_a_joint_comes_back_to_its_path_without_a_kick() -> None:
         one.encoders([c - round(left * ref.COUNTS[1]) * (j == 1) for j, c in enumerate(one.total)])
 
 
+@pytest.mark.parametrize("pause_s", [0.2, 1.0, 3.0])
+def test_the_time_of_a_time_out_is_no_sample_of_the_law(pause_s: float) -> None:
+    """The tick after a pause of the host comes long after the last one, in which all drives had timed out. The way back
+    to the path is that of a tick that comes 20 ms later, and no code is larger (the derivative's filter is slower)."""
+
+    def after(pause: float) -> tuple[list[float], list[int]]:
+        one = servo()
+        off_by(one, {j: 0.5 * limit for j, limit in enumerate(LIMITS)})
+        one.dsp.device("DRIVE_STATUS", 0x1F << 8)
+        one.run()
+        one.dsp.device("DRIVE_STATUS", 0)
+        one.tick += round(pause * REFRESH) - SERVO_TICKS
+        points, codes = [], []
+        for _ in range(3):
+            one.run()
+            points += one.dsp.floats("CR_REJOIN", 10)
+            codes += one.codes()
+        return points, codes
+
+    (points, codes), (usual, usual_codes) = after(pause_s), after(0.02)
+    assert points == pytest.approx(usual, rel=1e-5, abs=1e-9)
+    assert all(abs(code) <= abs(most) + 1 for code, most in zip(codes, usual_codes, strict=True))
+
+
 def path(t: int, begin: int, ticks: int, start: float, end: float) -> float:
     """The path's clock by its definition: the integral of a rate that goes straight from `start` to `end`."""
     steps = 20000

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from cmrc import _core
-from harness import Dsp, image_of, to_ti
+from harness import Dsp, from_ti, image_of, to_ti
 from test_crane import put_ring, single
 from test_torque_builds import BOUND, CLOSED_FORM, NEWTON_EULER
 
@@ -103,6 +103,16 @@ def vehicles() -> list[str]:
             "braking_m_s2",
         )
     ]
+
+
+@pytest.mark.parametrize(("braking", "emergency", "weaker"), [(1.0, 2.0, 1.0), (1.0, 0.4, 0.4), (0.3, 2.0, 0.3)])
+def test_vehicles_plan_with_the_weaker_of_their_brakes(braking: float, emergency: float, weaker: float) -> None:
+    """Planning brakes with 0.8 of what the drive can do, avoidance with 0.9: its ramp, and its brakes' greatest
+    force."""
+    dsp = Dsp(agv__braking_m_s2=braking, agv__emergency_m_s2=emergency)
+    for name, share in (("K_TA_BRAKE", 0.8), ("K_AV_B", 0.9)):
+        word = dsp.chip.peek(dsp.symbols[name] + dsp.symbols["LIFT"])
+        assert from_ti(word) == pytest.approx(share * weaker, rel=1e-6), name
 
 
 def test_so_do_the_vehicles() -> None:

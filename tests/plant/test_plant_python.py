@@ -118,6 +118,28 @@ def test_sensitivities_are_the_differences_of_neighbouring_runs():
     assert np.abs(by_mass[4]) > 0 and np.abs(by_length[4]) > 1e-5
 
 
+def test_derivatives_that_do_not_contain_an_event_or_the_wind_are_refused():
+    torques = [100.0, 800.0, 3155.0, -1000.0, 8.0]
+    crane = plant.Crane(load_mass=20e3)
+    q = crane.state.q
+    q[3] = 59.8
+    crane.reset(q, np.array([0.1, 0.02, 0.01, 0.1, 0.0, 0.0, 0.02]))
+    with pytest.raises(ValueError, match=r"l reaches its end stop after 0\.\d+ s; expected is a time that ends before"):
+        crane.sensitivity(torques, 2.0)
+    assert crane.events == [] and crane.state.q[3] == 59.8
+    crane.sensitivity(torques, 0.2)
+    crane.run(torques, 1e-2, 200)
+    with pytest.raises(ValueError, match="one rests in its end stop"):
+        crane.sensitivity(torques, 0.1)
+    with pytest.raises(ValueError, match="all drives, but one is off"):
+        crane.step([math.nan, *torques[1:]], 1e-3)
+        crane.sensitivity(torques, 0.1)
+    windy = plant.Crane(wind={"mean": 20.0})
+    for call in (lambda: windy.sensitivity(torques, 0.1), windy.linearize):
+        with pytest.raises(ValueError, match=r"leave the wind out.*got 20"):
+            call()
+
+
 def test_a_torque_that_is_no_number_faults_its_drive_and_the_brake_holds():
     crane = plant.Crane()
     torques = holding(crane)

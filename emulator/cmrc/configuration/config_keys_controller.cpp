@@ -22,11 +22,10 @@ std::vector<Key> controller_keys() {
              "time, deadlines are no longer counted; the plant then continues, braked, for this time, but not beyond "
              "duration_s",
              "docs/report.md"),
-      boolean(
-          "run.ideal", FIELD(run.ideal),
-          "instant execution: DSPs a thousand times as fast, buses and host take no time, nothing of the machine fails "
-          "(docs/report.md, Ideal)",
-          "plant-and-bus.md 5"),
+      boolean("run.ideal", FIELD(run.ideal),
+              "instant execution: one DSP (whatever machine.dsps is), a thousand times as fast, buses and host take no "
+              "time, nothing of the machine fails (docs/report.md, Ideal)",
+              "plant-and-bus.md 5"),
 
       boolean("run.phase_jitter", FIELD(run.phase_jitter),
               "host's timer, PCI buses, DSPs, sway and range sensors and AGV units each have a clock of their own: a "

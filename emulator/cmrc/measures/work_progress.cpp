@@ -49,23 +49,21 @@ WorkProgress::WorkProgress(const Course& run, const Course& ideal, Robot robot, 
 Time WorkProgress::ideal_time(Time time) {
   if (run_ == ideal_) return time;
   while (at_.next < knots_.size() && knots_[at_.next].at <= time) ++at_.next;
-  const Knot& last = knots_[at_.next - 1];
-  if (at_last(last)) return beyond(time);
-  double done = last.done;
-  if (at_.next < knots_.size()) {
-    const Knot& next = knots_[at_.next];
-    done += (next.done - last.done) * seconds(time - last.at) / seconds(next.at - last.at);
-  }
+  if (at_.next == knots_.size()) return beyond(time);
+  const Knot &last = knots_[at_.next - 1], &next = knots_[at_.next];
+  const double done = last.done + (next.done - last.done) * seconds(time - last.at) / seconds(next.at - last.at);
   const auto below = std::min(static_cast<std::size_t>(done), way_.size() - 2);
   const Time span = way_[below + 1].at - way_[below].at;
   return way_[below].at + Time{std::llround((done - static_cast<double>(below)) * static_cast<double>(span.count()))};
 }
 
-// The window may end long before the next milestone: within a ramp of the hoist, or between two points. A run that does
-// what the ideal run did keeps the lag that it had at the last milestone, as does a run of which the ideal run has
-// stopped, too. A run that stands while the ideal run moves falls behind.
+// When the run passes its next milestone is not known: it lies beyond the window. A run that does after its last one
+// what the ideal run did after that milestone keeps the lag that it had there; it has not passed the ideal run's next
+// one. A run that stands while the ideal run moves falls behind.
 Time WorkProgress::beyond(Time time) {
-  const Time since = knots_.back().at, there = way_.back().at, same = there + (time - since);
+  const Time since = knots_.back().at, there = way_[passed()].at;
+  Time same = there + (time - since);
+  if (passed() + 1 < way_.size()) same = std::min(same, way_[passed() + 1].at);
   if (run_->size() == 0 || ideal_->size() == 0) return same;
   for (; at_.run_until <= time; at_.run_until += step_)
     at_.reach = std::max(at_.reach, distance(*run_, since, at_.run_until));
@@ -92,7 +90,7 @@ report::Lag WorkProgress::lag(std::string name) const {
   report::Lag lag{std::move(name), 0, 0};
   WorkProgress again = *this;
   again.at_ = beginning();
-  // Between two knots the lag has its extremes at the ends; beyond the last milestone it may at any row.
+  // Between two knots the lag has its extremes at the ends; beyond the last one it may at any row.
   const auto look = [&](Time time) {
     lag.end_s = seconds(time - again.ideal_time(time));
     lag.peak_s = std::max(lag.peak_s, lag.end_s);
@@ -101,8 +99,7 @@ report::Lag WorkProgress::lag(std::string name) const {
     if (knot.at > knots_.front().at) look(knot.at - Time{1});
     look(knot.at);
   }
-  if (at_last(knots_.back()))
-    for (Time time = knots_.back().at; time < to_; time += step_) look(time);
+  for (Time time = knots_.back().at; time < to_; time += step_) look(time);
   look(to_);
   return lag;
 }

@@ -13,7 +13,7 @@ namespace cmrc {
 using Levers = std::array<double, plant::joint_count>;
 
 /// The progress of a run's robot along the ideal run's work, and the time of this progress in the ideal run. Until the
-/// last milestone within the window the milestones tell it; beyond it, how far the robot has got from there.
+/// run's last milestone within the window the milestones tell it; beyond it, how far the robot has got from there.
 class WorkProgress {
  public:
   /// \param run, ideal have to outlive this object
@@ -43,8 +43,9 @@ class WorkProgress {
     Time ideal_until;  // until then the ideal run has got no farther than that
     double reach = 0;  // m, the greatest distance of the run from where it passed the last milestone
   };
-  Cursor beginning() const { return {1, knots_.back().at, way_.back().at}; }
-  bool at_last(const Knot& knot) const { return knot.done >= way_.back().done; }
+  Cursor beginning() const { return {1, knots_.back().at, way_[passed()].at}; }
+  /// How many milestones of the ideal run the run has passed within the window.
+  std::size_t passed() const { return static_cast<std::size_t>(knots_.back().done); }
   Time beyond(Time time);
   double distance(const Course& course, Time from, Time to) const;
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <numbers>
@@ -141,7 +142,7 @@ void place_container(Placer& to) {
 }
 
 void place_vehicle(Placer& to, const plant::AgvParameters& p, double container_mass) {
-  const double brake = 0.8 * p.braking;
+  const double braking = std::min(p.braking, p.emergency), brake = 0.8 * braking;
   to.constant("K_TA_ACCELERATE", {0.9 * p.acceleration});
   to.constant("K_TA_BRAKE", {brake});
   to.constant("K_TA_BRAKE_TWICE", {2.0 * brake});
@@ -149,7 +150,7 @@ void place_vehicle(Placer& to, const plant::AgvParameters& p, double container_m
   to.constant("K_IA_STEER_LIMIT", {p.steer_limit});
   to.constant("K_IA_DRIFT_EMPTY", {p.mass / (2.0 * p.cornering)});
   to.constant("K_IA_DRIFT_LOADED", {(p.mass + container_mass) / (2.0 * p.cornering)});
-  const double half = 0.5 * p.width + 0.4, stops = 0.9 * p.braking;
+  const double half = 0.5 * p.width + 0.4, stops = 0.9 * braking;
   to.constant("K_AV_HALF", {half});
   to.constant("K_AV_CLOSE", {half + 0.5});
   to.constant("K_AV_NEEDS", {half + 0.15});

@@ -108,22 +108,18 @@ ControlLaw control_law(const Config::Control& control, const plant::CraneParamet
   return law;
 }
 
+// 2.3 m/s is 0.12 rad/s of slewing at 19 m; the rotator turns as fast to keep the box's heading.
+double plan_speed(const Config::Control& c) {
+  return 2.3 * std::min({c.slew.speed_limit / 0.12, c.luff.speed_limit / 0.05, c.rotator.speed_limit / 0.12});
+}
+
 std::array<Word, 7> speed_words(const Config::Control& c, plant::CraneKind machine) {
   const auto within = [](double v) { return ti_float(1 / v); };
   // For luffing the hoist pays out rope in addition to the load's own way.
   const Word vertical = within(0.8 * c.hoist.speed_limit), yaw = within(c.rotator.speed_limit), none = ti_float(0);
   if (machine == plant::CraneKind::gantry)
     return {within(c.trolley.speed_limit), vertical, yaw, within(c.travel.speed_limit), none, none, none};
-  // 2.3 m/s is 0.12 rad/s of slewing at 19 m; the rotator turns as fast to keep the box's heading. In plan the load is
-  // slower, as the tightest of its joints demands.
-  const double plan =
-      2.3 * std::min({c.slew.speed_limit / 0.12, c.luff.speed_limit / 0.05, c.rotator.speed_limit / 0.12});
-  return {within(plan),
-          vertical,
-          yaw,
-          none,
-          within(c.slew.speed_limit),
-          within(c.luff.speed_limit),
+  return {within(plan_speed(c)),      vertical, yaw, none, within(c.slew.speed_limit), within(c.luff.speed_limit),
           within(c.hoist.speed_limit)};
 }
 

@@ -36,6 +36,8 @@ struct ControlLaw {
 };
 ControlLaw control_law(const Config::Control& control, const plant::CraneParameters& crane);
 
+/// The load's greatest speed in plan of a slewing crane's leg, m/s.
+double plan_speed(const Config::Control& control);
 /// The words of CR_SPEED: the speed limits of a leg, as 1 / v.
 std::array<Word, 7> speed_words(const Config::Control& control, plant::CraneKind machine);
 

@@ -16,6 +16,12 @@ bool is_the_machines(const TimedEvent& event) {
 Config as_run(const Config& given) {
   if (!given.run.ideal) return given;
   Config config = given;
+  // With more DSPs PID would not get the torque compensation of its own tick: the two are claimed at the same time.
+  config.machine.dsps = 1;
+  config.machine.slots = 0;
+  config.machine.links.clear();
+  config.machine.nets.clear();
+  for (UserTask& task : config.tasks) task.dsp.reset();  // the one DSP does all tasks
   config.machine.boot = BootPolicy::preloaded;
   config.machine.idle_policy = IdlePolicy::doorbell;
   config.machine.cycle_time_factor = 1;

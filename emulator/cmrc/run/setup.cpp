@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "cmrc/configuration/clock_deviations.hpp"
+#include "cmrc/configuration/dock_job.hpp"
 #include "cmrc/configuration/machine_topology.hpp"
 #include "cmrc/programs/kernels.hpp"
 #include "cmrc/programs/servo_law.hpp"
@@ -108,6 +109,16 @@ plant::DockConfig dock_of(const Config& config) {
     plant::check(dock);
   } catch (const std::invalid_argument& error) {
     throw ConfigError(fmt::format("dock.crane: {}", error.what()));
+  }
+  try {
+    check_job(dock);
+    // The default layout is known to be good; the other trajectory keeps to the joints' limits by itself.
+    if (!config.dock.layout.empty() && config.kernels.trajectory != TrajectoryBuild::quintic_shaper)
+      check_speeds(dock, config.control);
+  } catch (const std::invalid_argument& error) {
+    const std::string& layout = config.dock.layout;
+    throw ConfigError(layout.empty() ? fmt::format("dock.crane: {}", error.what())
+                                     : fmt::format("dock.layout: {}: {}", layout, error.what()));
   }
   return dock;
 }

@@ -236,7 +236,10 @@ class Crane:
 
     def sensitivity(self, torques: Sequence[float], seconds: float) -> Sensitivity:
         """How the state after ``seconds`` with these torques depends on the payload's mass and the rope's length
-        (CVODES, Adams). The crane's state does not change."""
+        (CVODES, Adams). The crane's state does not change.
+
+        Raises ``ValueError`` in wind, with a drive that is off, and when a joint reaches its end stop, sticks or breaks
+        away (``stiction=True``) within this time: the derivatives do not contain that."""
         time = number("seconds", seconds, "a time in s")
         return Sensitivity(*(np.array(part) for part in self._core.sensitivity(torques, time)))
 
@@ -245,7 +248,7 @@ class Crane:
         deviations from its motion obey dx/dt = A x + B u, y = C x + D u.
 
         Dry friction is smoothed; coordinates that brakes or friction hold have rows and columns of zeros. Differences
-        of fourth order: 1e-6 or better of A's entries.
+        of fourth order: 1e-6 or better of A's entries. Raises ``ValueError`` in wind.
         """
         snapshot = (
             self.snapshot() if state is None else instance("state", state, CraneSnapshot, "a snapshot of a crane")
