@@ -160,7 +160,7 @@ void check_speeds_of(const plant::DockConfig& dock, const Config::Control& contr
   constexpr int samples = 1000;
   constexpr double peak = 630.0 / 256.0;
   const plant::CraneParameters& p = dock.crane;
-  const double dx = b.x - a.x, dy = b.y - a.y, h = std::hypot(dx, dy), turn = b.yaw - a.yaw;
+  const double dx = b.x - a.x, dy = b.y - a.y, h = plant::hypot(dx, dy), turn = b.yaw - a.yaw;
   const double duration = std::max({peak * (h / plan_speed(control) + std::abs(turn) / control.rotator.speed_limit),
                                     std::sqrt(9.37 * h / 0.4), std::sqrt(std::sqrt(623 * h / 0.081)),
                                     std::sqrt(9.37 * std::abs(turn) / 0.03)});
@@ -171,7 +171,7 @@ void check_speeds_of(const plant::DockConfig& dock, const Config::Control& contr
   } worst;
   for (int i = 0; i <= samples; ++i) {
     const Blend blend = blend_at(i / static_cast<double>(samples));
-    const double x = a.x + blend.way * dx, y = a.y + blend.way * dy, r = std::hypot(x, y), c = (r - p.a0) / p.jib;
+    const double x = a.x + blend.way * dx, y = a.y + blend.way * dy, r = plant::hypot(x, y), c = (r - p.a0) / p.jib;
     const auto luff = static_cast<std::size_t>(plant::Joint::luff);
     if (!(c >= plant::cos(p.upper[luff]) && c <= plant::cos(p.lower[luff])))
       throw std::invalid_argument(fmt::format(
