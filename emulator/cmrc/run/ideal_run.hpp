@@ -2,9 +2,9 @@
 // The same run with instant execution: the difference is the cost of missed deadlines and delays (docs/report.md,
 // Ideal).
 //
-// It runs the same programs with the same bits, so its arithmetic is the controller's own; only time is removed: one DSP
-// is ideal_speed times as fast (a board's clock counts as 40 MHz at least), an access through a bus takes no time, and
-// the host works in no time. Every block ends within microseconds of its release, well before the next latch of the
+// It runs the same programs with the same bits, so its arithmetic is the controller's own; only time is removed: one
+// DSP is ideal_speed times as fast (a board's clock counts as 40 MHz at least), an access through a bus takes no time,
+// and the host works in no time. Every block ends within microseconds of its release, well before the next latch of the
 // drives. Failures of the machine do not happen here; the operator's changes, and failures of drives and sensors, do.
 #include <cstdint>
 
