@@ -126,15 +126,22 @@ void Ledger::release(std::size_t block, JobKind kind, Time released, std::option
   open_[block] = std::move(open);
 }
 
-void Ledger::skipped(JobKind kind, Time released, std::optional<Time> deadline, std::optional<std::int64_t> tick,
-                     Time found, std::uint32_t robot) {
-  const Time end = deadline.value_or(found);
+Ledger::Open Ledger::without_block(JobKind kind, Time released, std::optional<Time> deadline,
+                                   std::optional<std::int64_t> tick, std::uint32_t robot) {
   const auto index = static_cast<std::size_t>(kind);
   Open open;
   open.kind = kind;
   open.name = {index, robot, tick ? *tick : released_.at(index)++};
   open.released = released;
   open.deadline = deadline;
+  open.tick = tick;
+  return open;
+}
+
+void Ledger::skipped(JobKind kind, Time released, std::optional<Time> deadline, std::optional<std::int64_t> tick,
+                     Time found, std::uint32_t robot) {
+  const Time end = deadline.value_or(found);
+  const Open open = without_block(kind, released, deadline, tick, robot);
   report::Job job;
   job.kind = open.name.kind;
   job.progress = report::Progress::dropped;
@@ -158,13 +165,7 @@ void Ledger::skipped(JobKind kind, Time released, std::optional<Time> deadline, 
 
 void Ledger::never_loaded(JobKind kind, Time released, std::optional<Time> deadline, std::optional<std::int64_t> tick,
                           Time end, std::uint32_t robot) {
-  const auto index = static_cast<std::size_t>(kind);
-  Open open;
-  open.kind = kind;
-  open.name = {index, robot, tick ? *tick : released_.at(index)++};
-  open.released = released;
-  open.deadline = deadline;
-  open.tick = tick;
+  Open open = without_block(kind, released, deadline, tick, robot);
   open.tries.emplace_back();
   open.tries.back().waits_from = released;
   book(open, job_of(open), end);

@@ -154,6 +154,9 @@ class Ledger {
   report::Job job_of(const Open& open) const;
   std::vector<std::int64_t> chain_of(const CauseTimes& spent, std::int64_t whole, bool ended) const;
   void part_done(Open& open, Time at, std::int64_t whole);
+  /// A job for which the host has loaded no block.
+  Open without_block(JobKind kind, Time released, std::optional<Time> deadline, std::optional<std::int64_t> tick,
+                     std::uint32_t robot);
   MissedJob missed_job(const Open& open, report::Outcome outcome, Time end) const;
   report::Outcome book(const Open& open, const report::Job& job, Time now);
   void leave(Open& open, Time at, report::Run::End end);
