@@ -12,6 +12,18 @@ PyObject* no_object_of_the_base(PyTypeObject* type, PyObject* arguments, PyObjec
                       copied ? Py_TYPE(PyTuple_GET_ITEM(arguments, 0))->tp_name : type->tp_name);
 }
 
+/// What `X.__new__(X)` gives has no C++ object. pybind11 would allocate one, without a constructor, at its first use.
+void refuse_objects_without_init(const py::module_& core) {
+  const std::string module = core.attr("__name__").cast<std::string>();
+  for (const auto& [type, info] : py::detail::get_internals().registered_types_cpp) {
+    const auto home = py::handle(reinterpret_cast<PyObject*>(info->type)).attr("__module__").cast<std::string>();
+    if (home.starts_with(module))
+      info->operator_new = [](std::size_t) -> void* {
+        throw py::type_error("an object whose __init__ was not called");
+      };
+  }
+}
+
 void raise(PyObject* type, const std::exception& error) { PyErr_SetObject(type, python::shown(error.what()).ptr()); }
 
 /// What pybind11 translates itself, if only the message is UTF-8.
@@ -44,4 +56,5 @@ PYBIND11_MODULE(_core, core) {
   bind_cmrc(core);
   bind_why_late(core);
   bind_trace(core);
+  refuse_objects_without_init(core);
 }
