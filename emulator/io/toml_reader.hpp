@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <ranges>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -81,12 +82,14 @@ class TomlReader {
         attempt([&] { read(*node.as_table()); });
   }
 
-  /// \throws Error with all noted errors, in the order of their lines
+  /// \throws Error with the first noted errors in the order of their lines, and how many more there are
   template <class Error>
   void finish() const {
     if (errors_.empty()) return;
+    constexpr std::size_t most = 20;
     std::vector<std::string> lines;
-    for (const auto& [line, what] : errors_) lines.push_back(what);
+    for (const auto& [line, what] : errors_ | std::views::take(most)) lines.push_back(what);
+    if (errors_.size() > most) lines.push_back(fmt::format("{}: {} more errors", file_, errors_.size() - most));
     throw Error(fmt::format("{}", fmt::join(lines, "\n")));
   }
 

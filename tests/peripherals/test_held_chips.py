@@ -156,6 +156,18 @@ def test_nmi_that_is_low_when_reset_ends_is_taken_at_once(low_us: int) -> None:
     assert "interrupt 01h: the stack at 00000001h is not in RAM" in network.chips[0].message
 
 
+@pytest.mark.parametrize("action", ["release", "reset"])
+def test_a_chip_with_a_low_reset_stays_held_whatever_the_script_does(action: str) -> None:
+    network = Network([assembled(WORKS)], nets=["rst: >0.RESET"])
+    network.drive(0, False, 1)
+    getattr(network, action)(0, 3)
+    network.run(until_us=4)
+    assert network.chips[0].status == "held"
+    network.drive(0, True, 5)
+    network.run()
+    assert network.chips[0].status == "halt" and network.chips[0].registers["RC"] & 0xFFFFFFFF == 0xFFFFFFFF
+
+
 def act(made: Network, rng: random.Random, pulls_out: bool) -> None:
     """Some chips are held, released, reset, or at last pulled out."""
     for chip in range(len(made.chips)):

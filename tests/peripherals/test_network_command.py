@@ -172,6 +172,13 @@ entri = "start"
     ]
 
 
+def test_of_very_many_errors_the_first_are_shown(run: Any, tmp_path: Path) -> None:
+    (tmp_path / "network.toml").write_text(FILE + '[[event]]\nat_us = 1\nchip = 0\nkind = "hold"\n' * 5000)
+    bad = run("--network", "network.toml")
+    lines = bad.stderr.splitlines()
+    assert bad.returncode == 2 and len(lines) == 21 and lines[-1] == "network.toml: 9980 more errors"
+
+
 def test_what_is_done_to_a_network_from_the_command_line_as_from_a_file(run: Any, tmp_path: Path) -> None:
     (tmp_path / "network.toml").write_text(FILE)
     from_file = json.loads(run("--network", "network.toml", "--json").stdout)

@@ -232,16 +232,18 @@ Time Network::effective(const NetworkAction& action) const {
 
 /// The cycle before which the chip's own next action cannot be.
 Cycles Network::find_next_action_on(const Node& node) const {
-  Cycles next = never_cycle;
-  for (const NetworkAction& a : actions_)
-    if (a.target == node.number && target_of(a.kind) == ActionTarget::chip)
-      next = std::min(next, node.first_cycle(a.time));
-  return next;
+  const auto next = std::ranges::find_if(actions_, [&](const NetworkAction& action) {
+    return action.target == node.number && target_of(action.kind) == ActionTarget::chip;
+  });
+  return next == actions_.end() ? never_cycle : node.first_cycle(next->time);
 }
 
 Time Network::next_action() const {
   Time next = never;
-  for (const NetworkAction& action : actions_) next = std::min(next, effective(action));
+  for (const NetworkAction& action : actions_) {
+    if (action.time >= next) break;  // no action happens before its time
+    next = std::min(next, effective(action));
+  }
   return next;
 }
 

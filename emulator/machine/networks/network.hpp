@@ -12,6 +12,7 @@
 /// began. An access of the DMA to a shared memory makes its processor's access wait, whatever that accesses. A program
 /// that polls a value that never changes is found only if no timer of its chip runs, and some ten thousand cycles after
 /// the last event.
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -372,7 +373,7 @@ class Network {
   std::vector<std::unique_ptr<Memory>> memories_;
   std::unique_ptr<NetTap> net_tap_;
   std::vector<std::unique_ptr<Net>> nets_;
-  std::vector<NetworkAction> actions_;  ///< future ones, by time
+  std::deque<NetworkAction> actions_;  ///< future ones, by time
   std::vector<NetworkEvent> events_, net_events_;
   Scheduler scheduler_;
   Time now_{0};

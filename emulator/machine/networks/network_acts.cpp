@@ -16,7 +16,7 @@ void Network::actions_happen(Time time) {
     else if (meant && node->status == ChipStatus::sleeping)
       node->bring_to(time, false);
   }
-  for (std::size_t i = 0; i < actions_.size();) {
+  for (std::size_t i = 0; i < actions_.size() && actions_[i].time <= time;) {
     if (effective(actions_[i]) > time) {
       ++i;
       continue;
@@ -59,9 +59,11 @@ void Network::perform(const NetworkAction& action) {
                                              : NetworkEvent::Kind::pull_out;
   events_.push_back({kind, now_, node.number, 0, 0, 0});
   switch (action.kind) {
-    case reset: return reset_chip(node);
+    case reset:
+      if (node.reset_is_low()) return;
+      return reset_chip(node);
     case release:
-      if (node.status != ChipStatus::held) return;
+      if (node.status != ChipStatus::held || node.reset_is_low()) return;
       node.chip.hold(false);
       node.status = node.chip.halted() ? ChipStatus::fault : ChipStatus::running;
       return node.note_idle();  // where the chip is, not where its next run will end
