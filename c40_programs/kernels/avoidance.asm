@@ -11,7 +11,7 @@ AVOIDANCE_BEAT      .set 3
 kernel_avoidance:
         ldi     @TASK + TB_ARGUMENT, ar2
         subi    AVOIDANCE_OVERHEAD - 8, ar2
-        lsh     -4, ar2                         ; turns of 16 cycles
+        ash     -4, ar2                         ; turns of 16 cycles; none of less than the overhead
         cmpi    1, ar2
         blt     avoidance_done
         ldf     0.25, r4                        ; 1/d0

@@ -87,3 +87,9 @@ def test_blocks_leave_what_the_whole_task_leaves(
 def test_a_synthetic_load_is_as_long_in_pieces() -> None:
     *_, taken = in_slices("avoidance", agv, 10_000, argument=45_000)
     assert [round(cycles, -3) for cycles in taken] == [10_000, 10_000, 10_000, 10_000, 5_000]
+
+
+@pytest.mark.parametrize("last", [1, 8, 23])
+def test_a_last_piece_shorter_than_the_kernels_own_work_ends_at_once(last: int) -> None:
+    *_, taken = in_slices("avoidance", agv, 1000, argument=1000 + last)
+    assert len(taken) == 2 and taken[1] < 200
