@@ -179,8 +179,9 @@ void Console::script(const std::string& path) {
   if (!in) throw DebugError(fmt::format("{}: cannot be read", path));
   if (depth_ > 10) throw DebugError(fmt::format("{}: files nested more than 10 deep", path));
   ++depth_;
+  paused_ = false;
   int number = 0;
-  for (std::string line; goes_on_ && std::getline(in, line);) {
+  for (std::string line; goes_on_ && !paused_ && std::getline(in, line);) {
     ++number;
     if (trimmed(line).empty() || trimmed(line).starts_with('#')) continue;
     command(trimmed(line));
@@ -331,6 +332,7 @@ void Console::show_stops(Words& words) {
 // ---- running ----
 
 void Console::tell(const Stop& stop) {
+  paused_ = stop.reason == Stop::Reason::paused;
   if (stop.chip) chip_ = *stop.chip;
   now_.swap(before_);
   now_.clear();

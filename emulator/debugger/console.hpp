@@ -82,6 +82,8 @@ class Console {
   int status_ = 0;
   int depth_ = 0;  ///< depth of nested scripts
   bool goes_on_ = true;
+  bool paused_ =
+      false;  ///< Ctrl-C ended the last command that moved the machine; no further one of its script is executed
 };
 
 }  // namespace debugger

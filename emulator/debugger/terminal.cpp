@@ -10,13 +10,17 @@
 #include <iostream>
 #include <memory>
 
+#include "io/print.hpp"
+
 namespace debugger {
 namespace {
 
 std::atomic<machine::debug::Debugger*> interruptible{nullptr};
+std::atomic<bool> pressed{false};  // Ctrl-C
 struct sigaction before;
 
 extern "C" void interrupt_debugger(int) {
+  pressed = true;
   if (machine::debug::Debugger* debugger = interruptible) debugger->interrupt();
 }
 
@@ -42,18 +46,24 @@ struct Freed {
   void operator()(char* text) const { std::free(text); }
 };
 
-}  // namespace
+/// During its lifetime Ctrl-C ends the debugger's running command.
+class CtrlCInterrupts {
+ public:
+  explicit CtrlCInterrupts(machine::debug::Debugger& debugger) {
+    interruptible = &debugger;
+    struct sigaction action{};
+    action.sa_handler = interrupt_debugger;
+    sigaction(SIGINT, &action, &before);
+  }
+  ~CtrlCInterrupts() {
+    sigaction(SIGINT, &before, nullptr);
+    interruptible = nullptr;
+  }
+  CtrlCInterrupts(const CtrlCInterrupts&) = delete;
+  CtrlCInterrupts& operator=(const CtrlCInterrupts&) = delete;
+};
 
-CtrlCInterrupts::CtrlCInterrupts(machine::debug::Debugger& debugger) {
-  interruptible = &debugger;
-  struct sigaction action{};
-  action.sa_handler = interrupt_debugger;
-  sigaction(SIGINT, &action, &before);
-}
-CtrlCInterrupts::~CtrlCInterrupts() {
-  sigaction(SIGINT, &before, nullptr);
-  interruptible = nullptr;
-}
+}  // namespace
 
 void converse(Console& console, machine::debug::Debugger& debugger) {
   const CtrlCInterrupts ctrl_c(debugger);
@@ -67,7 +77,12 @@ void converse(Console& console, machine::debug::Debugger& debugger) {
   rl_completer_word_break_characters = const_cast<char*>(" \t([+-*/&|^=<>!~,");  // NOLINT: libedit's declaration
   using_history();
   for (;;) {
+    pressed = false;
     const std::unique_ptr<char, Freed> line(readline(console.prompt().c_str()));
+    if (!line && pressed) {
+      io::print("\n");
+      continue;
+    }
     if (!line) return;
     if (line.get()[0] != '\0') add_history(line.get());
     if (!console.command(line.get())) return;

@@ -4,16 +4,8 @@
 
 namespace debugger {
 
-/// Reads commands until `quit` or the end of input. Ctrl-C ends the running command, not the debugger.
+/// Reads commands until `quit` or the end of input. Ctrl-C ends the running command, or drops the line that is being
+/// written, not the debugger.
 void converse(Console& console, machine::debug::Debugger& debugger);
-
-/// During its lifetime Ctrl-C ends the debugger's running command.
-class CtrlCInterrupts {
- public:
-  explicit CtrlCInterrupts(machine::debug::Debugger& debugger);
-  ~CtrlCInterrupts();
-  CtrlCInterrupts(const CtrlCInterrupts&) = delete;
-  CtrlCInterrupts& operator=(const CtrlCInterrupts&) = delete;
-};
 
 }  // namespace debugger

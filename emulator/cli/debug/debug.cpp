@@ -19,7 +19,6 @@ int debug(const DebugOptions& options) {
   for (const std::string& command : options.commands)
     if (!console.command(command)) return console.status();
   try {
-    const debugger::CtrlCInterrupts ctrl_c(debugger);
     for (const std::string& script : options.scripts) console.script(script);
   } catch (const machine::debug::DebugError& error) {
     throw InputError(error.what());
