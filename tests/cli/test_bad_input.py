@@ -36,6 +36,10 @@ def files_of(directory: Path) -> set[str]:
         (["--trace-window", "5:2", "--trace", "t"], ["--trace-window", "5:2"]),
         (["--trace-window", "0:1"], ["--trace-window", "--trace"]),
         (["--trace-instructions", "9", "--trace", "t"], ["--trace-instructions", "9"]),
+        (
+            ["--trace-instructions", "1", "--trace", "t", "--set", "run.ideal=true"],
+            ["--trace-instructions", "no DSP 1; 0 to 0"],
+        ),
         (["--trace-labels", "--trace", "t"], ["--trace-labels", "--trace-instructions"]),
         (["exec", "x.asm", "--trace-labels"], ["--trace-labels", "--trace FILE"]),
         (["--set", "gamma"], ["--set", "KEY=VALUE"]),

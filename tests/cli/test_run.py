@@ -74,6 +74,15 @@ def test_the_hash_repeats_and_depends_on_the_run_only(report_of) -> None:
     assert report_of("--dsps", 3, "--idle-policy", "pause")["hash"] != plain["hash"]
 
 
+def test_a_dsp_that_is_plugged_in_later_has_an_instruction_trace(run, tmp_path: Path) -> None:
+    (tmp_path / "later.toml").write_text(
+        '[machine]\ndsps = 1\nslots = 3\n[[events]]\nat_s = 0.01\naction = "plug"\ndsp = 2\n'
+    )
+    result = run("--config", "later.toml", "--duration", SHORT, "--quiet", "--trace", "t", "--trace-instructions", 2)
+    assert result.returncode == 0, result.stderr
+    assert float((tmp_path / "t.dsp2").read_text().splitlines()[1].split()[0]) >= 0.01
+
+
 def test_traces_are_of_their_window_and_in_order(run, tmp_path: Path) -> None:
     result = run(
         "--duration", SHORT, "--quiet", "--trace", "t", "--trace-window", "0.05:0.052", "--trace-instructions", 0

@@ -92,7 +92,6 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   const Errors& errors() const { return errors_; }
   const TaskList& list() const { return list_; }
   std::int64_t refresh() const { return tick_; }
-  const machine::Clock& refresh_clock() const { return clock_; }
   void list_state(state::Visitor& list);
 
  private:
@@ -298,9 +297,9 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   std::uint32_t dither_ = 1;  // state of the generator that varies the pause before the next try
   std::uint64_t eligible_ = 0;
   Word fence_ = 0xFFFFFFFF;
-  std::array<std::int64_t, 32> renewed_{};  // refresh of the host's last reset of a slot
-  std::optional<unsigned> suspect_;         // owner of the block whose flag is being read again
-  std::optional<unsigned> holder_;          // owner of the list, fenced off, from which the host takes it
+  std::array<std::int64_t, machine::most_slots> renewed_{};  // refresh of the host's last reset of a slot
+  std::optional<unsigned> suspect_;                          // owner of the block whose flag is being read again
+  std::optional<unsigned> holder_;  // owner of the list, fenced off, from which the host takes it
   Liveness liveness_;
   BootLoader boots_;
   Time pid_ended_{};  // when a block of PID was last found finished

@@ -26,11 +26,11 @@ RunObserver::RunObserver(const Words& words, Ledger& ledger, report::EventLog& l
     : words_(words),
       ledger_(ledger),
       log_(log),
-      snapshots_(32),
+      snapshots_(machine::most_slots),
       blocks_(words.block_count),
-      faults_(32),
-      resets_(32),
-      boots_(32),
+      faults_(machine::most_slots),
+      resets_(machine::most_slots),
+      boots_(machine::most_slots),
       hold_(samples_max) {}
 
 void RunObserver::attach(plant::Dock& dock, Course* course, double wind_limit) {

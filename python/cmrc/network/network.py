@@ -316,7 +316,7 @@ class Network(OneRun):
         self._schedule("reset", chip, at_us)
 
     def hold(self, chip: int, at_us: float) -> None:
-        """Holds a chip in reset, until ``release``."""
+        """Freezes a chip until ``release``: processor, DMA and timers do nothing, and it keeps its locks."""
         self._schedule("hold", chip, at_us)
 
     def release(self, chip: int, at_us: float) -> None:
