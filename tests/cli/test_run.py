@@ -66,7 +66,7 @@ def test_the_hash_repeats_and_depends_on_the_run_only(report_of) -> None:
     ):
         other = report_of("--dsps", 3, *same)
         assert other["hash"] == plain["hash"], same
-        apart = ("elapsed_s", "reference_elapsed_s", "configuration")
+        apart = ("elapsed_s", "reference_elapsed_s", "configuration", "configuration_toml")
         assert {key: value for key, value in other.items() if key not in apart} == {
             key: value for key, value in plain.items() if key not in apart
         }
