@@ -74,6 +74,12 @@ def test_the_hash_repeats_and_depends_on_the_run_only(report_of) -> None:
     assert report_of("--dsps", 3, "--idle-policy", "pause")["hash"] != plain["hash"]
 
 
+@pytest.mark.parametrize("given", [["--dsps", "2", "--set", "dsps=3"], ["--set", "machine.dsps=3", "--dsps", "2"]])
+def test_a_flag_holds_over_set_in_whatever_order(run, tmp_path: Path, given: list[str]) -> None:
+    assert run(*given, "--duration", "0.021", "--quiet", "--report", "r.json").returncode == 0
+    assert json.loads((tmp_path / "r.json").read_text())["configuration"]["machine.dsps"] == 2
+
+
 def test_traces_are_of_their_window_and_in_order(run, tmp_path: Path) -> None:
     result = run(
         "--duration", SHORT, "--quiet", "--trace", "t", "--trace-window", "0.05:0.052", "--trace-instructions", 0
