@@ -232,6 +232,7 @@ struct RunReport {
   std::string hash;      ///< 64 hexadecimal digits (ruling 4)
   std::uint64_t events = 0;
   std::vector<Setting> configuration;
+  std::string configuration_toml;     ///< all of it, with events, tasks and processes: makes the run again
   std::vector<TaskReport> tasks;      ///< every kind of ruling 29 in its order, also those never released
   std::vector<MissReport> missed;     ///< the first report.misses_max missed jobs, one by one
   std::uint64_t misses_left_out = 0;  ///< missed jobs that are not in this list

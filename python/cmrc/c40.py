@@ -32,6 +32,9 @@ from cmrc.programs import (
 )
 from cmrc.snapshots import ChipSnapshot, SnapshotError
 
+BoardError = _core.c40.BoardError
+BoardError.__doc__ = """Raised for a board that is not known, or whose file is wrong."""
+
 INTERRUPT_PINS = ("IIOF0", "IIOF1", "IIOF2", "IIOF3")
 INTERRUPT_TIMERS = ("TINT0", "TINT1")
 INTERRUPT_FLAGS = {f"DMAINT{channel}": 25 + channel for channel in range(6)}
@@ -265,6 +268,7 @@ __all__ = [
     "REGISTERS",
     "AccessesToNothing",
     "AssemblyError",
+    "BoardError",
     "ChipSnapshot",
     "ChipState",
     "CoffError",

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from cmrc import _core, arguments
 from cmrc.keywords import listed
 from cmrc.limit_scans import Scans
-from cmrc.simulation import Progress, Setting, configured
+from cmrc.simulation import Progress, Setting, Source, configured
 from cmrc.table import Table
 
 if TYPE_CHECKING:
@@ -86,7 +85,7 @@ def limits(
     dsps: Iterable[float] | None = None,
     servo: Iterable[float] | None = None,
     errors: bool = False,
-    config: str | os.PathLike[str] | None = None,
+    config: Source | None = None,
     preset: str | None = None,
     settings: Mapping[str, Setting] | None = None,
     events: Sequence[Mapping[str, Setting]] = (),
@@ -125,7 +124,7 @@ def scans_of(
 @listed
 def compare(
     *,
-    config: str | os.PathLike[str] | None = None,
+    config: Source | None = None,
     preset: str | None = None,
     settings: Mapping[str, Setting] | None = None,
     events: Sequence[Mapping[str, Setting]] = (),
