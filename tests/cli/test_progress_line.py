@@ -32,10 +32,12 @@ class Terminal:
         self.shown = b""
         self.open = True
 
-    def start(self, folder: Path, command: list[str], **streams: Any) -> "subprocess.Popen[bytes]":
+    def start(
+        self, folder: Path, command: list[str], program: tuple[str, ...] = (str(EMULATOR),), **streams: Any
+    ) -> "subprocess.Popen[bytes]":
         """The program; all its streams are this terminal, but those that are given."""
         of = {"stdin": self.side, "stdout": self.side, "stderr": self.side, **streams}
-        self.process = subprocess.Popen([EMULATOR, *command], cwd=folder, **of)
+        self.process = subprocess.Popen([*program, *command], cwd=folder, **of)
         os.close(self.side)
         return self.process
 
@@ -125,12 +127,8 @@ def test_the_status_of_limits_is_the_signals_too_where_its_table_cannot_be_print
 
 
 def test_a_run_under_nohup_outlives_its_window(terminal: Terminal, tmp_path: Path) -> None:
-    shell = ["bash", "-c", f"trap '' HUP; exec {EMULATOR} --dsps 1 --duration 3 --report o.json > stdout"]
-    terminal.process = subprocess.Popen(
-        shell, cwd=tmp_path, stdin=terminal.side, stdout=terminal.side, stderr=terminal.side,
-        start_new_session=True, preexec_fn=controls,
-    )  # fmt: skip
-    os.close(terminal.side)
+    shell = f"trap '' HUP; exec {EMULATOR} --dsps 1 --duration 3 --report o.json > stdout"
+    terminal.start(tmp_path, [shell], ("bash", "-c"), start_new_session=True, preexec_fn=controls)
     terminal.until(lambda: b"x real time" in terminal.shown)
     terminal.close()
     assert terminal.process.wait(PATIENCE) == 0
