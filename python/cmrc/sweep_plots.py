@@ -180,7 +180,7 @@ def _name_ticks(axes: Axes, names: Sequence[str]) -> None:
     """One tick for each name; slanted where they would lie on each other."""
     cut = [_cut(name) for name in names]
     shown = cut if len(set(cut)) == len(set(names)) else list(names)
-    slanted = {"rotation": 25, "ha": "right", "rotation_mode": "anchor"}
+    slanted: dict[str, Any] = {"rotation": 25, "ha": "right", "rotation_mode": "anchor"}
     crowded = len(names) * (max(map(len, shown)) + 2) > TICKS_IN_A_ROW
     axes.set_xticks(range(len(names)), shown, **(slanted if crowded else {}))
 
