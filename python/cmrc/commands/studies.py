@@ -82,7 +82,12 @@ def _do_limits(given: argparse.Namespace) -> int:
             scans.run(lambda done, points: line.of(done, points, "runs", now=True))
         except KeyboardInterrupt as stop:
             status = signals.status(stop)
-    _show(given, scans.text(), scans.report())
+    try:
+        _show(given, scans.text(), scans.report())
+    except RuntimeError as error:
+        if not status:
+            raise
+        streams.say(f"cmrc limits: {error}")  # the status is the signal's: its terminal may be what has gone
     return status
 
 
