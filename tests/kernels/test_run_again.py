@@ -206,7 +206,7 @@ def test_a_block_that_runs_again_leaves_the_same_words(case: Case) -> None:
     dsp = case.prepare()
     area = dsp.area
     put_task(dsp, case.slice)
-    before, devices = words(dsp, SHARED), words(dsp, DEVICES)
+    before = words(dsp, SHARED)
     result = dsp.run(case.kernel, case.argument, case.tick)
     after, commands = words(dsp, SHARED), words(dsp, DEVICES)
     may_differ = unread(case, dsp)
