@@ -25,7 +25,7 @@ TJ_SUM          .set SCRATCH + 80       ; p and its derivatives 1..4, 4 words ea
 TJ_START        .set SCRATCH + 112      ; t_i, 8 words
 TJ_TOTAL        .set SCRATCH + 120
 TJ_SELECTOR     .set SCRATCH + 121
-TJ_SHAPED       .set SCRATCH + 122      ; 0: this build; 1: trajectory_crane_shaper.asm
+TJ_SHAPED       .set SCRATCH + 122      ; 0: this build, 1: trajectory_crane_shaper.asm; of a gantry -1 and 2
 TJ_SPEED        .set SCRATCH + 126      ; CR_SPEED, 7 words
 TJ_MAX_SEGMENTS .set 8
 
@@ -123,7 +123,7 @@ trajectory_crane_more:
         bge     trajectory_crane_durations
         call    trajectory_crane_starts
         ldi     @TJ_SHAPED, r0
-        callnz  shaper_ahead
+        callnz  trajectory_crane_ahead
 
 trajectory_crane_points:
         ldf     @TJ_PERIOD, r0                  ; points: ceil(total / period), at least one
@@ -156,7 +156,7 @@ trajectory_crane_points:
 ; The payload at t = (k - k0 + 1) period.
 trajectory_crane_point:
         ldi     @TJ_SHAPED, r0
-        bnz     shaper_point
+        bgt     shaper_point
         ldhi    hi16(TJ_CHAIN), ar3
         or      lo16(TJ_CHAIN), ar3
         ldhi    hi16(TJ_DURATION), ar4
@@ -296,6 +296,12 @@ trajectory_crane_write:
         ldige   MUST_INVERSE, r1
         rets
 
+; R0 = SHAPED, not 0: what is to be done with the durations before the leg's bank is written.
+trajectory_crane_ahead:
+        cmpi    1, r0
+        beq     shaper_ahead
+        br      trajectory_gantry_ahead
+
 ; CHAIN <- P_0 and the n via points of the leg; of an alignment P_0 and P_n, which the leg's bank keeps.
 trajectory_crane_chain:
         ldhi    hi16(TJ_BEGIN), ar0
@@ -366,7 +372,7 @@ trajectory_crane_duration:
         ldhi    hi16(K_TJ_XY1), ar1
         or      lo16(K_TJ_XY1), ar1
         ldi     @TJ_SHAPED, r0
-        bz      trajectory_crane_limits
+        ble     trajectory_crane_limits
         addi    K_TJ_SHAPED - K_TJ_XY1, ar1
 trajectory_crane_limits:
         ldf     *+ar3(4), r0

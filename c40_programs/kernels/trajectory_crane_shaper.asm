@@ -174,6 +174,7 @@ shaper_look:
 shaper_stretch:
         stf     r0, *ar0++
         call    trajectory_crane_starts
+shaper_total:
         call    shaper_half
         addf    r0, r0
         addf    @TJ_TOTAL, r0
