@@ -307,7 +307,8 @@ void Dock::agv_push(int i, std::int32_t speed, std::int32_t front, std::int32_t 
 
 void Dock::agv_push_wheels(int i, std::int32_t left, std::int32_t right, Time t) {
   require(config().agv.drive == AgvDrive::differential, "only AGVs with differential drive take wheel speeds");
-  self_->push(i, {0.5e-3 * (left + right), 0.0, 0.0, 1e-3 * (right - left) / config().agv.track}, t);
+  const double l = left, r = right;  // their sum may exceed 32 bits
+  self_->push(i, {0.5e-3 * (l + r), 0.0, 0.0, 1e-3 * (r - l) / config().agv.track}, t);
 }
 
 void Dock::agv_reset_bumper(int i, Time t) { self_->agv_at(i, t).bumped = false; }

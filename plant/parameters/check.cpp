@@ -180,8 +180,9 @@ void check(const DockConfig& c) {
   require_positive({{"scan_dx", c.layout.scan_dx}, {"slot_spacing", c.layout.slot_spacing}});
   require_not_negative({{"drive_delay", static_cast<double>(c.drive_delay)},
                         {"drive_timeout", c.drive_timeout},
-                        {"warehouse_radius", c.layout.warehouse_radius},
-                        {"warehouse_take", c.layout.warehouse_take}});
+                        {"warehouse_radius", c.layout.warehouse_radius}});
+  refuse(!(c.layout.warehouse_take >= 0.0 && c.layout.warehouse_take <= 86400.0),
+         "the warehouse's take_s must be 0 to 86400 s", c.layout.warehouse_take);
   refuse(c.layout.rows.empty(), "the bay needs at least one row", 0.0);
   for (const double row : c.layout.rows) refuse(!std::isfinite(row), "a row's place must be a number", row);
   for (const double x : {c.layout.deck, c.layout.scan_x0})

@@ -269,6 +269,17 @@ def test_differential_drive_turns_on_the_spot_and_on_its_circle():
         dock().agv_push_wheels(0, 1, 1, 0)
 
 
+@pytest.mark.parametrize(("left", "right"), [(1_000_000_000, 1_000_000_000), (2**31 - 1, 2**31 - 1)])
+def test_the_fastest_wheel_speeds_are_two_numbers_of_32_bits(left, right):
+    d = dock(drive=plant.AgvDrive.differential)
+    d.agv_period(0, 50000, 0)
+    for _ in range(10):
+        d.agv_push_wheels(0, left, right, d.time)
+        d.advance_to(d.time + 50 * MS)
+    assert d.agv(0).speed_command == pytest.approx(0.5e-3 * (left + right))
+    assert d.agv(0).speed > 0
+
+
 @pytest.mark.parametrize(("front", "rear"), [(0.1, -0.1), (0.5, 0.0), (0.0, 0.5), (0.5, 0.3)])
 def test_differential_drive_takes_the_steered_set_points_too(front, rear):
     d = dock(drive=plant.AgvDrive.differential)

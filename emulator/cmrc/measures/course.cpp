@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "cmrc/processes/process_table.hpp"
 #include "plant/dock/dock.hpp"
 
 namespace cmrc {
@@ -85,6 +86,7 @@ void Course::milestone(Robot robot, Milestone::Kind kind, std::int64_t number, T
   Place& place = places_[robot];
   std::uint64_t within = place.counts[static_cast<std::size_t>(kind)]++;
   if (kind == Milestone::Kind::point) within = static_cast<std::uint64_t>(number - place.first_point);
+  static_assert(most_processes < 1 << 4);
   const std::uint64_t key = place.process << 60 | (place.begun & 0xFFFF) << 44 | (place.legs & 0xFF) << 36 |
                             static_cast<std::uint64_t>(kind) << 32 | (within & 0xFFFFFFFF);
   Leg& leg = legs_[robot];

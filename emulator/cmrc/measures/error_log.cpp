@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 namespace cmrc {
 namespace {
@@ -157,6 +158,7 @@ std::vector<report::HandledError> handled_errors(std::span<const ErrorEntry> ent
                                                  const plant::Dock& dock, Time end,
                                                  const std::function<std::string(Word kind)>& block_name) {
   std::vector<report::HandledError> all;
+  std::map<unsigned, RecordedPath> ways;  // by robot
   for (const ErrorEntry& entry : entries) {
     report::HandledError handled;
     handled.origin = name(entry.origin);
@@ -176,7 +178,7 @@ std::vector<report::HandledError> handled_errors(std::span<const ErrorEntry> ent
     handled.done = entry.done;
     handled.cleared = entry.cleared;
     handled.stands = entry.stands && !entry.cleared;
-    const RecordedPath way(dock, entry.robot);
+    const RecordedPath& way = ways.try_emplace(entry.robot, dock, entry.robot).first->second;
     const Time begin = handled.happened.value_or(handled.noticed);
     handled.moved_until_noticed_m = distance(way.at(begin), way.at(handled.noticed));
     handled.moved_until_done_m = distance(way.at(begin), way.at(handled.done.value_or(end)));

@@ -31,7 +31,7 @@ class Consents {
   void list_state(state::Visitor& list);
 
  private:
-  static constexpr unsigned numbers = 16;
+  static constexpr unsigned numbers = most_processes + 1;
   bool of_agv(unsigned process) const { return of_agv_.at(process); }
   std::size_t place(unsigned source, unsigned target, unsigned agv) const {
     return ((of_agv(source) ? agv : 0) * numbers + source) * numbers + target;

@@ -39,6 +39,7 @@ CraneSteps::CraneSteps(const CraneJob& job, const Words& words)
       next_speeds_(job.speeds),
       too_windy_(job.too_windy) {}
 
+// Rounded up: a ramp is not faster, and a wait not shorter, than what is asked for.
 std::int64_t CraneSteps::ticks(double seconds) const {
   return static_cast<std::int64_t>(std::ceil(seconds * job_.refresh_frequency));
 }

@@ -21,6 +21,7 @@ Errors::Errors(const Config& config, const Words& words, ErrorActions& hands)
       servo_interval_(intervals(config).servo),
       second_sensor_(config.dock.sway_sensors == 2) {}
 
+// To the nearest refresh: a stop is no limit that must be kept. CraneSteps::ticks rounds up.
 std::int64_t Errors::ticks(double seconds) const { return std::llround(seconds * refresh_frequency_); }
 
 bool Errors::standing() const {

@@ -13,8 +13,6 @@
 namespace cmrc {
 namespace {
 
-constexpr std::int64_t most_processes = 15;
-
 struct StepName {
   std::string_view word;
   Step::Kind kind;
@@ -133,7 +131,7 @@ class Row {
   static std::string right_number() { return fmt::format("an integer from 1 to {} is expected", most_processes); }
   unsigned number_in(const toml::node& node, std::string_view field) const {
     const auto value = node.is_integer() ? node.as_integer()->get() : 0;
-    if (value < 1 || value > most_processes)
+    if (value < 1 || value > std::int64_t{most_processes})
       refuse(place(node), key(field), "is not a number of a row", right_number());
     return static_cast<unsigned>(value);
   }

@@ -19,6 +19,9 @@ inline bool has(const std::vector<unsigned>& list, unsigned number) {
   return std::find(list.begin(), list.end(), number) != list.end();
 }
 
+/// Processes have the numbers 1 to this one, and so have sub-processes.
+inline constexpr unsigned most_processes = 15;
+
 enum class Robots : std::uint8_t { none, crane, agv };
 /// The time in the account of cycles to which a process belongs.
 enum class Account : std::uint8_t { none, t_3, t_4, t_5, t_6 };

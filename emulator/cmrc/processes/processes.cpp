@@ -45,7 +45,7 @@ Processes::Processes(const ProcessTable& table, std::span<const UserTask> tasks,
       crane_(crane, words),
       fleet_(fleet, words),
       agv_runs_(fleet.agvs),
-      demands_(16, std::vector<unsigned>(std::max(fleet.agvs, 1U))),
+      demands_(most_processes + 1, std::vector<unsigned>(std::max(fleet.agvs, 1U))),
       fields_(fleet.agvs) {
   for (const Process& process : table_.processes) {
     if (process.robot == Robots::none) free_runs_.emplace_back();
