@@ -44,6 +44,7 @@ class Linker {
       throw LinkError(
           {fmt::format("{}: no section contains a word; a program has at least one", objects_.front().name)});
     placement_.place(map_, cpu(), errors_);
+    check_small_model();
     define_symbols();
     check_undefined();
     if (!errors_.empty()) throw LinkError(std::move(errors_));
@@ -143,11 +144,21 @@ class Linker {
     for (std::size_t i = 0; i < objects_.size(); ++i)
       for (std::size_t k = 0; k < objects_[i].sections.size(); ++k) placement_.add(objects_[i].sections[k], {i, k});
     for (const char* name : {".text", ".data", ".bss"}) placement_.need(name);  // their ends are symbols
+    placement_.find(".bss")->rather_in_one_page = map_.is_c;                    // the small model keeps one page in DP
     // .cinit ends with a count of 0 (c40-hardware.md 10.2).
-    OutputSection* const table = placement_.find(".cinit");
+    OutputSection* const table = placement_.find(initial_values);
     if (table == nullptr || table->size == 0) return;
     ++table->size;
     table->for_loader = map_.loader_sets_values;
+  }
+
+  void check_small_model() {
+    const OutputSection& bss = *placement_.find(".bss");
+    if (!bss.rather_in_one_page || in_one_page(bss.address, bss.size)) return;
+    warnings_.push_back(
+        fmt::format("{}: warning: .bss ({} words at {:08X}h) lies in two pages of 64 K words; a program of the small "
+                    "model reaches only the first. The memory map may give another place",
+                    linked_program, bss.size, bss.address));
   }
 
   /// How far an object's section was moved.
@@ -171,7 +182,7 @@ class Linker {
                                at->second.object != nullptr ? at->second.object->name : "the memory map"));
       }
     constexpr Word no_table = 0xFFFFFFFF;  // The value that TI's linker uses (c40-hardware.md 10.2).
-    const OutputSection* const table = map_.loader_sets_values ? nullptr : placement_.find(".cinit");
+    const OutputSection* const table = map_.loader_sets_values ? nullptr : placement_.find(initial_values);
     define_own("cinit", table != nullptr && table->size != 0 ? table->address : no_table);
     define_size("__STACK_SIZE", ".stack");
     define_size("__SYSMEM_SIZE", ".sysmem");
@@ -230,6 +241,7 @@ class Linker {
           add_lines(part, section.address + part.offset, image);
         }
       }
+      if (section.name == initial_values) check_initial_values(section, out.words);
       if (section.for_loader)
         return_to_loader(out, image);
       else
@@ -241,6 +253,32 @@ class Linker {
     } catch (const CoffError& error) {
       complain(error.what());
     }
+  }
+
+  /// What would be lost in silence: the program, and the loader, read the table up to the first count of 0.
+  void check_initial_values(const OutputSection& table, const std::vector<Word>& records) {
+    if (records.empty()) return;
+    std::size_t end = 0;
+    try {
+      Image unused;
+      end = add_initial_values(unused, table.name, records, fmt::format("{}: warning", linked_program));
+    } catch (const CoffError& error) {
+      if (!table.for_loader) warnings_.emplace_back(error.what());  // else it is an error (return_to_loader)
+      return;
+    }
+    if (end >= records.size())
+      warnings_.push_back(fmt::format("{}: warning: the last record of {} asks for one word more than it has",
+                                      linked_program, table.name));
+    const auto lost = std::find_if(records.begin() + static_cast<std::ptrdiff_t>(std::min(end, records.size())),
+                                   records.end(), [](Word word) { return word != 0; });
+    if (lost == records.end()) return;
+    const auto place = static_cast<Address>(lost - records.begin());
+    const auto next = std::ranges::find_if(table.parts, [&](const auto& part) { return part.offset > place; });
+    const OutputSection::Part& part = *std::prev(next);
+    warnings_.push_back(
+        fmt::format("{}: {}+{:X}h: warning: the initial values from here on are not set; a 0 before them, in word {} "
+                    "of {}, closes the table",
+                    objects_[part.source.object].name, table.name, place - part.offset, end, table.name));
   }
 
   /// The table itself stays as a section that reserves nothing: only its name and size.
@@ -348,7 +386,9 @@ class Linker {
       if (const auto found = image.symbols.find(name); found != image.symbols.end()) return found->second;
     const OutputSection* text = placement_.find(".text");
     if (text->size != 0) return text->address;
-    return std::ranges::find_if(placement_.sections(), [](const auto& section) { return section.size != 0; })->address;
+    return std::ranges::find_if(placement_.sections(),
+                                [](const auto& section) { return section.size != 0 && !section.for_loader; })
+        ->address;
   }
 
   std::string map_text(const Image& image) const {
@@ -356,7 +396,8 @@ class Linker {
     for (const auto& memory : map_.memories) {
       std::uint64_t used = 0;
       for (const OutputSection& section : placement_.sections())
-        if (section.address >= memory.origin && section.address - memory.origin < memory.length) used += section.size;
+        if (!section.for_loader && section.address >= memory.origin && section.address - memory.origin < memory.length)
+          used += section.size;
       out += fmt::format("{:<16} {:08X}h {:>9X}h {:>9X}h\n", memory.name, memory.origin, memory.length, used);
     }
     out += "\nsection          address         size  from\n";
@@ -383,6 +424,7 @@ class Linker {
 
   static constexpr std::size_t most_errors = 1000;
   static constexpr const char* linked_program = "the linked program";
+  static constexpr const char* initial_values = ".cinit";
 
   std::vector<Object> objects_;
   std::vector<Object> library_;
