@@ -112,7 +112,8 @@ void read_commands(Console& console) {
 
 void converse(Console& console, machine::debug::Debugger& debugger, const std::vector<std::string>& first) {
   const CtrlCInterrupts ctrl_c(debugger);
-  debugger.progress = [](machine::Time at, machine::Time, machine::Time) { running.at(at); };
+  if (isatty(STDOUT_FILENO) != 0)
+    debugger.progress = [](machine::Time at, machine::Time, machine::Time) { running.at(at); };
   const auto command = [&](const std::string& line) {
     running.begin();
     const bool goes_on = console.command(line);
