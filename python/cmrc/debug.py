@@ -159,17 +159,20 @@ class Debugger:
     def break_at(
         self, place: int | str, *, chip: int | None = None, condition: str = "", ignore: int = 0, log: str = ""
     ) -> int:
-        """Stops before the instruction at a place, on one chip or (None) on every chip; returns the condition's number.
+        """Stops before the instruction at a place, on one chip or (None) on every chip whose program has the place;
+        returns the condition's number.
 
         ``condition``: an expression that must hold. ``ignore``: number of hits to ignore. ``log``: prints this text,
         with ``{expressions}``, instead of stopping.
         """
-        number = -1
-        for address in self.places(place, 0 if chip is None else chip):
-            number = self._add(
-                "code", chip=chip, address=address, condition=condition, ignore=ignore, log=log, text=str(place)
-            )
-        return number
+        where: dict[str, Any]
+        if isinstance(place, int) and not isinstance(place, bool):
+            where = {"address": arguments.whole("place", place, "an address", 0, 2**32 - 1)}
+        else:
+            where = {"place": arguments.text("place", place, 'a label, a number or "FILE:LINE"')}
+        if chip is not None:
+            self._number(chip)
+        return self._add("code", chip=chip, **where, condition=condition, ignore=ignore, log=log, text=str(place))
 
     def watch(
         self,
