@@ -72,7 +72,7 @@ def test_arguments(run, tmp_path: Path, arguments: list[str], messages: list[str
     [
         ("[machine]\ndspss = 4\n", ["c.toml:2:", "dspss", "dsps"]),
         ('[machine]\ndsps = "four"\n', ["c.toml:2:", "dsps", "integer"]),
-        ("dsps = 2\n", ["c.toml:1:1: dsps: stands in no table; [machine] is expected above it"]),
+        ("dsps = 2\n", ["c.toml:1:1: dsps: no such key outside a table; machine.dsps is expected, below [machine]"]),
         ("[machine]\ndsps = 10000\n", ["c.toml:2:", "dsps", "16"]),
         ("[rates]\nrefresh_frequency_hz = 1500\n", ["c.toml", "refresh_frequency_hz"]),  # f_s >= 2 f_p
         ("[scheduling]\nq = 0x5000\n", ["q"]),  # 0 < q < p

@@ -309,8 +309,9 @@ void ConfigBuilder::parse(std::string_view toml, const std::string& name, std::v
         refuse_table(key_origin, full);
       } else if (const auto meant = find_leaf(full)) {
         const std::string_view known = keys()[*meant].name;
-        refuse(key_origin, full, "stands in no table",
-               fmt::format("[{}] is expected above it", known.substr(0, known.size() - leaf(known).size() - 1)));
+        refuse(
+            key_origin, full, "no such key outside a table",
+            fmt::format("{} is expected, below [{}]", known, known.substr(0, known.size() - leaf(known).size() - 1)));
       } else {
         refuse(key_origin, full, "no such key", right_key(full));
       }
