@@ -141,7 +141,7 @@ def test_the_source_of_a_program_of_the_ram_model_holds_what_the_loader_sets(tmp
 
 
 def test_the_source_begins_where_the_program_does(tmp_path: Path, emulator: Path) -> None:
-    source = '\t.text\nstart:\tnop\nL300001\t.set 7\nfoo:\tnop\n\tb $\n\t.sect "a b"\n\t.word 1\n'
+    source = '\t.text\nstart:\tnop\nL300001\t.set 7\nfoo:\tnop\n\tb $\n\t.sect "a b"\n\t.word 1\n\t.sect "it\'s $HOME"\n\t.word 2\n'
     for name, entry in (("foo", 0x300001), ("start", 0x300000), ("L300001", 7)):
         image = toolchain.assemble(source, entry=name)
         toolchain.write_coff(image, tmp_path / "p.out")

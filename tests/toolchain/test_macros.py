@@ -66,6 +66,12 @@ two     .set    2
     assert words(source) == [1, 0, 1, 0, 0, 1, 2, 1]
 
 
+def test_an_option_sets_a_predefined_symbol_in_any_case_of_letters() -> None:
+    source = "\t.word .REGPARM,.regparm,.BigModel\n\t.if .regparm\n\t.word 7\n\t.endif\n"
+    assert words(source) == [0, 0, 0]
+    assert words(source, symbols={".REGPARM": 1, ".bigmodel": 2}) == [1, 1, 2, 7]
+
+
 def test_a_macros_definition_has_comments_that_begin_with_an_exclamation_mark() -> None:
     source = """
 m       .macro  x

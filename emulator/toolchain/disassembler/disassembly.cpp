@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "isa/ascii.hpp"
 #include "isa/disassemble.hpp"
 #include "toolchain/encoder/encoder.hpp"
 #include "toolchain/syntax/parser.hpp"
@@ -164,8 +165,13 @@ std::string reserved_source(const Image::Section& part, const Labels& labels) {
 
 /// As an argument of a shell's command.
 std::string argument(const std::string& text) {
-  const bool plain = std::ranges::all_of(text, [](char c) { return is_identifier(c) || c == '=' || c == ':'; });
-  return plain ? text : fmt::format("\"{}\"", text);
+  if (std::ranges::all_of(text, [](char c) {
+        return ascii::is_letter_or_digit(c) || std::string_view("_.=:").find(c) != std::string_view::npos;
+      }))
+    return text;
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
 }
 
 }  // namespace
