@@ -155,8 +155,8 @@ def test_the_status_of_a_run_that_ends_or_is_ended(
 
 
 def test_a_servo_block_that_runs_again_is_of_the_refresh_that_offers_it(tmp_path: Path) -> None:
-    """PID takes its set-point at TB_TICK and reads the encoders when it runs. One DSP dies in PID, and boots again while
-    the block waits: TB_TICK follows the refreshes, but the job keeps its deadline."""
+    """PID takes its set-point at TB_TICK, and reads the encoders when it runs. One DSP dies in PID, and boots again
+    while the block waits: TB_TICK follows the refreshes, but the job keeps its deadline."""
     freeze = '[[events]]\nat_s = 0.0501\naction = "freeze"\ndsp = 0\n'
     found, report = events_of(tmp_path, "--dsps", 1, "--duration", 0.07, toml=freeze)
     pid = [(time, name, what) for time, _, name, what in found
