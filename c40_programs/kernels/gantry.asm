@@ -11,10 +11,9 @@ kernel_trajectory_gantry:
         ldi     -1, r0
         br      trajectory_crane_build
 trajectory_gantry_ahead:
-        ldi     @TJ_SEGMENTS, ar2
-        subi    1, ar2
-        cmpi    0, ar2
-        blt     trajectory_gantry_total
+        ldi     @TJ_SEGMENTS, r0
+        ble     trajectory_gantry_total
+        subi3   1, r0, ar2
         ldhi    hi16(gantry_travel), ar1
         or      lo16(gantry_travel), ar1
         ldi     @TJ_SHAPED, r0

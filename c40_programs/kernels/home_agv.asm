@@ -42,7 +42,16 @@ kernel_home_agv:
         sti     r0, @HA_INDEX
         cmpi    @TA_COUNT, r0
         bge     home_agv_nothing
-        call    home_agv_keep
+        ldi     @TA_COUNT, rc                   ; leg 2 := the segments; then AG_HOME_TICK
+        sti     rc, *+ar6(AG_SEGMENT_COUNT + HA_KEPT)
+        lsh     3, rc
+        subi    1, rc
+        ldhi    hi16(SCRATCH), ar0
+        or      lo16(TA_SEGMENTS), ar0
+        ldi     ar6, ar1
+        addi    AG_SEGMENT + (HA_KEPT - 1) * 64, ar1
+        call    copy_words
+        sti     r9, *+ar6(AG_HOME_TICK)
         ldhi    hi16(SCRATCH), ar1
         or      lo16(TA_SEGMENTS), ar1
 home_agv_segment:
@@ -53,26 +62,10 @@ home_agv_segment:
         sti     r0, @HA_INDEX
         cmpi    @TA_COUNT, r0
         blt     home_agv_segment
-        call    home_agv_cut
-        rets
+        br      home_agv_cut
 home_agv_nothing:
         ldi     0, r0
         ldi     0, r1
-        rets
-
-; ---- leg 2 := the segments; then AG_HOME_TICK := R9 ----
-home_agv_keep:
-        ldi     @TA_COUNT, r0
-        sti     r0, *+ar6(AG_SEGMENT_COUNT + HA_KEPT)
-        lsh     3, r0
-        subi    1, r0
-        ldi     r0, rc
-        ldhi    hi16(SCRATCH), ar0
-        or      lo16(TA_SEGMENTS), ar0
-        ldi     ar6, ar1
-        addi    AG_SEGMENT + (HA_KEPT - 1) * 64, ar1
-        call    copy_words
-        sti     r9, *+ar6(AG_HOME_TICK)
         rets
 
 ; ---- the nearest point of the segment *AR1 to (HA_X, HA_Y), kept if it is the best so far ----

@@ -123,7 +123,7 @@ trajectory_crane_more:
         bge     trajectory_crane_durations
         call    trajectory_crane_starts
         ldi     @TJ_SHAPED, r0
-        callnz  trajectory_crane_ahead
+        callnz  shaper_ahead
 
 trajectory_crane_points:
         ldf     @TJ_PERIOD, r0                  ; points: ceil(total / period), at least one
@@ -295,12 +295,6 @@ trajectory_crane_write:
         ldige   RESULT_END_OF_LEG, r0
         ldige   MUST_INVERSE, r1
         rets
-
-; R0 = SHAPED, not 0: what is to be done with the durations before the leg's bank is written.
-trajectory_crane_ahead:
-        cmpi    1, r0
-        beq     shaper_ahead
-        br      trajectory_gantry_ahead
 
 ; CHAIN <- P_0 and the n via points of the leg; of an alignment P_0 and P_n, which the leg's bank keeps.
 trajectory_crane_chain:

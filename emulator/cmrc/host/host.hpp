@@ -72,7 +72,7 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   /// one has come since, or the block before it is in its way; else its job was never started. When the host continues,
   /// it does the same.
   void count_rest(Time end, Ledger& account) const;
-  /// Torque compensation and PID are released at every tick.
+  /// Torque compensation and PID are released at every tick, or an error has stopped them.
   bool servoing() const { return servoing_from_.has_value(); }
   /// The refresh from which on they are.
   std::optional<Time> servoing_from() const { return servoing_from_; }
@@ -127,7 +127,7 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
     bool out = false;     // one of its blocks is in the list
     std::size_t block = 0;
     std::int64_t last_t = 0;  // t of the last block when it was found finished
-    bool stopped = false;     // given up
+    bool stopped = false;     // given up: its ticks are dropped
     bool waits = false;       // its block was given up, and an error block has to decide what follows
     void list_state(state::Visitor& list);
   };
@@ -217,7 +217,7 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   void refresh_servo(Servo& servo, bool on);
   void load_servo(Servo& servo);
   void drop_tick(Servo& servo);
-  /// The task is released at nominal ticks: servoing is on, and no error has stopped it.
+  /// The task is released at nominal ticks: servoing is on. If an error has stopped it, its ticks are dropped.
   bool released(const Servo& servo) const;
   void drop_block(const Task& task, std::int64_t due, std::optional<Time> deadline);
   Time release_of_tick(std::int64_t tick) const { return clock_.at(tick - config_.scheduling.gamma_refreshes); }
@@ -228,6 +228,8 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   bool left_out(std::int64_t tick) const;
   std::size_t load_block(const Task& task, JobKind job, Time released, std::optional<Time> deadline,
                          std::optional<std::int64_t> tick);
+  /// The word TB_TICK of a waiting block at this refresh.
+  Word tick_of(const TaskBlock& block) const;
   void write_new_blocks();
   void acquire();
   void semaphore_read(Word taken);
