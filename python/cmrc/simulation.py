@@ -39,14 +39,16 @@ Snapshot = _core.cmrc.Snapshot
 _LARGEST_SNAPSHOT = 1 << 32
 _NO_WAY_BACK = "what is collected beside the run cannot be taken back"
 Setting = bool | int | float | str
+Given = Setting | os.PathLike[str] | np.bool_ | np.number[Any]
+"""What may be given as a setting."""
 Progress = Callable[[float, float], bool | None]
 
 
 def configured(
     config: str | os.PathLike[str] | None,
     preset: str | None,
-    settings: Mapping[str, Setting] | None,
-    events: Sequence[Mapping[str, Setting]],
+    settings: Mapping[str, Given] | None,
+    events: Sequence[Mapping[str, Given]],
     keywords: Mapping[str, object],
 ) -> _core.cmrc.Config:
     """A configuration from the arguments common to all runs. Raises ConfigError; TypeError with the argument's name."""
@@ -147,8 +149,8 @@ class Simulation:
         *,
         config: str | os.PathLike[str] | None = None,
         preset: str | None = None,
-        settings: Mapping[str, Setting] | None = None,
-        events: Sequence[Mapping[str, Setting]] = (),
+        settings: Mapping[str, Given] | None = None,
+        events: Sequence[Mapping[str, Given]] = (),
         profile: bool = False,
         keep_events: bool = False,
         reference: Reference | None = None,
@@ -173,7 +175,7 @@ class Simulation:
         self._recorded = False
         self._debugger: Debugger | None = None
 
-    def at(self, at_s: float, action: str, **fields: Setting) -> None:
+    def at(self, at_s: float, action: str, **fields: Given) -> None:
         """Adds an event at ``at_s``, not before the present time, with the fields of docs/configuration.md,
         ``[[events]]``.
 
@@ -257,7 +259,8 @@ class Simulation:
 
     def fork(self) -> Simulation:
         """Another run with the same past. Later changes of one (``at``, ``dsp``) do not affect the other. It is neither
-        recorded, nor does it keep events; raises RuntimeError with ``profile``."""
+        recorded, nor does it keep events; raises RuntimeError with ``profile``. The files of its configuration are read
+        again: from the same working folder, if their paths are relative."""
         return self._around(self._core.fork(), self.config)
 
     @classmethod
@@ -331,8 +334,8 @@ def run(
     *,
     config: str | os.PathLike[str] | None = None,
     preset: str | None = None,
-    settings: Mapping[str, Setting] | None = None,
-    events: Sequence[Mapping[str, Setting]] = (),
+    settings: Mapping[str, Given] | None = None,
+    events: Sequence[Mapping[str, Given]] = (),
     profile: bool = False,
     keep_events: bool = False,
     reference: Reference | None = None,

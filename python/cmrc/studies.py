@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from cmrc import _core, arguments
 from cmrc.keywords import listed
 from cmrc.limit_scans import Scans
-from cmrc.simulation import Progress, Setting, configured
+from cmrc.simulation import Given, Progress, configured
 from cmrc.table import Table
 
 if TYPE_CHECKING:
@@ -66,6 +66,13 @@ class Comparison:
     def __getitem__(self, metric: str) -> dict[str, Any]:
         return dict(self.report["metrics"][metric])
 
+    def __contains__(self, metric: object) -> bool:
+        return metric in self.report["metrics"]
+
+    def __iter__(self) -> Iterator[str]:
+        """The metrics' names."""
+        return iter(self.report["metrics"])
+
     def __repr__(self) -> str:
         return f"<cmrc.Comparison: {len(self.report['metrics'])} metrics over {self.report['duration_s']} s>"
 
@@ -88,8 +95,8 @@ def limits(
     errors: bool = False,
     config: str | os.PathLike[str] | None = None,
     preset: str | None = None,
-    settings: Mapping[str, Setting] | None = None,
-    events: Sequence[Mapping[str, Setting]] = (),
+    settings: Mapping[str, Given] | None = None,
+    events: Sequence[Mapping[str, Given]] = (),
     on_progress: Callable[[int, int], object] | None = None,
     **keywords: Unpack[LimitsSettings],
 ) -> Limits:
@@ -127,8 +134,8 @@ def compare(
     *,
     config: str | os.PathLike[str] | None = None,
     preset: str | None = None,
-    settings: Mapping[str, Setting] | None = None,
-    events: Sequence[Mapping[str, Setting]] = (),
+    settings: Mapping[str, Given] | None = None,
+    events: Sequence[Mapping[str, Given]] = (),
     on_progress: Progress | None = None,
     **keywords: Unpack[Settings],
 ) -> Comparison:
