@@ -107,7 +107,8 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun):
                 place, arguments.whole("boots_from", boots_from, "a word address", 0, 2**32 - 1), self._devices
             )
         super().__init__(core, None)
-        self._board, self._boots_from = place, boots_from
+        named = place in ("default", "flat")
+        self._board, self._boots_from = place if named else os.path.abspath(place), boots_from  # for fork, after chdir
         if program is not None:
             self.load(program)
 

@@ -41,14 +41,16 @@ _NO_WAY_BACK = "what is collected beside the run cannot be taken back"
 Setting = bool | int | float | str
 Source = str | os.PathLike[str] | Mapping[str, Any]
 """Of a configuration: a TOML file, or the report of a run, which is made again."""
+Given = Setting | os.PathLike[str] | np.bool_ | np.number[Any]
+"""What may be given as a setting."""
 Progress = Callable[[float, float], bool | None]
 
 
 def configured(
     config: Source | None,
     preset: str | None,
-    settings: Mapping[str, Setting] | None,
-    events: Sequence[Mapping[str, Setting]],
+    settings: Mapping[str, Given] | None,
+    events: Sequence[Mapping[str, Given]],
     keywords: Mapping[str, object],
 ) -> _core.cmrc.Config:
     """A configuration from the arguments common to all runs. Raises ConfigError; TypeError with the argument's name."""
@@ -164,8 +166,8 @@ class Simulation:
         *,
         config: Source | None = None,
         preset: str | None = None,
-        settings: Mapping[str, Setting] | None = None,
-        events: Sequence[Mapping[str, Setting]] = (),
+        settings: Mapping[str, Given] | None = None,
+        events: Sequence[Mapping[str, Given]] = (),
         profile: bool = False,
         keep_events: bool = False,
         reference: Reference | None = None,
@@ -190,7 +192,7 @@ class Simulation:
         self._recorded = False
         self._debugger: Debugger | None = None
 
-    def at(self, at_s: float, action: str, **fields: Setting) -> None:
+    def at(self, at_s: float, action: str, **fields: Given) -> None:
         """Adds an event at ``at_s``, not before the present time, with the fields of docs/configuration.md,
         ``[[events]]``.
 
@@ -274,7 +276,8 @@ class Simulation:
 
     def fork(self) -> Simulation:
         """Another run with the same past. Later changes of one (``at``, ``dsp``) do not affect the other. It is neither
-        recorded, nor does it keep events; raises RuntimeError with ``profile``."""
+        recorded, nor does it keep events; raises RuntimeError with ``profile``. The files of its configuration are read
+        again: from the same working folder, if their paths are relative."""
         return self._around(self._core.fork(), self.config)
 
     @classmethod
@@ -348,8 +351,8 @@ def run(
     *,
     config: Source | None = None,
     preset: str | None = None,
-    settings: Mapping[str, Setting] | None = None,
-    events: Sequence[Mapping[str, Setting]] = (),
+    settings: Mapping[str, Given] | None = None,
+    events: Sequence[Mapping[str, Given]] = (),
     profile: bool = False,
     keep_events: bool = False,
     reference: Reference | None = None,
