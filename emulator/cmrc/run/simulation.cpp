@@ -48,6 +48,7 @@ void Simulation::at(const TimedEvent& event) {
   Config with = p.config;
   with.events.push_back(event);
   check_events(with);
+  p.check_sets(with.events);
   p.config.events.push_back(event);
   p.given_config.events.push_back(event);
   p.ideal.forget();
