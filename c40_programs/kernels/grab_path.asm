@@ -19,7 +19,7 @@
 ;    everything between the ends, and straight down.
 
 GP_BOXES            .set SCRATCH                ; grown boxes, 8 words each: xmin, xmax, ymin, ymax, top, face (i, -1:
-                                                ; any); up to 9
+                                                ; any); up to BOXES_MAX + 1
 GP_BOX_COUNT        .set SCRATCH + 72           ; i
 GP_POINT            .set SCRATCH + 80           ; p_0 .. p_6: x, y, z, yaw
 GP_START            .set SCRATCH + 108          ; x, y, z, yaw
@@ -177,7 +177,7 @@ grab_path_grow:
         ldi     ar6, ar0
         addi    CR_BOX, ar0
         ldi     *-ar0(CR_BOX - CR_BOX_COUNT), r10
-        ldi     8, r0
+        ldi     BOXES_MAX, r0
         cmpi    r0, r10
         ldigt   r0, r10
         cmpi    0, r10

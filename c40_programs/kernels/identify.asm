@@ -35,7 +35,6 @@ ID_Y_MOST           .set SCRATCH + 538
 ID_LEFT             .set SCRATCH + 539          ; i, of the present container
 ID_RIGHT            .set SCRATCH + 540          ; j
 ID_HEIGHT           .set SCRATCH + 542          ; h, 128 samples between two zeros
-ID_TIERS            .set 4
 ID_SHIFTS_BEAT      .set 16
 ID_NARROWEST        .set 4                      ; samples that a container must have
 
@@ -72,7 +71,7 @@ identify_row:
         cmpi    126, r0
         bgt     identify_next_row
         call    identify_template
-        ldi     ID_TIERS, r0
+        ldi     BAY_TIERS, r0
         sti     r0, @ID_TIER
 identify_tier:
         ldi     @ID_TIER, r0

@@ -99,7 +99,7 @@ trajectory_agv_read_done:
 trajectory_agv_load:
         addi3   r6, ar6, ar0
         ldi     *+ar0(AG_SEGMENT_COUNT), r1
-        ldi     8, r2
+        ldi     SEGMENTS_MAX, r2
         cmpi    r2, r1
         ldigt   r2, r1
         ldi     0, r2

@@ -310,6 +310,12 @@ class Reader {
           ::plant::refuse(
               node.source(), file_,
               fmt::format("{} ends at ({:.2f}, {:.2f}) m, not at ({:.2f}, {:.2f})", k, at.x, at.y, to.x, to.y));
+        // The next leg begins with the heading of the place, and the queue lies behind it.
+        if (std::fabs(wrap_angle(at.heading - to.heading)) > degree)
+          ::plant::refuse(node.source(), file_,
+                          fmt::format("{} ends with a heading of {:.1f} degrees, not of {:.1f}: that of the {}", k,
+                                      wrap_angle(at.heading) / degree, wrap_angle(to.heading) / degree,
+                                      leg == 0 ? "warehouse" : "spot"));
       });
     fields.done({"to_warehouse", "to_spot"});
   }

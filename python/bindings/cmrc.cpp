@@ -3,10 +3,13 @@
 #include <map>
 
 #include "cmrc/configuration/config.hpp"
+#include "cmrc/programs/dsp_image.hpp"
+#include "cmrc/programs/segment_duration.hpp"
 #include "cmrc/run/reference_run.hpp"
 #include "cmrc/run/setup.hpp"
 #include "cmrc/run/simulation.hpp"
 #include "cmrc/run/snapshot_origin.hpp"
+#include "cmrc/tasks/words.hpp"
 #include "plant/dock/dock.hpp"
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/cmrc.hpp"
@@ -112,7 +115,20 @@ void bind_config(py::module_& m) {
         "What a configuration says of the files that it needs, empty where it needs none: equal for equal files.");
   m.def("inputs_digest", &cmrc::digest_of_inputs, py::arg("config"),
         "SHA-256 of those files: the DSPs' program as assembled, layout, board.");
-  m.def("dock_of", &cmrc::dock_of, py::arg("config"), "The dock of a run: a plant.DockConfig.");
+  m.def(
+      "dock_of",
+      [](const cmrc::Config& config) {
+        const toolchain::Image image = cmrc::dsp_image(config);
+        return cmrc::dock_of(config, image, cmrc::Words([&](std::string_view name) { return image.symbol(name); }));
+      },
+      py::arg("config"), "The dock of a run: a plant.DockConfig. Raises ConfigError as the run does.");
+  m.def(
+      "segment_seconds",
+      [](const cmrc::Config& config, double plan, double height, double turn) {
+        return cmrc::SegmentDuration(cmrc::dsp_image(config), config).seconds(plan, height, turn);
+      },
+      py::arg("config"), py::arg("plan"), py::arg("height"), py::arg("turn"),
+      "How long a slewing crane's trajectory takes for a segment, before a look-ahead stretches it: m, m, rad.");
   m.def(
       "config",
       [](const py::object& toml, const std::string& name, const py::object& file, const py::object& preset,

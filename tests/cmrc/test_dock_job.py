@@ -34,7 +34,11 @@ REFUSED = [
     ("slewing", "[[containers]]\nx_m = 20\ny_m = 24\n", r"x_m from -19.70 to 19.30"),
     ("slewing", "[[containers]]\nx_m = 0\ny_m = 24\nyaw_deg = 30\n", "yaw_deg near 0"),
     # Ways that pass too near to the column.
-    ("slewing", "[home]\nx_m = 14\ny_m = -8\nz_m = 11\n[portal]\nleg_m = 0\n", "way from home to container 0"),
+    (
+        "slewing",
+        "[home]\nx_m = 14\ny_m = -8\nz_m = 11\n[portal]\nleg_m = 0\n",
+        "way from home to container 2 passes .* out of the jib's reach",
+    ),
     (
         "slewing",
         "[spot]\nx_m = -22\ny_m = -10\n[warehouse]\nx_m = -34\ny_m = -34\n[[containers]]\nx_m = 0\ny_m = 24\n",
@@ -67,9 +71,104 @@ def test_a_layout_in_which_the_job_can_be_done_is_taken(tmp_path: Path, crane: s
     assert crane == "slewing" or made.home.s == made.home.x
 
 
+ROUND = """[lanes]
+to_warehouse = [[20, 0, 5], [37.69911184, -0.08333333333, 3], [32, 0, 5]]
+to_spot = [[18, 0, 5], [37.69911184, -0.08333333333, 3], [30, 0, 5]]
+"""
+
+
+def in_pieces(leg: str, pieces: int) -> str:
+    """The same lanes, the first piece of a leg in several."""
+    first = {"to_warehouse": 20, "to_spot": 18}[leg]
+    parts = pieces - 2
+    return ROUND.replace(f"{leg} = [[{first}, 0, 5]", f"{leg} = [" + ", ".join([f"[{first / parts}, 0, 5]"] * parts))
+
+
+@pytest.mark.parametrize("leg", ["to_warehouse", "to_spot"])
+def test_a_leg_of_more_pieces_than_its_area_holds_is_refused(tmp_path: Path, leg: str) -> None:
+    dock(tmp_path, in_pieces(leg, 8))
+    with pytest.raises(cmrc.ConfigError, match=rf"layout.toml: \[lanes\] {leg} has 9 pieces, .* at most 8; expected"):
+        dock(tmp_path, in_pieces(leg, 9))
+
+
+def test_more_boxes_than_the_grab_path_knows_are_refused(tmp_path: Path) -> None:
+    boxes = [f"[[boxes]]\nx_m = [{-40 + 3 * i}, {-39 + 3 * i}]\ny_m = [-60, -58]\nz_m = [0, 1]\n" for i in range(9)]
+    dock(tmp_path, "".join(boxes[:8]))
+    with pytest.raises(cmrc.ConfigError, match=r"layout.toml: there are 9 \[\[boxes\]\], .* at most 8; expected"):
+        dock(tmp_path, "".join(boxes))
+
+
+@pytest.mark.parametrize("driving", [False, True])
+def test_a_queue_that_does_not_lie_on_its_lane_is_refused(tmp_path: Path, driving: bool) -> None:
+    """The straight end of to_spot is 30 m long."""
+    dock(tmp_path, ROUND, **{"dock.agvs": 2, "load.driving": driving})
+    dock(tmp_path, "slot_spacing_m = 15\n" + ROUND, **{"dock.agvs": 3, "load.driving": driving})
+    with pytest.raises(
+        cmrc.ConfigError,
+        match=r"dock.agvs = 3 needs a queue of 36 m .*slot_spacing_m = 18.*last 30 m only; .* 36 m or more, at most 2 "
+        r"AGVs, or a slot_spacing_m of at most 15",
+    ):
+        dock(tmp_path, ROUND, **{"dock.agvs": 3, "load.driving": driving})
+
+
+@pytest.mark.parametrize("heading", [90, 2, 0.2])
+def test_a_lane_that_ends_across_its_place_is_refused(tmp_path: Path, heading: float) -> None:
+    layout = f"[spot]\nheading_deg = {heading}\n" + ROUND
+    if heading < 1:
+        dock(tmp_path, layout)
+        return
+    what = rf"layout.toml:5:11: to_spot ends with a heading of -?0.0 degrees, not of {heading:.1f}: that of the spot"
+    with pytest.raises(cmrc.ConfigError, match=what):
+        dock(tmp_path, layout)
+
+
+@pytest.mark.parametrize(("take", "right"), [(1e7, False), (86401, False), (86400, True), (0, True)])
+def test_the_warehouse_takes_a_container_within_a_day(tmp_path: Path, take: float, right: bool) -> None:
+    layout = f"[warehouse]\ntake_s = {take}\n"
+    if right:
+        assert dock(tmp_path, layout).layout.warehouse_take == take
+        return
+    with pytest.raises(cmrc.ConfigError, match=f"take_s must be 0 to 86400 s .got {take:.0f}"):
+        dock(tmp_path, layout)
+
+
+# ---- drives that trip
+
+NARROW = {"slewing.slew.overspeed": 1.001, "slewing.rotate.overspeed": 1.001}  # above 0.1257 rad/s
+LEFT = "[[containers]]\nx_m = -12.7\ny_m = 24.0\n"  # the default ship's: its way to the spot passes at 16.5 m
+
+
+def test_a_dock_is_judged_alike_whether_a_file_names_it_or_not(tmp_path: Path) -> None:
+    for layout in ({}, {"dock.layout": str(tmp_path / "empty.toml")}):
+        (tmp_path / "empty.toml").write_text("# the default layout\n", encoding="utf-8")
+        with pytest.raises(cmrc.ConfigError, match=r"slewing needs 0.126[0-9]* rad/s, .* above 0.1257 rad/s"):
+            core.dock_of(core.config(settings={**NARROW, **layout}))
+        core.dock_of(core.config(settings={**NARROW, **layout, "control.slew_speed_limit_rad_s": 0.118}))
+        core.dock_of(core.config(settings={**{name: 1.02 for name in NARROW}, **layout}))
+        core.dock_of(core.config(settings={**NARROW, **layout, "kernels.trajectory": "quintic_shaper"}))
+
+
+NEAR = "[home]\nx_m = 14\ny_m = -4\nz_m = 11\n[portal]\nleg_m = 0\n" + ONE
+FASTER = {"at_s": 0.02, "action": "set", "key": "control.slew_speed_limit_rad_s", "value": 0.12}
+
+
+def test_a_limit_with_which_a_drive_would_trip_is_not_set_during_a_run(tmp_path: Path) -> None:
+    file = tmp_path / "layout.toml"
+    file.write_text(NEAR, encoding="utf-8")
+    settings = {"dock.layout": str(file), "control.slew_speed_limit_rad_s": 0.08, "report.reference": "none"}
+    what = r"control.slew_speed_limit_rad_s: on the straight way .* slewing needs .* a lower value is expected"
+    with pytest.raises(cmrc.ConfigError, match=what):
+        cmrc.Simulation(settings={**settings, "run.duration_s": 0.05}, events=[FASTER])
+    simulation = cmrc.Simulation(settings={**settings, "run.duration_s": 0.05})
+    with pytest.raises(cmrc.ConfigError, match=what):
+        simulation.at(FASTER["at_s"], "set", key=FASTER["key"], value=FASTER["value"])
+    simulation.at(FASTER["at_s"], "set", key=FASTER["key"], value=0.085)
+    simulation.run()
+
+
 def test_a_way_near_the_column_is_taken_by_a_trajectory_that_is_slow_enough(tmp_path: Path) -> None:
     near = "[home]\nx_m = 14\ny_m = -4\nz_m = 11\n[portal]\nleg_m = 0\n" + ONE
-    with pytest.raises(cmrc.ConfigError, match="slewing needs 0.1[0-9]* rad/s.*trips above 0.144 rad/s"):
+    with pytest.raises(cmrc.ConfigError, match="slewing needs 0.15[0-9]* rad/s.*trips above 0.1444 rad/s"):
         dock(tmp_path, near)
     dock(tmp_path, near, **{"control.slew_speed_limit_rad_s": 0.08})
     dock(tmp_path, near, **{"kernels.trajectory": "quintic_shaper"})

@@ -241,12 +241,12 @@ TEST_CASE("vehicles' blocks that were dropped are loaded again, and each vehicle
 
 TEST_CASE("the fleet's job has the places of the layout") {
   const cmrc::Config config;
-  plant::DockConfig dock = cmrc::dock_of(config);
+  plant::DockConfig dock = cmrc::nominal_dock_of(config);
   dock.layout.spot.x = 21.0;
   dock.layout.spot.y = 7.0;
   dock.layout.spot.heading = 0.25;
   dock.layout.slot_spacing = 12.0;
-  const cmrc::FleetJob job = cmrc::fleet_of(config, dock);
+  const cmrc::FleetJob job = cmrc::fleet_of(config, dock, made::words());
   CHECK(job.spot_x == 21.0);
   CHECK(job.spot_y == 7.0);
   CHECK(job.spot_heading == 0.25);

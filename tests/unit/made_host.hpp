@@ -27,6 +27,8 @@ inline cmrc::Words words() {
   all.agv_unit = 0x300'0000;
   all.agv_unit_words = 0x100;
   all.ag_avoid_beside = all.ag_avoid_limit + 2;
+  all.segments_max = all.segment_words = 8;
+  all.leg_words = 64;
   all.must_process = 1;
   all.must_trajectory = 0x200;
   all.must_inverse = 0x400;

@@ -13,7 +13,6 @@ namespace cmrc {
 namespace {
 
 constexpr double taken_margin = 0.5;  // s: the AGV stops a little later than its planner assumes
-constexpr Word segment_words = 8, leg_words = 64;
 
 /// The lanes without their last `length` metres.
 std::vector<Lane> shortened(std::vector<Lane> lanes, double length) {
@@ -132,14 +131,16 @@ void Fleet::write_leg(unsigned index, Word leg, std::span<const Lane> lanes, Hos
   const Word area = words_.agv_area(index);
   agv.interval = agv.next_interval;
   const double period_us = static_cast<double>(agv.interval) / job_.refresh_frequency * 1e6;
-  const std::size_t count = std::min(lanes.size(), most_segments);
-  for (std::size_t i = 0; i < count; ++i) {
+  // check_job and fleet_of have refused longer ones.
+  if (lanes.size() > words_.segments_max) throw std::logic_error("Fleet: a leg has too many pieces of lane");
+  for (std::size_t i = 0; i < lanes.size(); ++i) {
     const Lane& lane = lanes[i];
     const std::array<Word, 6> words = {ti_float(lane.x),      ti_float(lane.y),         ti_float(lane.heading),
                                        ti_float(lane.length), ti_float(lane.curvature), ti_float(lane.speed)};
-    services.write(area + words_.ag_segment + (leg - 1) * leg_words + static_cast<Word>(i) * segment_words, words);
+    services.write(
+        area + words_.ag_segment + (leg - 1) * words_.leg_words + static_cast<Word>(i) * words_.segment_words, words);
   }
-  services.write(area + words_.ag_segment_count + leg, static_cast<Word>(count));
+  services.write(area + words_.ag_segment_count + leg, static_cast<Word>(lanes.size()));
   const std::array<Word, 2> period = {static_cast<Word>(agv.interval), static_cast<Word>(std::lround(period_us))};
   services.write(area + words_.ag_point_ticks, period);
   // Clears what avoidance and the shift kept from the leg before.

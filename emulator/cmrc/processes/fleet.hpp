@@ -36,8 +36,6 @@ struct FleetJob {
   std::int64_t avoidance_cycles = 0;  ///< length of a synthetic one
 };
 
-/// Greatest number of lane pieces in one leg.
-inline constexpr std::size_t most_segments = 8;
 /// The empty round of the vehicle in `slot`, as one leg.
 std::vector<Lane> round_from(const FleetJob& job, unsigned slot);
 

@@ -98,7 +98,7 @@ plant::DockConfig nominal_dock_of(const Config& config) {
   return dock;
 }
 
-plant::DockConfig dock_of(const Config& config) {
+plant::DockConfig dock_of(const Config& config, const toolchain::Image& image, const Words& words) {
   plant::DockConfig dock = nominal_dock_of(config);
   const Oscillators clocks = oscillators_of(config);
   const auto sampled = [](const Oscillator& one) { return plant::SampleClock{one.skew.ppm, one.skew.phase.count()}; };
@@ -111,10 +111,8 @@ plant::DockConfig dock_of(const Config& config) {
     throw ConfigError(fmt::format("dock.crane: {}", error.what()));
   }
   try {
-    check_job(dock);
-    // The default layout is known to be good; the other trajectory keeps to the joints' limits by itself.
-    if (!config.dock.layout.empty() && config.kernels.trajectory != TrajectoryBuild::quintic_shaper)
-      check_speeds(dock, config.control);
+    check_job(dock, words);
+    check_speeds(dock, config, image);
   } catch (const std::invalid_argument& error) {
     const std::string& layout = config.dock.layout;
     throw ConfigError(layout.empty() ? fmt::format("dock.crane: {}", error.what())
@@ -141,7 +139,7 @@ CraneJob crane_of(const Config& config, const plant::DockConfig& layout, plant::
   return job;
 }
 
-FleetJob fleet_of(const Config& config, const plant::DockConfig& dock) {
+FleetJob fleet_of(const Config& config, const plant::DockConfig& dock, const Words& words) {
   const Intervals n = intervals(config);
   const auto lanes = [](const std::vector<plant::LaneSegment>& leg) {
     std::vector<Lane> all;
@@ -166,11 +164,11 @@ FleetJob fleet_of(const Config& config, const plant::DockConfig& dock) {
   job.driving = config.load.driving;
   job.parked = config.load.parked;
   for (unsigned slot = 0; job.driving && slot < job.agvs; ++slot) {
-    if (const std::size_t pieces = round_from(job, slot).size(); pieces > most_segments) {
+    if (const std::size_t pieces = round_from(job, slot).size(); pieces > words.segments_max) {
       throw ConfigError(
           fmt::format("load.driving: the round from slot {} past the warehouse and back has {} pieces of lane; at most "
                       "{} are expected, or load.driving = false",
-                      slot, pieces, most_segments));
+                      slot, pieces, words.segments_max));
     }
   }
   const AvoidanceBuild build = config.kernels.avoidance;
@@ -291,6 +289,11 @@ std::vector<AreaWord> initial_words(const Config& config, const plant::DockConfi
   }
   for (std::size_t i = 0; i < config.tasks.size(); ++i) {
     const auto& parameters = config.tasks[i].parameters;
+    if (parameters.size() > w.parameters_max)
+      refuse(
+          config.tasks[i].origin, fmt::format("tasks.parameter_{}", w.parameters_max),
+          fmt::format("\"{}\" has {} parameters", config.tasks[i].name, parameters.size()),
+          fmt::format("at most {} are expected, parameter_0 to parameter_{}", w.parameters_max, w.parameters_max - 1));
     for (std::size_t k = 0; k < parameters.size(); ++k) {
       const auto* real = std::get_if<double>(&parameters[k]);
       all.push_back({w.us_base + static_cast<Word>(i) * w.us_words + static_cast<Word>(k),
@@ -299,13 +302,11 @@ std::vector<AreaWord> initial_words(const Config& config, const plant::DockConfi
   }
   if (config.scheduling.slice_cycles > 0)
     all.push_back({w.slice_cycles, static_cast<Word>(config.scheduling.slice_cycles)});
-  const auto boxes = std::min<std::size_t>(layout.layout.no_go.size(), 8);
-  put(w.cr_box_count, static_cast<Word>(boxes));
-  for (std::size_t i = 0; i < boxes; ++i) {
-    const plant::Box& box = layout.layout.no_go[i];
-    const double sides[] = {box.x_min, box.x_max, box.y_min, box.y_max, box.z_min, box.z_max};
-    for (Word k = 0; k < 6; ++k) put_float(w.cr_box + static_cast<Word>(i) * 6 + k, sides[k]);
-  }
+  put(w.cr_box_count, static_cast<Word>(layout.layout.no_go.size()));
+  Word side = w.cr_box;
+  for (const plant::Box& box : layout.layout.no_go)
+    for (const double place : {box.x_min, box.x_max, box.y_min, box.y_max, box.z_min, box.z_max})
+      put_float(side++, place);
   return all;
 }
 

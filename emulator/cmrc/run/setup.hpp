@@ -18,12 +18,14 @@
 
 namespace cmrc {
 
-/// With clock deviations if run.phase_jitter is set (clock_deviations.hpp).
-plant::DockConfig dock_of(const Config& config);
 plant::DockConfig nominal_dock_of(const Config& config);
+/// With clock deviations if run.phase_jitter is set (clock_deviations.hpp).
+/// \param image and `words` of the DSPs' program
+/// \throws ConfigError for a dock that cannot be, or in which the controller cannot do its job (dock_job.hpp)
+plant::DockConfig dock_of(const Config& config, const toolchain::Image& image, const Words& words);
 /// \param dock at power-on
 CraneJob crane_of(const Config& config, const plant::DockConfig& layout, plant::Dock& dock);
-FleetJob fleet_of(const Config& config, const plant::DockConfig& dock);
+FleetJob fleet_of(const Config& config, const plant::DockConfig& dock, const Words& words);
 /// \throws machine::BoardError
 machine::Config machine_of(const Config& config);
 machine::Config nominal_machine_of(const Config& config);

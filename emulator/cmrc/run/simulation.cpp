@@ -48,6 +48,7 @@ void Simulation::at(const TimedEvent& event) {
   Config with = p.given_config;
   with.events.push_back(event);
   check_events(with);
+  p.check_sets(with.events);
   p.given_config.events.push_back(event);
   p.ideal.forget();
   if (!happens(event, p.config)) return;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "c40/chip/chip.hpp"
+#include "cmrc/configuration/dock_job.hpp"
 #include "cmrc/run/ideal_run.hpp"
 #include "cmrc/run/job_causes.hpp"
 #include "cmrc/run/setup.hpp"
@@ -31,12 +32,12 @@ Simulation::Parts::Parts(const Config& given, std::shared_ptr<Course> recorded,
       ideal(given_config, config, std::move(reference)),
       image(dsp_image(config)),
       words([this](std::string_view name) { return image.symbol(name); }),
-      dock_config(dock_of(config)),
+      dock_config(dock_of(config, image, words)),
       dock(dock_config),
       machine_config(machine_of(config)),
       ledger(ledger_of(config, machine_config)),
       observer(words, ledger, log, static_cast<std::size_t>(config.report.samples_max)),
-      host(config, words, crane_of(config, dock_config, dock), fleet_of(config, dock_config), ledger, observer,
+      host(config, words, crane_of(config, dock_config, dock), fleet_of(config, dock_config, words), ledger, observer,
            [this](unsigned slot) { return machine.boot_stream(slot); }),
       machine(machine_config, image, &dock, &host),
       run_end(config, machine, dock, host, observer.standstill()),
@@ -62,8 +63,26 @@ Simulation::Parts::Parts(const Config& given, std::shared_ptr<Course> recorded,
     if (machine.plugged(slot) && !machine.booted(slot)) observer.boots_from_power_on(slot);
     ledger.timeline().slot(slot, machine.booted(slot) ? SlotState::awake : SlotState::off, Time{0});
   }
+  check_sets(config.events);
   for (const TimedEvent& event : config.events)
     if (event.action == "set") host.change(report::from_seconds(event.at_s), event);
+}
+
+void Simulation::Parts::check_sets(std::span<const TimedEvent> events) const {
+  std::vector<const TimedEvent*> sets;
+  for (const TimedEvent& event : events)
+    if (event.action == "set") sets.push_back(&event);
+  std::ranges::stable_sort(sets, {}, &TimedEvent::at_s);
+  Config changed = config;
+  for (const TimedEvent* set : sets) {
+    changed = with_live(changed, set->key, set->value, set->origin);
+    if (!set->key.starts_with("control.") || set->key.find("speed_limit") == std::string::npos) continue;
+    try {
+      check_speeds(dock_config, changed, image);
+    } catch (const std::invalid_argument& error) {
+      refuse(set->origin, set->key, error.what(), "here a lower value is expected");
+    }
+  }
 }
 
 void Simulation::Parts::expect(const TimedEvent& event) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "cmrc/configuration/config.hpp"
@@ -33,6 +34,8 @@ class Simulation::Parts {
   /// the ideal run, if it is known
   Parts(const Config& given, std::shared_ptr<Course> recorded, std::shared_ptr<const Reference> reference);
 
+  /// Refuses speed limits, set one after another, with which a drive trips on its way. \throws ConfigError
+  void check_sets(std::span<const TimedEvent> events) const;
   /// A future event goes into the machine's script or the host's.
   void expect(const TimedEvent& event);
   /// The state of a run. The ideal run, and what was measured against it, is made again.

@@ -125,6 +125,12 @@ Words::Words(const std::function<Word(std::string_view)>& symbol) {
       {"AGV_RANGE", &Words::agv_range},
       {"AGV_RANGE_WORDS", &Words::agv_range_words},
       {"RANGE_WAY", &Words::range_way},
+      {"BOXES_MAX", &Words::boxes_max},
+      {"BAY_TIERS", &Words::bay_tiers},
+      {"SEGMENTS_MAX", &Words::segments_max},
+      {"SEGMENT_WORDS", &Words::segment_words},
+      {"LEG_WORDS", &Words::leg_words},
+      {"PARAMETERS_MAX", &Words::parameters_max},
   };
   for (const auto& [name, member] : table) this->*member = symbol(name);
   programs.fill(~Word{0});

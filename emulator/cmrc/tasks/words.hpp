@@ -19,7 +19,7 @@ struct Words {
       slice_cycles;
   Word flag_waiting, flag_taken, flag_done;
   Word kind_count, kind_user;
-  Word us_base, us_words;
+  Word us_base, us_words, parameters_max;
   Word must_process, may_process, must_subprocess, must_trajectory, must_inverse, must_continue, end_of_leg;
   Word pid_landed, pid_locked, pid_open, pid_starved, pid_settled, pid_ramp_done, pid_began, pid_steady, pid_windy,
       torque_wind, torque_load;
@@ -32,9 +32,9 @@ struct Words {
   Word cr_stopped, cr_sway_sensor, cr_path, cr_control, cr_control_block, pc_sway, cr_speed;
   Word cr_base, cr_point_period, cr_servo_period, cr_point_ticks, cr_servo_ticks, cr_leg, leg_align, cr_spreader,
       cr_load, cr_agv, cr_ramp_start, cr_clearance, cr_stretch, cr_agv_deck, cr_box_height, cr_home, cr_spot,
-      cr_encoder_last, cr_encoder_total, cr_box_count, cr_box, cr_words;
+      cr_encoder_last, cr_encoder_total, cr_box_count, cr_box, boxes_max, bay_tiers, cr_words;
   Word ag_base, ag_words, ag_step_time, ag_point_ticks, ag_period_us, ag_unit, ag_leg, ag_produced, ag_avoid_limit,
-      ag_avoid_beside, ag_segment_count, ag_segment;
+      ag_avoid_beside, ag_segment_count, ag_segment, segments_max, segment_words, leg_words;
   Word agv_unit, agv_unit_words, agv_range, agv_range_words, range_way;
 
   std::array<Word, kind_rows.size()> programs{};  ///< KIND_*, by JobKind; 0xFFFFFFFF: the kind has no program
