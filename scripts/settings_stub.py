@@ -16,9 +16,14 @@ PLACE = Path(__file__).resolve().parent.parent / "python" / "cmrc" / "_settings.
 PLANT = PLACE.parent / "_core" / "plant.pyi"
 PARAMETERS = ("DriveParameters", "Portal", "CraneParameters", "LandingParameters", "AgvParameters")
 HEAD = """# Written by scripts/settings_stub.py from the configuration's schema (docs/configuration.md).
+from os import PathLike
 from typing import Literal, TypedDict
 
+from numpy import bool_
+
 """
+STUBS = {"string": "str | PathLike[str]", "boolean": "bool | bool_"}
+"""Types that take more than Python's own class."""
 OF_RUN = {"machine.dsps": "Settings", "run.duration_s": "LimitsSettings"}
 """Settings that some functions have as arguments of their own."""
 CLASSES = (
@@ -46,7 +51,7 @@ def stub() -> str:
 def type_of(key: Mapping[str, Any]) -> str:
     if key["choices"]:
         return f"Literal[{', '.join(map(repr, key['choices']))}]".replace("'", '"')
-    return keywords.TYPES[key["type"]].__name__
+    return STUBS.get(key["type"], keywords.TYPES[key["type"]].__name__)
 
 
 def plant_stub(text: str) -> str:

@@ -53,7 +53,8 @@ error_decided:
 ; The entry first, then the count, so that a second run writes the same words.
         ldhi    hi16(WINDOW_A + ER_BASE), ar0
         or      lo16(WINDOW_A + ER_BASE), ar0
-        ldi     @TASK + TB_GENERATION, r3
+        lsh3    28, r5, r3
+        or      r4, r3
         ldi     *ar0, r2                        ; errors so far
         beq     error_new
         subi    1, r2
@@ -62,19 +63,20 @@ error_decided:
         ldi     *+ar1(ER_TICK), r0
         cmpi    @TASK + TB_TICK, r0
         bne     error_new
-        ldi     *+ar1(ER_GENERATION), r0
-        cmpi    r3, r0
-        beq     error_done                      ; the last entry is this same block: it runs again
+        cmpi    *+ar1(ER_WHAT), r3
+        bne     error_new
+        ldi     *+ar1(ER_AREA), r0
+        cmpi    @TASK + TB_AREA, r0
+        beq     error_done                      ; the last entry is of this same error: its block runs again
 error_new:
         call    error_entry
         ldi     @TASK + TB_TICK, r0
         sti     r0, *+ar1(ER_TICK)
-        lsh3    28, r5, r0
-        or      r4, r0
-        sti     r0, *+ar1(ER_WHAT)
+        sti     r3, *+ar1(ER_WHAT)
         ldi     @TASK + TB_AREA, r0
         sti     r0, *+ar1(ER_AREA)
-        sti     r3, *+ar1(ER_GENERATION)
+        ldi     @TASK + TB_GENERATION, r0
+        sti     r0, *+ar1(ER_GENERATION)
         addi    1, r2
         sti     r2, *ar0
 error_done:

@@ -2,34 +2,28 @@
 ; these entries into the executive's table, gantry_constants into the image. Channels: 0 spare, 1 travel, 2 trolley,
 ; 3 hoist, 4 rotator. Travel moves the load like the slew, trolley like the luff: most programs are shared.
 
-; Sub-process 1: that of the slewing crane. At a leg's first point it then lengthens segments that the travel cannot
-; follow. A leg with such segments is computed twice. If the block runs again, the first pass reads the result of the second.
+; Sub-process 1: that of the slewing crane. Before a leg's bank is written, segments that the travel cannot follow are
+; lengthened; with the shaper that takes the place of its look-ahead.
 kernel_trajectory_gantry_shaper:
-        call    kernel_trajectory_crane_shaper
-        br      trajectory_gantry_leg
+        ldi     2, r0
+        br      trajectory_crane_build
 kernel_trajectory_gantry:
-        call    kernel_trajectory_crane
-trajectory_gantry_leg:
-        ldi     @TASK + TB_ARGUMENT, r2
-        cmpi    @TJ_K0, r2
-        retsne
-        ldi     @TJ_SEGMENTS, ar2
-        cmpi    0, ar2
-        retseq
-        ldi     r0, r6                          ; the first pass's result
-        ldi     r1, r8
-        ldi     0, r7                           ; segments that have changed
+        ldi     -1, r0
+        br      trajectory_crane_build
+trajectory_gantry_ahead:
+        ldi     @TJ_SEGMENTS, r0
+        ble     trajectory_gantry_total
+        subi3   1, r0, ar2
         ldhi    hi16(gantry_travel), ar1
         or      lo16(gantry_travel), ar1
         ldi     @TJ_SHAPED, r0
-        bz      trajectory_gantry_limits
+        ble     trajectory_gantry_limits
         addi    2, ar1
 trajectory_gantry_limits:
         ldhi    hi16(TJ_CHAIN), ar3
         or      lo16(TJ_CHAIN), ar3
         ldhi    hi16(TJ_DURATION), ar4
         or      lo16(TJ_DURATION), ar4
-        subi    1, ar2
 trajectory_gantry_segment:
         ldf     *+ar3(4), r0
         subf    *ar3, r0
@@ -43,25 +37,15 @@ trajectory_gantry_segment:
         mpyf    *+ar6(CR_STRETCH), r0
         rnd     r0, r0
         cmpf    *ar4, r0
-        ble     trajectory_gantry_next
-        stf     r0, *ar4
-        addi    1, r7
-trajectory_gantry_next:
+        ldflt   *ar4, r0
+        stf     r0, *ar4++
         addi    4, ar3
-        addi    1, ar4
         dbu     ar2, trajectory_gantry_segment
-        ldi     r6, r0
-        ldi     r8, r1
-        cmpi    0, r7
-        retseq
         call    trajectory_crane_starts
+trajectory_gantry_total:
         ldi     @TJ_SHAPED, r0
-        bz      trajectory_crane_points
-        ldf     @TJ_HALF, r0
-        addf    r0, r0
-        addf    @TJ_TOTAL, r0
-        stf     r0, @TJ_TOTAL
-        br      trajectory_crane_points
+        retslt
+        br      shaper_total
 
 ; Sub-process 2: travel = x, trolley = y, l = h_p - z, kappa = yaw - 90 degrees, each within its limits. The payload's
 ; reference sway is alpha = -p_y''/g, beta = p_x''/g. A load shift towards the water moves the trolley by as much, one

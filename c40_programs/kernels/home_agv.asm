@@ -2,7 +2,10 @@
 ;
 ; The host writes leg 3 as the whole lane from the dock to the home slot. The vehicle's measured pose is projected onto
 ; the lane, to the nearest point sigma in 0..length of any segment. The part behind is dropped; the point's segment then
-; starts at the vehicle. A second run changes nothing. Arcs turn by at most half a circle.
+; starts at the vehicle. Arcs turn by at most half a circle.
+;
+; Leg 3 is written over the words from which it is computed. So these are first copied to leg 2, which the vehicle has
+; behind it; then AG_HOME_TICK says so. If the block runs again, it reads the copy.
 ;     line: sigma = (p - p0) . t
 ;     arc:  heading of the nearest point = atan2(sx, -sy) of s (p - centre), s the sign of the curvature; sigma =
 ;     wrap(heading - heading0)/curvature
@@ -15,8 +18,8 @@ HA_BEST_INDEX       .set SCRATCH + 100
 HA_BEST_SIGMA       .set SCRATCH + 101
 HA_BEST_POSE        .set SCRATCH + 102          ; x, y, heading
 HA_SIGMA            .set SCRATCH + 105
-HA_TARGET           .set SCRATCH + 106          ; address of leg 3
 HA_LEG              .set 3
+HA_KEPT             .set 2                      ; the leg whose words hold the copy
 
 kernel_home_agv:
         ldhi    hi16(WINDOW_B), ar5
@@ -28,14 +31,27 @@ kernel_home_agv:
         mpyf    @K_MILLI, r0
         stf     r0, @HA_Y
         ldi     HA_LEG, r6
+        ldi     @TASK + TB_TICK, r9
+        addi    1, r9
+        cmpi    *+ar6(AG_HOME_TICK), r9
+        ldieq   HA_KEPT, r6                     ; this block has run before
         call    trajectory_agv_load
-        sti     ar3, @HA_TARGET
         ldf     @K_TA_HUGE, r0
         stf     r0, @HA_BEST
         ldi     0, r0
         sti     r0, @HA_INDEX
         cmpi    @TA_COUNT, r0
         bge     home_agv_nothing
+        ldi     @TA_COUNT, rc                   ; leg 2 := the segments; then AG_HOME_TICK
+        sti     rc, *+ar6(AG_SEGMENT_COUNT + HA_KEPT)
+        lsh     3, rc
+        subi    1, rc
+        ldhi    hi16(SCRATCH), ar0
+        or      lo16(TA_SEGMENTS), ar0
+        ldi     ar6, ar1
+        addi    AG_SEGMENT + (HA_KEPT - 1) * 64, ar1
+        call    copy_words
+        sti     r9, *+ar6(AG_HOME_TICK)
         ldhi    hi16(SCRATCH), ar1
         or      lo16(TA_SEGMENTS), ar1
 home_agv_segment:
@@ -46,8 +62,7 @@ home_agv_segment:
         sti     r0, @HA_INDEX
         cmpi    @TA_COUNT, r0
         blt     home_agv_segment
-        call    home_agv_cut
-        rets
+        br      home_agv_cut
 home_agv_nothing:
         ldi     0, r0
         ldi     0, r1
@@ -140,7 +155,8 @@ home_agv_cut:
         subi    1, r0
         ldi     r0, rc
         ldi     ar1, ar0
-        ldi     @HA_TARGET, ar1
+        ldi     ar6, ar1
+        addi    AG_SEGMENT + (HA_LEG - 1) * 64, ar1
         call    copy_words
         sti     r7, *+ar6(AG_SEGMENT_COUNT + HA_LEG)
         ldi     r7, r0

@@ -24,7 +24,6 @@ kernel_inverse_agv:
         ldhi    hi16(WINDOW_B), ar5
         addi    *+ar6(AG_UNIT), ar5
         ldi     @TASK + TB_ARGUMENT, r6
-        bz      inverse_agv_run
         addi3   1, r6, r0
         cmpi    *+ar6(AG_PRODUCED), r0          ; a DSP that was given up afterwards has pushed it: do not push again
         bne     inverse_agv_run

@@ -25,7 +25,7 @@ TJ_SUM          .set SCRATCH + 80       ; p and its derivatives 1..4, 4 words ea
 TJ_START        .set SCRATCH + 112      ; t_i, 8 words
 TJ_TOTAL        .set SCRATCH + 120
 TJ_SELECTOR     .set SCRATCH + 121
-TJ_SHAPED       .set SCRATCH + 122      ; 0: this build; 1: trajectory_crane_shaper.asm
+TJ_SHAPED       .set SCRATCH + 122      ; 0: this build, 1: trajectory_crane_shaper.asm; of a gantry -1 and 2
 TJ_SPEED        .set SCRATCH + 126      ; CR_SPEED, 7 words
 TJ_MAX_SEGMENTS .set 8
 
@@ -156,7 +156,7 @@ trajectory_crane_points:
 ; The payload at t = (k - k0 + 1) period.
 trajectory_crane_point:
         ldi     @TJ_SHAPED, r0
-        bnz     shaper_point
+        bgt     shaper_point
         ldhi    hi16(TJ_CHAIN), ar3
         or      lo16(TJ_CHAIN), ar3
         ldhi    hi16(TJ_DURATION), ar4
@@ -366,7 +366,7 @@ trajectory_crane_duration:
         ldhi    hi16(K_TJ_XY1), ar1
         or      lo16(K_TJ_XY1), ar1
         ldi     @TJ_SHAPED, r0
-        bz      trajectory_crane_limits
+        ble     trajectory_crane_limits
         addi    K_TJ_SHAPED - K_TJ_XY1, ar1
 trajectory_crane_limits:
         ldf     *+ar3(4), r0

@@ -145,8 +145,11 @@ shaper_segment_next:
         bge     shaper_segment
         rets
 
-; At the beginning of a leg: stretches DURATION where a joint would be too fast, then TOTAL += T.
+; At the beginning of a leg: stretches DURATION where a joint would be too fast, then TOTAL += T. R0 = SHAPED: a gantry
+; has a way of its own.
 shaper_ahead:
+        cmpi    1, r0
+        bne     trajectory_gantry_ahead
         ldf     1.0, r0
         stf     r0, @TJ_WORST
         ldi     TJ_LOOK_POINTS, r0
@@ -174,6 +177,7 @@ shaper_look:
 shaper_stretch:
         stf     r0, *ar0++
         call    trajectory_crane_starts
+shaper_total:
         call    shaper_half
         addf    r0, r0
         addf    @TJ_TOTAL, r0

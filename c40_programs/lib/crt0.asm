@@ -1,8 +1,9 @@
 ; Start-up of a C program (docs/from-c.md): stack, .bss, initial values, exit(main(0, 0)). For both calling conventions.
 ;
 ; ROM model: clears .bss and copies the initial values from the records of .cinit: {words, address, data...}, up to 0
-; words. RAM model: the program's loader has done both. The linker then sets `cinit` to -1, as it does without .cinit.
-; GCC has no .cinit, so CLEAR_BSS tells that .bss of its programs is to be cleared nevertheless.
+; words. RAM model: the program's loader has set the values, and memory begins at 0. The linker then sets `cinit` to -1,
+; as it does without .cinit. GCC has no .cinit, so CLEAR_BSS tells that .bss of its programs is to be cleared
+; nevertheless.
 
                 .include "c_runtime.inc"
                 .global _c_int00, c_int00, _start, __stack

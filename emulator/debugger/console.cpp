@@ -149,7 +149,9 @@ const Console::Row* Console::row_named(std::string_view name) const {
 std::string Console::prompt() const { return fmt::format("{}> ", debugger_.debuggee().chip_name(chip_)); }
 
 bool Console::command(std::string_view line) {
-  line = trimmed(line.substr(0, line.starts_with('#') ? 0 : line.size()));
+  failed_ = false;
+  line = trimmed(line);
+  if (line.starts_with('#')) return goes_on_;
   const std::string again = last_step_;
   if (line.empty()) line = again;
   if (line.empty()) return goes_on_;
@@ -169,9 +171,19 @@ bool Console::command(std::string_view line) {
     row->act(*this, words);
   } catch (const DebugError& error) {
     print_(fmt::format("error: {}", error.what()));
-    if (depth_ != 0 && status_ == 0) status_ = 2;
+    failed_ = true;
+    if (unattended_ && status_ == 0) status_ = 2;
   }
   return goes_on_;
+}
+
+bool Console::unattended(std::string_view line, const std::string& place) {
+  const bool before = std::exchange(unattended_, true);
+  command(line);
+  unattended_ = before;
+  if (!failed_) return goes_on_;
+  print_(fmt::format("{}: {}", place, trimmed(line)));
+  return goes_on_ = false;
 }
 
 void Console::script(const std::string& path) {
@@ -183,11 +195,8 @@ void Console::script(const std::string& path) {
   int number = 0;
   for (std::string line; goes_on_ && !paused_ && std::getline(in, line);) {
     ++number;
-    if (trimmed(line).empty() || trimmed(line).starts_with('#')) continue;
-    command(trimmed(line));
-    if (status_ == 0) continue;
-    print_(fmt::format("{}:{}: {}", path, number, trimmed(line)));
-    goes_on_ = false;
+    if (number == 1) line.erase(0, mark_of_utf8(line));
+    if (!trimmed(line).empty()) unattended(line, fmt::format("{}:{}", path, number));
   }
   --depth_;
 }
@@ -252,25 +261,27 @@ void Console::stop_at_code(Words& words) {
   read_options(words, trigger);
   if (trigger.chip && *trigger.chip >= debugger_.programs().size())
     throw DebugError(fmt::format("there is no chip {}", *trigger.chip));
-  const std::size_t chip = trigger.chip.value_or(chip_);
-  for (const Address address : machine::debug::places_named(debugger_.program(chip), place)) {
-    trigger.address = address;
-    trigger.text = fmt::format("before {} ({:08X}h){}", debugger_.program(chip).name(address), address,
-                               trigger.chip ? fmt::format(" of {}", debuggee().chip_name(chip)) : "");
-    added(debugger_.add(trigger));
-  }
+  trigger.places = machine::debug::code_named(debugger_.programs(), trigger.chip, place);
+  std::vector<machine::debug::CodePlace> shown = trigger.places;
+  for (auto& one : shown)
+    if (trigger.chip) one.chip = trigger.chip;
+  trigger.text = "before " + machine::debug::text_of(shown, debugger_.programs(), debuggee());
+  added(debugger_.add(trigger));
 }
 
 void Console::stop_at_words(Words& words) {
   std::string place(words.next());
   if (place.empty()) throw DebugError("watch: a place or a register is expected");
   Trigger trigger{.kind = Trigger::Kind::word};
+  const std::string access(words.peek());
   for (const auto& [name, on] : {std::pair{"write", Trigger::On::write}, std::pair{"read", Trigger::On::read},
                                  std::pair{"access", Trigger::On::access}, std::pair{"change", Trigger::On::change}})
     if (words.take(name)) trigger.on = on;
   read_options(words, trigger);
   if (!trigger.chip) trigger.chip = chip_;
   if (isa::register_named(place)) {
+    if (trigger.on == Trigger::On::read || trigger.on == Trigger::On::access)
+      throw DebugError(fmt::format("watch {} {}: of a register, only changes can be watched", place, access));
     trigger.kind = Trigger::Kind::processor_register;
     trigger.name = place;
     trigger.text = fmt::format("after a change of {} of {}", place, debuggee().chip_name(*trigger.chip));
@@ -283,8 +294,7 @@ void Console::stop_at_words(Words& words) {
     place.resize(comma);
   }
   if (*trigger.chip >= debugger_.programs().size()) throw DebugError(fmt::format("there is no chip {}", *trigger.chip));
-  const auto value = Expression(place, debuggee(), debugger_.programs(), *trigger.chip).value();
-  trigger.address = value.address.value_or(static_cast<Address>(value.integer));
+  trigger.address = address_at(place, *trigger.chip);
   constexpr std::array names{"writes to", "reads of", "accesses to", "changes of"};
   trigger.text = fmt::format("after {} {} ({:08X}h{}) as {} sees it", names[static_cast<std::size_t>(trigger.on)],
                              debugger_.program(*trigger.chip).name(trigger.address), trigger.address,
@@ -403,8 +413,7 @@ void Console::show_last_write(Words& words) {
   const std::string place(words.next());
   words.end();
   if (place.empty()) throw DebugError("lastwrite: a place is expected");
-  const auto value = Expression(place, debuggee(), debugger_.programs(), chip_).value();
-  const auto writer = debugger_.last_write(chip_, value.address.value_or(static_cast<Address>(value.integer)));
+  const auto writer = debugger_.last_write(chip_, address_at(place, chip_));
   print_(writer ? fmt::format("{}  {}", seconds(writer->time), writer->text)
                 : fmt::format("not written since {}", seconds(debugger_.beginning())));
 }
@@ -430,17 +439,25 @@ void Console::set(Words& words) {
       value(trimmed(std::string_view(text).substr(equals + 1)));
   if (isa::register_named(target) || isa::expansion_named(target) || target == "pc" || target == "PC")
     return debugger_.set_register(chip_, target, value);
-  const auto place = Expression(target, debuggee(), debugger_.programs(), chip_).value();
+  const Address address = address_at(target, chip_);
   const auto number = Expression(value, debuggee(), debugger_.programs(), chip_).value();
   if (number.is_float) throw DebugError(fmt::format("{} is a float; a word takes integers", value));
-  debugger_.set_word(chip_, place.address.value_or(static_cast<Address>(place.integer)),
-                     static_cast<Word>(number.integer));
+  if (!number.is_word())
+    throw DebugError(fmt::format("{} does not fit into a word: 32 bits do, signed or unsigned", value));
+  debugger_.set_word(chip_, address, static_cast<Word>(number.integer));
+}
+
+Address Console::address_at(const std::string& place, std::size_t chip) {
+  const auto value = Expression(place, debuggee(), debugger_.programs(), chip).value();
+  if (!value.address && !value.is_word()) throw DebugError(fmt::format("{} is not an address: 32 bits are", place));
+  return value.address.value_or(static_cast<Address>(value.integer));
 }
 
 void Console::assert_that(Words& words) {
   const std::string text = words.all();
   if (Expression(text, debuggee(), debugger_.programs(), chip_).value().truth()) return;
   print_(fmt::format("assertion failed: {} at {}", text, seconds(debugger_.now())));
+  failed_ = true;
   status_ = 1;
 }
 

@@ -16,13 +16,17 @@ class Console {
   using Print = std::function<void(const std::string&)>;
   Console(machine::debug::Debugger& debugger, Print print);
 
-  /// Executes a command; an empty line repeats the last step. False: the end.
+  /// Executes a command that somebody types; an empty line repeats the last step. False: the end.
   bool command(std::string_view line);
-  /// Executes the commands of a file, one per line; # begins a comment. Ends at the first command that fails, with
-  /// status 2, or at an assertion that is false, with status 1.
+  /// Executes a command where nobody sees the answer: if it fails, that is the end, with status 2, and if it is an
+  /// assertion that is false, with status 1. \param place where it stands, for the message. False: the end.
+  bool unattended(std::string_view line, const std::string& place);
+  /// Executes the commands of a file like that, one per line; # begins a comment.
   void script(const std::string& path);
-  /// 0; 1: an assertion was false; 2: a command of a script failed
+  /// 0; 1: an assertion was false; 2: an unattended command failed
   int status() const { return status_; }
+  /// Ctrl-C has ended the last command that moved the machine.
+  bool paused() const { return paused_; }
   /// Words that could complete the line: commands, labels, registers, events.
   std::vector<std::string> completions(std::string_view line) const;
   /// "dsp 2> "
@@ -67,6 +71,7 @@ class Console {
   void step(machine::debug::Step step, bool backwards, Words& words);
 
   unsigned number(Words& words) const;
+  machine::debug::Address address_at(const std::string& place, std::size_t chip);
   void tell(const machine::debug::Stop& stop);
   void added(unsigned number);
   machine::Time time_in(Words& words) const;
@@ -80,7 +85,9 @@ class Console {
   std::map<std::size_t, std::vector<machine::debug::ShownRegister>> before_,
       now_;  ///< registers at the last two stops, by chip
   int status_ = 0;
-  int depth_ = 0;  ///< depth of nested scripts
+  int depth_ = 0;            ///< depth of nested scripts
+  bool unattended_ = false;  ///< the present command is
+  bool failed_ = false;      ///< the last command has
   bool goes_on_ = true;
   bool paused_ =
       false;  ///< Ctrl-C ended the last command that moved the machine; no further one of its script is executed

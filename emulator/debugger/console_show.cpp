@@ -82,10 +82,10 @@ void Console::show_peripherals(Words& words) {
 void Console::show_memory(Words& words) {
   const std::string place(words.next());
   if (place.empty()) throw DebugError("x: a place is expected");
-  const std::uint64_t count = std::min<std::uint64_t>(words.empty() ? 8 : words.count("words"), 4096);
+  constexpr std::uint64_t most = 4096;
+  const std::uint64_t wanted = words.empty() ? 8 : words.count("words"), count = std::min(wanted, most);
   words.end();
-  const auto value = Expression(place, debuggee(), debugger_.programs(), chip_).value();
-  const Address first = value.address.value_or(static_cast<Address>(value.integer));
+  const Address first = address_at(place, chip_);
   for (Address at = 0; at < count; at += 8) {
     std::string line = fmt::format("{:08X}h", first + at);
     for (Address i = at; i < std::min<std::uint64_t>(at + 8, count); ++i) {
@@ -94,6 +94,9 @@ void Console::show_memory(Words& words) {
     }
     print_(line);
   }
+  if (wanted > most)
+    print_(fmt::format("{} words at most; the others begin with: x {:08X}h {}", most,
+                       first + static_cast<Address>(most), wanted - most));
 }
 
 void Console::show_code(Words& words) {
@@ -101,15 +104,14 @@ void Console::show_code(Words& words) {
   words.end();
   const ProgramView& program = debugger_.program(chip_);
   const Address pc = debuggee().chip(chip_).pc();
-  const Address middle = place.empty() ? pc : machine::debug::places_named(program, place).front();
+  const Address middle = place.empty() ? pc : machine::debug::places_named(debugger_.programs(), chip_, place).front();
   const auto spent = debugger_.recent_costs(chip_);
   constexpr Address around = 6;
   print_(fmt::format("   {:<10} {:<24} cycles of its last run in the last 200 us", "", ""));
-  std::string routine;
   for (Address at = middle - std::min(middle, around); at <= middle + around; ++at) {
     const auto word = debuggee().peek(chip_, at);
     if (!word) continue;
-    if (const auto in = program.routine(at); in && in->second == at) print_(in->first + ":");
+    if (const auto label = program.label_at(at)) print_(*label + ":");
     const auto cost = spent.find(at);
     std::string text = program.instruction(at, *word);
     std::ranges::replace(text, '\n', ' ');

@@ -21,6 +21,12 @@ inline std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
+/// The length of the byte order mark that editors put before UTF-8.
+inline std::size_t mark_of_utf8(std::string_view line) {
+  constexpr std::string_view mark = "\xEF\xBB\xBF";
+  return line.starts_with(mark) ? mark.size() : 0;
+}
+
 /// The rest of a command.
 struct Console::Words {
   std::string_view rest;

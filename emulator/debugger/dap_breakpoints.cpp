@@ -12,8 +12,11 @@ namespace debugger::dap {
 
 namespace core_ns = machine::debug;
 using core_ns::Address;
+using core_ns::code_named;
+using core_ns::CodePlace;
 using core_ns::DebugError;
 using core_ns::Trigger;
+using core_ns::with_same_program;
 
 namespace {
 
@@ -29,7 +32,7 @@ std::uint64_t passed_over(std::string text) {
   if (text.empty()) return 0;
   std::uint64_t add = 0;
   std::string_view rest = text;
-  if (rest.starts_with(">=") || rest.starts_with("=="))
+  if (rest.starts_with(">="))
     rest.remove_prefix(2);
   else if (rest.starts_with(">"))
     rest.remove_prefix(1), add = 1;
@@ -71,35 +74,53 @@ Json Session::add_breakpoint(Trigger trigger, const Json& asked, std::vector<uns
   }
 }
 
+/// One breakpoint, with one number and one count, wherever its code stands.
+Json Session::add_code_breakpoint(std::vector<CodePlace> places, const Json& asked, std::vector<unsigned>& numbers) {
+  const CodePlace first = places.front();
+  Json answer = add_breakpoint(Trigger{.kind = Trigger::Kind::code, .places = std::move(places)}, asked, numbers);
+  answer["instructionReference"] = reference({first.chip.value_or(0), first.address});
+  return answer;
+}
+
+/// The files that the client means by a source: by its reference, else its path, else its name.
+core_ns::FilesNamed Session::files_of(const Json& source) {
+  const auto number = source.find("sourceReference");
+  if (number != source.end() && number->is_number_unsigned()) {
+    const auto found = number->get<std::size_t>();
+    if (found != 0 && found <= sources_.size()) {
+      const BuiltIn& one = sources_[found - 1];
+      const auto& files = core().program(one.chip).files();
+      return core_ns::FilesNamed::only(core().programs(), one.chip,
+                                       static_cast<std::size_t>(std::ranges::find(files, one.file) - files.begin()));
+    }
+  }
+  const std::string path = path_from_client(text_of(source, "path"));
+  return {core().programs(), std::nullopt, path.empty() ? text_of(source, "name") : path};
+}
+
 Json Session::set_breakpoints(const Json& arguments) {
   core();
   const Json& asked_source = arguments.at("source");
-  std::string file = text_of(asked_source, "path");
-  if (const auto reference = asked_source.find("sourceReference");
-      file.empty() && reference != asked_source.end() && reference->is_number_unsigned()) {
-    const auto number = reference->get<std::size_t>();
-    if (number != 0 && number <= sources_.size()) file = sources_[number - 1];
-  }
+  const core_ns::FilesNamed files = files_of(asked_source);
+  std::string file = path_from_client(text_of(asked_source, "path"));
   if (file.empty()) file = text_of(asked_source, "name");
+  if (file.empty()) file = fmt::format("source {}", asked_source.value("sourceReference", 0));
   std::vector<unsigned>& numbers = by_source_[file];
   forget(numbers);
   Json answers = Json::array();
   for (const Json& asked : list_of(arguments, "breakpoints")) {
-    const int line = asked.at("line").get<int>();
-    Json answer = refused_breakpoint(fmt::format("there is no instruction in line {} of {} or after it", line, file));
-    const auto& programs = core().programs();
-    const bool one_program =
-        std::ranges::all_of(programs, [&](const auto& p) { return &p.image() == &programs.front().image(); });
-    for (std::size_t chip = 0; chip < (one_program ? 1 : programs.size()); ++chip)
-      for (const Address address : programs[chip].addresses(file, line)) {
-        Trigger trigger{.kind = Trigger::Kind::code, .address = address};
-        if (!one_program) trigger.chip = chip;
-        const auto place = programs[chip].source(address);
-        answer = add_breakpoint(std::move(trigger), asked, numbers);
-        answer["line"] = place ? place->line : line;
-        answer["instructionReference"] = fmt::format("0x{:08X}", address);
-        answer["source"] = source_of(place ? place->file : file);
-      }
+    const int line = from_client(asked.at("line"));
+    const std::vector<CodePlace> places = files.code(line);
+    if (places.empty()) {
+      answers.push_back(
+          refused_breakpoint(fmt::format("there is no instruction in line {} of {} or after it", line, file)));
+      continue;
+    }
+    const std::size_t chip = places.front().chip.value_or(0);
+    const auto place = core().program(chip).source(places.front().address);
+    Json answer = add_code_breakpoint(places, asked, numbers);
+    answer["line"] = to_client(place ? place->line : line);
+    if (place) answer["source"] = source_of(chip, place->file);
     answers.push_back(std::move(answer));
   }
   return {{"breakpoints", answers}};
@@ -110,19 +131,11 @@ Json Session::set_function_breakpoints(const Json& arguments) {
   Json answers = Json::array();
   for (const Json& asked : list_of(arguments, "breakpoints")) {
     const std::string name = text_of(asked, "name");
-    Json answer = refused_breakpoint(fmt::format("no program has a label {}", name));
-    const auto& programs = core().programs();
-    const bool one_program =
-        std::ranges::all_of(programs, [&](const auto& p) { return &p.image() == &programs.front().image(); });
-    for (std::size_t chip = 0; chip < (one_program ? 1 : programs.size()); ++chip) {
-      const auto address = programs[chip].address(name);
-      if (!address) continue;
-      Trigger trigger{.kind = Trigger::Kind::code, .address = *address};
-      if (!one_program) trigger.chip = chip;
-      answer = add_breakpoint(std::move(trigger), asked, by_function_);
-      answer["instructionReference"] = fmt::format("0x{:08X}", *address);
-    }
-    answers.push_back(std::move(answer));
+    const bool known =
+        std::ranges::any_of(core().programs(), [&](const auto& p) { return p.address(name).has_value(); });
+    answers.push_back(known
+                          ? add_code_breakpoint(code_named(core().programs(), std::nullopt, name), asked, by_function_)
+                          : refused_breakpoint(fmt::format("no program has a label {}", name)));
   }
   return {{"breakpoints", answers}};
 }
@@ -132,8 +145,9 @@ Json Session::set_instruction_breakpoints(const Json& arguments) {
   Json answers = Json::array();
   for (const Json& asked : list_of(arguments, "breakpoints")) {
     try {
-      answers.push_back(add_breakpoint(
-          {.kind = Trigger::Kind::code, .address = address_of(asked, "instructionReference")}, asked, by_instruction_));
+      const Place place = place_of(asked, "instructionReference");
+      answers.push_back(
+          add_code_breakpoint(with_same_program(core().programs(), place.chip, place.address), asked, by_instruction_));
     } catch (const DebugError& error) {
       answers.push_back(refused_breakpoint(error.what()));
     }
@@ -223,17 +237,12 @@ Json Session::set_data_breakpoints(const Json& arguments) {
 }
 
 Json Session::breakpoint_locations(const Json& arguments) {
-  const std::string file = text_of(arguments.at("source"), "path");
-  const int from = arguments.at("line").get<int>(), to = arguments.value("endLine", from);
+  constexpr int most = 1000;
+  const int from = from_client(arguments.at("line")),
+            to = arguments.contains("endLine") ? from_client(arguments["endLine"]) : from;
   Json places = Json::array();
-  for (int line = from; line <= std::min(to, from + 1000); ++line)
-    for (const auto& program : core().programs()) {
-      const auto found = program.addresses(file, line);
-      if (found.empty()) continue;
-      if (const auto place = program.source(found.front()); place && place->line == line)
-        places.push_back({{"line", line}});
-      break;
-    }
+  for (const int line : files_of(arguments.at("source")).lines(from, std::min(to, from + most)))
+    places.push_back({{"line", to_client(line)}});
   return {{"breakpoints", places}};
 }
 

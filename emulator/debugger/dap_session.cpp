@@ -123,7 +123,14 @@ void Session::handle(const std::string& text) {
 
 // ---- beginning and end ----
 
-Json Session::initialize(const Json&) {
+Json Session::initialize(const Json& arguments) {
+  const auto flag = [&](const char* key) { return !arguments.contains(key) || arguments[key] != false; };
+  lines_from_one_ = flag("linesStartAt1");
+  columns_from_one_ = flag("columnsStartAt1");
+  const std::string paths = text_of(arguments, "pathFormat");
+  if (!paths.empty() && paths != "path" && paths != "uri")
+    throw DebugError(fmt::format("pathFormat \"{}\": path or uri is expected", paths));
+  paths_are_uris_ = paths == "uri";
   after_ = [this] {
     if (attached_) event("initialized");
   };
@@ -154,6 +161,12 @@ Json Session::initialize(const Json&) {
           {"supportsExceptionInfoRequest", true},
           {"supportsValueFormattingOptions", true},
           {"supportsBreakpointLocationsRequest", true}};
+}
+
+int Session::from_client(const Json& line) const {
+  constexpr std::int64_t most = 1'000'000'000;
+  const auto number = static_cast<int>(std::clamp<std::int64_t>(line.get<std::int64_t>(), -most, most));
+  return lines_from_one_ ? number : number + 1;
 }
 
 Json Session::launch(const Json& arguments) {
@@ -276,6 +289,7 @@ Json Session::pause(const Json&) {
 
 void Session::do_step(const std::function<void()>& step) {
   core();
+  runs_ = false;  // a stop comes
   after_ = [this, step] {
     event("continued", {{"threadId", core().stop().chip.value_or(0) + 1}, {"allThreadsContinued", true}});
     try {

@@ -89,14 +89,30 @@ class Session {
   machine::debug::Debugger& core();
   std::size_t chip_of(const Json& arguments) const;
   std::size_t chip_of_frame(const Json& arguments) const;
-  machine::debug::Address address_of(const Json& arguments, std::string_view key) const;
-  Json source_of(const std::string& file);
+  /// Memory of a chip.
+  struct Place {
+    std::size_t chip = 0;
+    machine::debug::Address address = 0;
+  };
+  /// The text by which the client names it: 0x00300000, or of several chips 1:0x00300000.
+  std::string reference(Place place) const;
+  /// A place that this session or a user named; without a chip of the one that stopped.
+  Place place_of(const Json& arguments, std::string_view key) const;
+  Json source_of(std::size_t chip, const std::string& file);
+  machine::debug::FilesNamed files_of(const Json& source);
+  // The client's lines and columns, from 0 or 1, and its paths
+  int to_client(int line) const { return lines_from_one_ ? line : line - 1; }
+  int from_client(const Json& line) const;
+  std::string path_to_client(const std::string& path) const;
+  std::string path_from_client(const std::string& path) const;
   void use(machine::debug::Debugger& debugger);
   void event(const std::string& name, Json body = Json::object());
   void tell_stop(const std::string& why = {});
   void output(const std::string& text, const char* category = "console");
   void do_step(const std::function<void()>& step);
   Json add_breakpoint(machine::debug::Trigger trigger, const Json& asked, std::vector<unsigned>& numbers);
+  Json add_code_breakpoint(std::vector<machine::debug::CodePlace> places, const Json& asked,
+                           std::vector<unsigned>& numbers);
   Json refused_breakpoint(const std::string& why);
   void forget(std::vector<unsigned>& numbers);
   Json variable(const machine::debug::ShownRegister& reg, bool hex, std::size_t chip);
@@ -111,10 +127,16 @@ class Session {
   std::function<void()> after_;  ///< the answer has been sent
   std::int64_t sequence_ = 0;
   machine::debug::ShownOutput shown_output_;
+  bool lines_from_one_ = true, columns_from_one_ = true, paths_are_uris_ = false;
   unsigned refused_ = 0;
   std::map<std::string, std::vector<unsigned>> by_source_;
   std::vector<unsigned> by_function_, by_instruction_, by_data_, by_exception_;
-  std::vector<std::string> sources_;  ///< by reference, from 1
+  /// A file of a chip's program that is not on disk.
+  struct BuiltIn {
+    std::size_t chip = 0;
+    std::string file;
+  };
+  std::vector<BuiltIn> sources_;  ///< by reference, from 1
   /// The contents of `variables`, by reference from 1; new at every stop.
   std::vector<std::function<Json(bool hex)>> shown_;
   std::map<std::int64_t, std::size_t>

@@ -3,9 +3,10 @@
 #include <openssl/evp.h>
 
 #include <algorithm>
-#include <fstream>
+#include <charconv>
 
 #include "debugger/dap_session.hpp"
+#include "isa/ascii.hpp"
 #include "isa/types.hpp"
 #include "machine/debug/expression.hpp"
 
@@ -52,17 +53,51 @@ std::vector<unsigned char> from_base64(const std::string& text) {
   return bytes;
 }
 
-std::string reference(Address address) { return fmt::format("0x{:08X}", address); }
+std::string hex_of(Address address) { return fmt::format("0x{:08X}", address); }
 
 }  // namespace
 
-/// A file on disk by its path; a built-in file by a number.
-Json Session::source_of(const std::string& file) {
+std::string Session::reference(Place place) const {
+  return debugger_->programs().size() == 1 ? hex_of(place.address)
+                                           : fmt::format("{}:{}", place.chip, hex_of(place.address));
+}
+
+std::string Session::path_to_client(const std::string& path) const {
+  if (!paths_are_uris_ || !path.starts_with('/')) return path;
+  std::string uri = "file://";
+  for (const char c : path) {
+    const bool plain = ascii::is_letter_or_digit(c) || std::string_view("/-._~").find(c) != std::string_view::npos;
+    uri += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return uri;
+}
+
+std::string Session::path_from_client(const std::string& path) const {
+  constexpr std::string_view scheme = "file://";
+  if (!paths_are_uris_ || !path.starts_with(scheme)) return path;
+  std::string plain;
+  for (std::size_t i = std::min(path.find('/', scheme.size()), path.size()); i < path.size(); ++i) {
+    unsigned code = 0;
+    if (path[i] == '%' && i + 2 < path.size() &&
+        std::from_chars(&path[i + 1], &path[i + 1] + 2, code, 16).ptr == &path[i + 1] + 2)
+      plain += static_cast<char>(code), i += 2;
+    else
+      plain += path[i];
+  }
+  return plain;
+}
+
+/// A file on disk by its path; another one, such as a built-in one, by a number.
+Json Session::source_of(std::size_t chip, const std::string& file) {
   const std::size_t slash = file.find_last_of('/');
   const std::string name = slash == std::string::npos ? file : file.substr(slash + 1);
-  if (std::ifstream(file)) return {{"name", name}, {"path", file}};
-  auto found = std::ranges::find(sources_, file);
-  if (found == sources_.end()) found = sources_.insert(sources_.end(), file);
+  const auto& program = core().program(chip);
+  if (const std::string path = program.path(file); !path.empty())
+    return {{"name", name}, {"path", path_to_client(path)}};
+  auto found = std::ranges::find_if(sources_, [&](const BuiltIn& one) {
+    return one.file == file && &core().program(one.chip).image() == &program.image();
+  });
+  if (found == sources_.end()) found = sources_.insert(sources_.end(), {chip, file});
   return {{"name", name}, {"path", file}, {"sourceReference", found - sources_.begin() + 1}, {"origin", "built in"}};
 }
 
@@ -88,10 +123,10 @@ Json Session::stack_trace(const Json& arguments) {
     const auto place = program.source(all[i].pc);
     Json frame{{"id", static_cast<std::int64_t>(chip) * frames_of_a_chip + static_cast<std::int64_t>(i) + 1},
                {"name", program.name(all[i].pc)},
-               {"line", place ? place->line : 0},
-               {"column", place ? 1 : 0},
-               {"instructionPointerReference", reference(all[i].pc)}};
-    if (place) frame["source"] = source_of(place->file);
+               {"line", place ? to_client(place->line) : 0},
+               {"column", place && columns_from_one_ ? 1 : 0},
+               {"instructionPointerReference", reference({chip, all[i].pc})}};
+    if (place) frame["source"] = source_of(chip, place->file);
     frames.push_back(std::move(frame));
   }
   return {{"stackFrames", frames}, {"totalFrames", all.size()}};
@@ -108,12 +143,12 @@ std::size_t Session::chip_of_frame(const Json& arguments) const {
 }
 
 Json Session::variable(const ShownRegister& reg, bool hex, std::size_t chip) {
-  Json out{
-      {"name", reg.name},
-      {"value", hex || reg.value.empty()                                  ? reg.hex
-                : reg.parts.empty() || reg.parts.front().first != "float" ? fmt::format("{} ({})", reg.value, reg.hex)
-                                                                          : reg.value},
-      {"variablesReference", 0}};
+  Json out{{"name", reg.name},
+           {"value", hex || reg.value.empty() ? reg.hex
+                     : reg.parts.empty() || reg.parts.front().first != "float"
+                         ? fmt::format("{} ({})", reg.value, reg.hex)
+                         : fmt::format("{} (integer {})", reg.value, reg.parts.back().second)},
+           {"variablesReference", 0}};
   if (!reg.parts.empty()) {
     shown_.push_back([reg](bool) {
       Json parts = Json::array();
@@ -126,9 +161,9 @@ Json Session::variable(const ShownRegister& reg, bool hex, std::size_t chip) {
   }
   const c40::Chip& of = core().debuggee().chip(chip);
   if (reg.name == "PC")
-    out["memoryReference"] = reference(of.pc());
+    out["memoryReference"] = reference({chip, of.pc()});
   else if (reg.name.starts_with("AR") || reg.name == "SP")
-    out["memoryReference"] = reference(static_cast<Address>(of.register_value(*isa::register_named(reg.name))));
+    out["memoryReference"] = reference({chip, static_cast<Address>(of.register_value(*isa::register_named(reg.name)))});
   return out;
 }
 
@@ -187,8 +222,14 @@ Json Session::set_variable(const Json& arguments) {
     throw DebugError("only registers of a processor can be set here; use the memory view for memory");
   const std::string name = text_of(arguments, "name");
   core().set_register(found->second, name, text_of(arguments, "value"));
+  const auto format = arguments.find("format");
+  const bool hex = format != arguments.end() && format->value("hex", false);
   for (const ShownRegister& reg : core_ns::registers(core().debuggee().chip(found->second)))
-    if (reg.name == name) return {{"value", variable(reg, false, found->second)["value"]}};
+    if (reg.name == name) {
+      Json answer = variable(reg, hex, found->second);
+      answer.erase("name");
+      return answer;
+    }
   return {{"value", text_of(arguments, "value")}};
 }
 
@@ -196,22 +237,28 @@ Json Session::evaluate(const Json& arguments) {
   const std::size_t chip = chip_of_frame(arguments);
   const auto value = Expression(text_of(arguments, "expression"), core().debuggee(), core().programs(), chip).value();
   Json body{{"result", value.text()}, {"type", value.is_float ? "float" : "word"}, {"variablesReference", 0}};
-  if (value.address) body["memoryReference"] = reference(*value.address);
+  if (value.address) body["memoryReference"] = reference({chip, *value.address});
   return body;
 }
 
-Address Session::address_of(const Json& arguments, std::string_view key) const {
+Session::Place Session::place_of(const Json& arguments, std::string_view key) const {
+  if (debugger_ == nullptr) throw DebugError("there is no debuggee yet: launch or attach comes first");
   const std::string text = text_of(arguments, key);
-  const auto address = toolchain::find_address(text, nullptr);
-  if (!address) throw DebugError(fmt::format("{} \"{}\": an address such as 0x00300000 is expected", key, text));
-  return *address + static_cast<Address>(number_of(arguments, "offset", 0));
+  const std::size_t colon = text.find(':');
+  const std::size_t chips = debugger_->programs().size();
+  const auto chip = colon == std::string::npos ? std::optional(static_cast<Address>(debugger_->stop().chip.value_or(0)))
+                                               : toolchain::find_address(text.substr(0, colon), nullptr);
+  const auto address = toolchain::find_address(text.substr(colon == std::string::npos ? 0 : colon + 1), nullptr);
+  if (!chip || *chip >= chips || !address)
+    throw DebugError(fmt::format("{} \"{}\": an address such as 0x00300000{} is expected", key, text,
+                                 chips == 1 ? "" : ", or 1:0x00300000 of chip 1,"));
+  return {*chip, *address + static_cast<Address>(number_of(arguments, "offset", 0))};
 }
 
 /// Addresses count words; so do offsets of instructions.
 Json Session::disassemble(const Json& arguments) {
-  const std::size_t chip = core().stop().chip.value_or(0);
-  const Address first =
-      address_of(arguments, "memoryReference") + static_cast<Address>(number_of(arguments, "instructionOffset", 0));
+  const auto [chip, base] = place_of(arguments, "memoryReference");
+  const Address first = base + static_cast<Address>(number_of(arguments, "instructionOffset", 0));
   const std::int64_t count = number_of(arguments, "instructionCount", 0);
   if (count < 0 || count > most_instructions)
     throw DebugError(fmt::format("instructionCount {}: 0 to {} are possible", count, most_instructions));
@@ -219,12 +266,13 @@ Json Session::disassemble(const Json& arguments) {
   Json all = Json::array();
   for (Address at = first; at != first + static_cast<Address>(count); ++at) {
     const auto word = core().debuggee().peek(chip, at);
-    Json row{{"address", reference(at)},
+    Json row{{"address", hex_of(at)},
              {"instructionBytes", word ? fmt::format("{:08X}", *word) : ""},
              {"instruction", word ? program.disassembled(at, *word) : "(no memory)"}};
     if (!word) row["presentationHint"] = "invalid";
-    if (const auto routine = program.routine(at); routine && routine->second == at) row["symbol"] = routine->first;
-    if (const auto place = program.source(at)) row["location"] = source_of(place->file), row["line"] = place->line;
+    if (const auto label = program.label_at(at)) row["symbol"] = *label;
+    if (const auto place = program.source(at))
+      row["location"] = source_of(chip, place->file), row["line"] = to_client(place->line);
     all.push_back(std::move(row));
   }
   return {{"instructions", all}};
@@ -232,7 +280,6 @@ Json Session::disassemble(const Json& arguments) {
 
 /// Four bytes per word, little-endian. If the range begins or ends inside a word, the answer contains the whole word.
 Json Session::read_memory(const Json& arguments) {
-  const std::size_t chip = core().stop().chip.value_or(0);
   Json where = arguments;
   where.erase("offset");
   const std::int64_t offset = number_of(arguments, "offset", 0), count = number_of(arguments, "count", 0);
@@ -240,7 +287,7 @@ Json Session::read_memory(const Json& arguments) {
     throw DebugError(fmt::format("count {}: 0 to {} bytes are possible", count, most_words * 4));
   const std::int64_t begin = offset >= 0 ? offset / 4 : -((-offset + 3) / 4),
                      end = offset + count >= 0 ? (offset + count + 3) / 4 : -(-(offset + count) / 4);
-  const Address base = address_of(where, "memoryReference");
+  const auto [chip, base] = place_of(where, "memoryReference");
   std::vector<unsigned char> bytes;
   std::int64_t at = begin;
   for (; at < end; ++at) {
@@ -248,20 +295,20 @@ Json Session::read_memory(const Json& arguments) {
     if (!word) break;
     for (int i = 0; i < 4; ++i) bytes.push_back(static_cast<unsigned char>(*word >> 8 * i));
   }
-  Json body{{"address", reference(base + static_cast<Address>(begin))}, {"data", base64(bytes)}};
+  Json body{{"address", hex_of(base + static_cast<Address>(begin))}, {"data", base64(bytes)}};
   if (at < end) body["unreadableBytes"] = (end - at) * 4;
   return body;
 }
 
 Json Session::write_memory(const Json& arguments) {
-  const std::size_t chip = core().stop().chip.value_or(0);
   Json where = arguments;
   where.erase("offset");
   const std::int64_t offset = number_of(arguments, "offset", 0);
   const std::vector<unsigned char> bytes = from_base64(text_of(arguments, "data"));
   if (offset % 4 != 0 || bytes.size() % 4 != 0)
     throw DebugError("only whole words can be written: offset and data in multiples of 4 bytes");
-  const Address base = address_of(where, "memoryReference") + static_cast<Address>(offset / 4);
+  const auto [chip, first] = place_of(where, "memoryReference");
+  const Address base = first + static_cast<Address>(offset / 4);
   for (std::size_t i = 0; i < bytes.size(); i += 4) {
     const Word word = bytes[i] | Word{bytes[i + 1]} << 8 | Word{bytes[i + 2]} << 16 | Word{bytes[i + 3]} << 24;
     core().set_word(chip, base + static_cast<Address>(i / 4), word);
@@ -275,19 +322,16 @@ Json Session::source(const Json& arguments) {
     number = number_of(*source, "sourceReference", 0);
   if (number < 1 || number > static_cast<std::int64_t>(sources_.size()))
     throw DebugError(fmt::format("sourceReference {} does not exist", number));
-  const std::string& file = sources_[static_cast<std::size_t>(number - 1)];
-  for (const auto& program : core().programs())
-    if (std::ranges::find(program.files(), file) != program.files().end())
-      return {{"content", program.file_text(file)}, {"mimeType", "text/x-asm"}};
-  throw DebugError(fmt::format("{}: its text is not known", file));
+  const BuiltIn& one = sources_[static_cast<std::size_t>(number - 1)];
+  return {{"content", core().program(one.chip).file_text(one.file)}, {"mimeType", "text/x-asm"}};
 }
 
 Json Session::loaded_sources(const Json&) {
   Json all = Json::array();
-  std::vector<std::string> listed;
-  for (const auto& program : core().programs())
-    for (const std::string& file : program.files())
-      if (std::ranges::find(listed, file) == listed.end()) listed.push_back(file), all.push_back(source_of(file));
+  for (std::size_t chip = 0; chip < core().programs().size(); ++chip)
+    for (const std::string& file : core().program(chip).files())
+      if (Json source = source_of(chip, file); std::ranges::find(all, source) == all.end())
+        all.push_back(std::move(source));
   return {{"sources", all}};
 }
 

@@ -4,12 +4,17 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <chrono>
+#include <clocale>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <iostream>
 #include <memory>
+#include <utility>
 
+#include "debugger/console_words.hpp"
 #include "io/print.hpp"
 
 namespace debugger {
@@ -46,6 +51,31 @@ struct Freed {
   void operator()(char* text) const { std::free(text); }
 };
 
+/// The instant of a long command, on a line of its own that the next text replaces.
+class Running {
+ public:
+  void begin() { begun_ = last_ = std::chrono::steady_clock::now(); }
+  void at(machine::Time time) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - begun_ < patience || now - last_ < period) return;
+    last_ = now;
+    shown_ = true;
+    std::fprintf(stdout, "\r%.6f s ", static_cast<double>(time.count()) * 1e-12);
+    std::fflush(stdout);
+  }
+  void clear() {
+    if (!std::exchange(shown_, false)) return;
+    std::fprintf(stdout, "\r%*s\r", 24, "");
+    std::fflush(stdout);
+  }
+
+ private:
+  static constexpr std::chrono::milliseconds patience{1000}, period{200};
+  std::chrono::steady_clock::time_point begun_, last_;
+  bool shown_ = false;
+};
+Running running;
+
 /// During its lifetime Ctrl-C ends the debugger's running command.
 class CtrlCInterrupts {
  public:
@@ -65,13 +95,37 @@ class CtrlCInterrupts {
 
 }  // namespace
 
-void converse(Console& console, machine::debug::Debugger& debugger) {
-  const CtrlCInterrupts ctrl_c(debugger);
-  if (isatty(STDIN_FILENO) == 0) {
-    for (std::string line; std::getline(std::cin, line);)
-      if (!console.command(line)) return;
-    return;
+bool attended() { return isatty(STDIN_FILENO) != 0; }
+
+void print_line(const std::string& text) {
+  running.clear();
+  io::print("{}\n", text);
+}
+
+void read_commands(Console& console) {
+  int number = 0;
+  for (std::string line; std::getline(std::cin, line);) {
+    if (++number == 1) line.erase(0, mark_of_utf8(line));
+    if (!console.unattended(line, fmt::format("standard input:{}", number))) return;
   }
+}
+
+void converse(Console& console, machine::debug::Debugger& debugger, const std::vector<std::string>& first) {
+  const CtrlCInterrupts ctrl_c(debugger);
+  if (isatty(STDOUT_FILENO) != 0)
+    debugger.progress = [](machine::Time at, machine::Time, machine::Time) { running.at(at); };
+  const auto command = [&](const std::string& line) {
+    running.begin();
+    const bool goes_on = console.command(line);
+    running.clear();
+    return goes_on;
+  };
+  for (const std::string& line : first) {
+    if (!command(line)) return;
+    if (console.paused()) break;
+  }
+  // Of what is typed, libedit drops what the locale does not have.
+  if (std::setlocale(LC_CTYPE, "") == nullptr || MB_CUR_MAX == 1) std::setlocale(LC_CTYPE, "C.UTF-8");
   completing = &console;
   rl_attempted_completion_function = complete;
   rl_completer_word_break_characters = const_cast<char*>(" \t([+-*/&|^=<>!~,");  // NOLINT: libedit's declaration
@@ -85,7 +139,7 @@ void converse(Console& console, machine::debug::Debugger& debugger) {
     }
     if (!line) return;
     if (line.get()[0] != '\0') add_history(line.get());
-    if (!console.command(line.get())) return;
+    if (!command(line.get())) return;
   }
 }
 

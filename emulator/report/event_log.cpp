@@ -98,11 +98,6 @@ void EventLog::deliver(Time time) {
 
 void EventLog::flush() { drain(Time::max()); }
 
-void EventLog::absorb(std::span<const std::byte> bytes) {
-  flush();
-  digest_->update(bytes.data(), bytes.size());
-}
-
 void EventLog::listen(EventSink& sink) {
   drain(settled_);
   sinks_.push_back(&sink);

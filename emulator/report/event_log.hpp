@@ -50,15 +50,14 @@ class EventLog {
   bool discards() const { return discards_; }
   /// No event before `time` will follow. Cheap; may be called often.
   void settle(Time time);
-  /// Hashes bytes of the final machine state after all events (calls `flush`).
-  void absorb(std::span<const std::byte> bytes);
-  /// The same; sinks get the settled events at once.
+  /// As `settle`; sinks get the settled events at once.
   void deliver(Time time);
   /// Settles all events.
   void flush();
   /// SHA-256 of all settled events so far, as 64 hexadecimal digits. May be called at any time.
   std::string hash() const;
-  /// The hash as it would be after flush and absorb(bytes), without doing either.
+  /// The hash of all events so far, the unsettled ones too, and of bytes of the final machine state after them. Changes
+  /// nothing.
   std::string hash_with(std::span<const std::byte> bytes) const;
   /// Number of events added so far.
   std::uint64_t count() const { return count_; }

@@ -253,6 +253,7 @@ std::string to_json(const RunReport& report) {
                {"hash", report.hash},
                {"events", report.events},
                {"configuration", settings(report.configuration)},
+               {"configuration_toml", report.configuration_toml},
                {"tasks", by_kind(report.tasks)},
                {"misses", Json::array()},
                {"misses_left_out", report.misses_left_out},

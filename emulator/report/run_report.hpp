@@ -141,13 +141,13 @@ struct OwnMeasure {
 /// What a drive of the crane did.
 struct DriveReport {
   std::string name;        ///< name of its joint
-  double saturated_s = 0;  ///< time at full torque, |code| = 2047
+  double saturated_s = 0;  ///< time at full torque: the drive is on, and |code| = 2047
 };
 
 /// Quadratic control cost: the integral of e^2 + rho u^2, e being the error against the ideal run.
 struct ControlCost {
   std::optional<double> error_m2s;  ///< Errors::error_m2s; none without a reference
-  double drive_s = 0;               ///< integral of the squared torque codes, 1 at full torque, of all drives, s
+  double drive_s = 0;  ///< integral of the squared torque codes, 1 at full torque, of the drives that are on, s
   double rho_m2 = 0;
   std::optional<double> cost() const { return error_m2s ? std::optional(*error_m2s + rho_m2 * drive_s) : std::nullopt; }
 };
@@ -232,6 +232,7 @@ struct RunReport {
   std::string hash;      ///< 64 hexadecimal digits (ruling 4)
   std::uint64_t events = 0;
   std::vector<Setting> configuration;
+  std::string configuration_toml;     ///< all of it, with events, tasks and processes: makes the run again
   std::vector<TaskReport> tasks;      ///< every kind of ruling 29 in its order, also those never released
   std::vector<MissReport> missed;     ///< the first report.misses_max missed jobs, one by one
   std::uint64_t misses_left_out = 0;  ///< missed jobs that are not in this list

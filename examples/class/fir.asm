@@ -2,8 +2,8 @@
 ; The input is a step. The taps are 1/8 each, so the output climbs to 1 in eight samples and stays there.
 ;
 ; To see: a multiplication and an addition in one instruction (the two halves joined by ||), one instruction repeated
-; (RPTS), a delayed branch (DBD) whose three slots do work, and two circular buffers. RPTS inside RPTB would be wrong:
-; both use RS, RE and RC. `emulator exec --check` names such a mistake.
+; (RPTS), a delayed branch (DBD) with work in two of its three slots, and two circular buffers. RPTS inside RPTB would
+; be wrong: both use RS, RE and RC. `emulator exec --check` names such a mistake.
 
 TAPS    .set    8
 SAMPLES .set    32

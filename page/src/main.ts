@@ -29,8 +29,9 @@ class Page {
   private readonly miss: MissPanel;
   private left = 150;
   private last = 0;
-  private ownHash = "";
   private hashAt = 0;
+  private lastMiss = -1; // the run whose miss was chosen last
+  private focused: HTMLElement | null = null; // what had the focus before a panel took it
   /** ms of script by frame, for tests. */
   readonly frames: number[] = [];
 
@@ -70,13 +71,17 @@ class Page {
   private describe(): void {
     const { header, report } = this.recording;
     the("title").textContent = document.title = words.plain(header.title);
-    const misses = Object.values(report.tasks).reduce((sum, task) => sum + task.misses, 0);
-    const facts = the("facts");
+    const misses = Object.values(report.tasks).reduce((sum, task) => sum + task.misses, 0), shown = this.lanes.misses.run.length;
+    const facts = the("facts"), bold = (text: string): HTMLElement => Object.assign(document.createElement("b"), { textContent: text });
     facts.textContent = "";
-    const miss = document.createElement("b");
-    miss.textContent = misses ? `${misses} deadline${misses === 1 ? "" : "s"} missed` : "";
-    facts.append(misses ? miss : "no deadline missed");
-    if (report.errors) facts.append(` · load ${words.length(report.errors.load_m.rms)} RMS from the ideal run, ${words.length(report.errors.load_m.peak)} at most`);
+    if (report.stop_reason !== "completed")
+      facts.append(bold(`ended at ${words.duration(report.simulated_s)} of ${words.duration(Number(report.configuration["run.duration_s"]))}: ${words.stop(report.stop_reason)}`), " · ");
+    facts.append(misses ? bold(`${misses} deadline${misses === 1 ? "" : "s"} missed`) : "no deadline missed");
+    if (shown !== misses) facts.append(`, ${shown} of them on this page`);
+    if (report.errors) {
+      const { load_m: load, window_s: [from, to] } = report.errors, longer = from < header.from_s || to > header.to_s + 1e-9;
+      facts.append(` · load ${words.length(load.rms)} RMS from the ideal run, ${words.length(load.peak)} at most${longer ? `, from ${words.duration(from)} to ${words.duration(to)}` : ""}`);
+    }
     if (header.lanes_until_s !== null) facts.append(` · DSPs recorded until ${words.instant(header.lanes_until_s)}`);
     facts.append(` · hash ${report.hash.slice(0, 12)}`);
     facts.title = facts.textContent ?? "";
@@ -110,15 +115,18 @@ class Page {
     });
     state.listen((part) => this.changed(part));
     keys(state, {
-      miss: (by) => this.nextMiss(by), event: () => this.nextEvent(), focus: () => this.focus(), picture: () => void this.picture(), home: () => this.dock?.goHome(),
+      miss: (by) => {
+        this.nextMiss(by);
+        if (state.miss >= 0) this.enter(the("miss"));
+      },
+      event: () => this.nextEvent(), focus: () => this.focus(), picture: () => void this.picture(), home: () => this.dock?.goHome(),
       theme: () => this.dress(this.theme.dark ? LIGHT : DARK), help: () => this.help(the("help").hidden),
       escape: () => (the("help").hidden ? state.choose(-1) : this.help(false)),
     });
     addEventListener("resize", () => this.resize());
     new ResizeObserver(() => this.resize()).observe(the("dock"));
-    addEventListener("hashchange", () => {
-      if (location.hash !== this.ownHash) this.follow(location.hash);
-    });
+    addEventListener("hashchange", (event) => this.follow(new URL(event.newURL).hash)); // the page may have written another one since
+    for (const event of ["keydown", "pointerdown", "wheel"]) addEventListener(event, () => this.note(""), { capture: true, passive: true });
     this.connectTime();
     this.connectDock();
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", (event) => this.dress(event.matches ? DARK : LIGHT));
@@ -134,8 +142,10 @@ class Page {
       whole: () => state.whole(),
       click: (x, y, coarse) => {
         const time = lanes.timeAt(x), run = lanes.missAt(x, y, coarse);
-        if (x >= lanes.canvas.getBoundingClientRect().left + lanes.left) state.seek(time);
-        if (run >= 0) state.choose(run);
+        if (lanes.covers(x)) state.seek(time);
+        if (run < 0) return;
+        state.choose(run);
+        this.enter(the("miss"));
       },
       hover: (x, y, coarse) => this.hint(lanes.explain(x, y, coarse) ?? plots.explain(lanes.timeAt(x), y), x, y),
       leave: () => this.hint(null, 0, 0),
@@ -172,7 +182,9 @@ class Page {
   private nextMiss(by: number): void {
     const { run, at } = this.lanes.misses, { state } = this;
     if (!run.length) return;
-    let place = run.indexOf(state.miss);
+    // Several may have one deadline: where one of them was shown last, the others come next.
+    const here = state.miss < 0 && this.lastMiss >= 0 && this.miss.instant(this.lastMiss) === state.now ? this.lastMiss : state.miss;
+    let place = run.indexOf(here);
     if (place >= 0) place += by;
     else {
       place = at.findIndex((time) => time > state.now);
@@ -184,7 +196,7 @@ class Page {
 
   private choose(run: number, near: boolean): void {
     const { runs } = this.recording, { state } = this;
-    const due = Number.isNaN(runs.deadline[run]) ? runs.ended[run] : runs.deadline[run];
+    const due = this.miss.instant(run);
     const width = Math.max(runs.ended[run], due) - Math.min(runs.released[run], runs.claimed[run]);
     if (near) state.show(Math.min(runs.released[run], runs.claimed[run]) - width, Math.max(runs.ended[run], due) + width);
     state.seek(due);
@@ -192,18 +204,28 @@ class Page {
   }
 
   private nextEvent(): void {
-    const next = this.moments.find((moment) => (moment.scripted || moment.bad) && moment.at > this.state.now + 1e-9) ?? this.moments.find((moment) => moment.at > this.state.now + 1e-9);
+    const next = this.moments.find((moment) => moment.at > this.state.now + 1e-9);
     if (next) this.goTo(next.at);
   }
 
+  /** A link tells all of what is shown: what it leaves out is the begin of the run, all of its time, no miss. */
   private follow(hash: string): void {
-    const place = link.read(hash);
-    if (place.from !== undefined && place.to !== undefined && place.to > place.from) this.state.show(place.from, place.to);
-    if (place.miss !== undefined) {
-      const run = this.miss.find(place.miss);
-      if (run >= 0) this.choose(run, place.from === undefined);
-    }
+    const { state } = this, place = link.read(hash), run = place.miss === undefined ? -1 : this.miss.find(place.miss);
+    const stretch = place.from !== undefined && place.to !== undefined && place.to > place.from;
+    if (stretch) state.show(place.from!, place.to!);
+    else state.whole();
+    state.seek(state.begin);
+    if (run >= 0) this.choose(run, !stretch);
+    else if (state.miss >= 0) state.choose(-1);
+    this.note(place.miss !== undefined && run < 0 ? `The link names the job ${words.plain(place.miss)}; this page has none of that name.` : "");
     if (place.t !== undefined) this.goTo(place.t);
+  }
+
+  /** A message that stays until the reader does something. */
+  private note(text: string): void {
+    const note = the("note");
+    note.textContent = text;
+    note.hidden = text === "";
   }
 
   private hint(lines: string[] | null, x: number, y: number): void {
@@ -217,9 +239,24 @@ class Page {
   }
 
   private help(open: boolean): void {
-    the("help").hidden = !open;
+    const host = the("help");
+    if (!open) this.leave(host);
+    host.hidden = !open;
     the("keys").setAttribute("aria-expanded", String(open));
-    if (open) help(the("help"), this.recording, this.theme, () => this.help(false));
+    if (!open) return;
+    help(host, this.recording, this.theme, () => this.help(false));
+    this.enter(host);
+  }
+
+  /** The focus goes into a panel, which is read there; and back when it closes. */
+  private enter(panel: HTMLElement): void {
+    const on = document.activeElement;
+    if (on instanceof HTMLElement && on !== document.body && !on.closest("aside")) this.focused = on;
+    panel.focus({ preventScroll: true });
+  }
+
+  private leave(panel: HTMLElement): void {
+    if (panel.contains(document.activeElement)) (this.focused ?? this.lanes.canvas).focus({ preventScroll: true });
   }
 
   private dress(theme: Theme): void {
@@ -237,10 +274,17 @@ class Page {
     if (part === "view") this.plots.invalidate();
     if (part === "view" || part === "miss") this.lanes.invalidate();
     if (part === "miss") {
+      const within = the("miss").contains(document.activeElement);
+      if (state.miss >= 0) this.lastMiss = state.miss;
+      else this.leave(the("miss"));
       this.miss.show();
+      if (within && state.miss >= 0) this.enter(the("miss")); // what had the focus has gone
       this.resize();
     }
-    if (part === "playing") the("play").textContent = state.playing ? "❚❚" : "▶";
+    if (part === "playing") {
+      the("play").textContent = state.playing ? "❚❚" : "▶";
+      the("play").setAttribute("aria-label", state.playing ? "Stop" : "Play");
+    }
     if (part === "speed") the<HTMLSelectElement>("speed").value = String(state.speed);
     if (part === "options") for (const option of ["rays", "ghost", "path"] as const) the<HTMLInputElement>(option).checked = state.options[option];
     this.showNow();
@@ -251,7 +295,8 @@ class Page {
     const { state } = this, width = state.to - state.from;
     the<HTMLInputElement>("slider").value = String(Math.round((100_000 * (state.now - state.begin)) / Math.max(1e-12, state.end - state.begin)));
     const step = Math.min(1e-2, width / 1000);
-    the("clock").textContent = `${words.instant(state.now, step)} of ${words.instant(state.end, 1e-1)}`;
+    the("clock").textContent = `${words.instant(state.now, step)} of ${words.duration(state.end)}`;
+    the("slider").setAttribute("aria-valuetext", the("clock").textContent!);
     const cursor = the("cursor"), x = this.left + ((state.now - state.from) / width) * this.lanes.width;
     cursor.hidden = state.now < state.from || state.now > state.to;
     cursor.style.transform = `translateX(${x - 1}px)`;
@@ -269,7 +314,7 @@ class Page {
   }
 
   private async picture(): Promise<void> {
-    const blob = await png(words.plain(this.recording.header.title), words.instant(this.state.now, 1e-6), this.dock?.picture() ?? null, [this.lanes.canvas, ...this.plots.canvases], this.theme);
+    const blob = await png(words.plain(this.recording.header.title), words.instant(this.state.now, 1e-6), this.dock?.picture() ?? null, [{ canvas: this.lanes.canvas, says: [] }, ...this.plots.pictures], this.theme);
     save(blob, `cmrc-${this.state.now.toFixed(3)}s.png`);
   }
 
@@ -297,7 +342,6 @@ class Page {
     const hash = link.written(this.state, this.state.miss >= 0 ? this.miss.id(this.state.miss) : null);
     this.hashAt = Infinity;
     if (hash === location.hash) return;
-    this.ownHash = hash;
     try {
       history.replaceState(null, "", hash);
     } catch {

@@ -354,7 +354,8 @@ const std::vector<Signal>& Dock::signals() const { return self_->core.signals; }
 const std::vector<std::vector<AgvSignal>>& Dock::agv_signals() const { return self_->core.agv_signals; }
 int Dock::delivered() const { return self_->core.state.delivered; }
 bool Dock::faulted() const { return self_->core.state.faulted; }
-bool Dock::braked() const { return self_->core.state.enabled == 0; }
+std::uint32_t Dock::drives_on() const { return self_->core.state.enabled; }
+bool Dock::braked() const { return drives_on() == 0; }
 double Dock::payload_mass() const { return self_->core.landing.payload(self_->core.state).mass; }
 Handover Dock::handover() const {
   const DockState& s = self_->core.state;

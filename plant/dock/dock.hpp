@@ -191,9 +191,10 @@ class Dock {
   const std::vector<PayloadChange>& switches()
       const;  // records of every hand-over between levels and of every attach and detach
   bool faulted() const;
-  bool braked() const;          // no drive is on: brakes hold every joint, or stop it
-  double payload_mass() const;  // kg on the rope, spreader included
-  double energy() const;        // J, crane and payload, kinetic and potential
+  std::uint32_t drives_on() const;  // bit j: drive j gives torque; else its brake is closed
+  bool braked() const;              // no drive is on: brakes hold every joint, or stop it
+  double payload_mass() const;      // kg on the rope, spreader included
+  double energy() const;            // J, crane and payload, kinetic and potential
   void on_latch(std::function<void(Time, std::span<const int>)>);  // called after each latch, with the codes taken
   void on_event(std::function<void(const Event&)>);
 

@@ -22,7 +22,6 @@ enum class Stream : std::uint8_t {
 };
 
 inline constexpr int stream_count = static_cast<int>(Stream::ship_pitch) + 1;
-inline constexpr std::int64_t sample_limit = std::int64_t{1} << 48;  // samples are 0 up to here
 
 // Uniform between 0 and 1, both excluded.
 double uniform(std::uint64_t seed, Stream, std::int64_t sample);

@@ -35,6 +35,7 @@ c40::Pin pin_of(c40::Pin first, int n, int count) {
 }
 
 void bind_processor(py::module_& m) {
+  python::register_error<machine::BoardError>(m, "BoardError", PyExc_ValueError);
   py::class_<Processor> processor(
       m, "Processor", "One TMS320C40 on board `default`, `flat` (ruling 26), or one that a TOML file describes.");
   processor

@@ -51,7 +51,7 @@ Step step_named(const std::string& name) {
       " is unknown; instruction, over, line, next_line, out, claim, refresh or happening is expected");
 }
 
-Trigger trigger_of(const py::dict& given) {
+Trigger trigger_of(const Debugger& debugger, const py::dict& given) {
   const auto text = [&](const char* key) {
     return given.contains(key) ? given[key].cast<std::string>() : std::string();
   };
@@ -69,6 +69,10 @@ Trigger trigger_of(const py::dict& given) {
                                   : Trigger::On::write;
   if (given.contains("chip")) trigger.chip = given["chip"].cast<std::optional<std::size_t>>();
   if (given.contains("address")) trigger.address = given["address"].cast<c40::Address>();
+  if (trigger.kind == Trigger::Kind::code && given.contains("place"))
+    trigger.places = machine::debug::code_named(debugger.programs(), trigger.chip, text("place"));
+  else if (trigger.kind == Trigger::Kind::code)
+    trigger.places = {{std::nullopt, trigger.address}};
   if (given.contains("words")) trigger.words = given["words"].cast<c40::Word>();
   if (given.contains("ignore")) trigger.ignore = given["ignore"].cast<std::uint64_t>();
   if (given.contains("fields"))
@@ -102,11 +106,15 @@ void bind_debug(py::module_& core) {
           [](PythonDebugger& d, std::size_t chip, const std::string& text) {
             if (chip >= d.get("places").programs().size())
               throw machine::debug::DebugError("there is no chip " + std::to_string(chip));
-            return machine::debug::places_named(d.get("places").program(chip), text);
+            return machine::debug::places_named(d.get("places").programs(), chip, text);
           },
           py::arg("chip"), py::arg("text"))
       .def(
-          "add", [](PythonDebugger& d, const py::dict& trigger) { return d.get("add").add(trigger_of(trigger)); },
+          "add",
+          [](PythonDebugger& d, const py::dict& trigger) {
+            Debugger& x = d.get("add");
+            return x.add(trigger_of(x, trigger));
+          },
           py::arg("trigger"))
       .def(
           "remove", [](PythonDebugger& d, unsigned number) { d.get("remove").remove(number); }, py::arg("number"))

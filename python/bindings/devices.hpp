@@ -12,50 +12,53 @@
 #include "state/archive.hpp"
 
 /// Calls a cmrc.devices.Attached. Its exceptions go to the caller that runs the chip.
+///
+/// The object in Python that runs the chip keeps the device alive, and this one refers to it weakly: Python's garbage
+/// collector then finds a device that knows its processor or network.
 class PythonDevice final : public machine::BoardDevice {
  public:
-  explicit PythonDevice(py::object attached)
-      : attached_(std::move(attached)), acts_(attached_.attr("acts_on_others").cast<bool>()) {}
+  explicit PythonDevice(const py::object& attached)
+      : reference_(py::weakref(attached)), acts_(attached.attr("acts_on_others").cast<bool>()) {}
   ~PythonDevice() override {
     const py::gil_scoped_acquire gil;
-    attached_ = py::object();
+    reference_ = py::object();
   }
   c40::Word read(c40::Address offset, c40::Cycles now) override {
     const py::gil_scoped_acquire gil;
-    return attached_.attr("read")(offset, now).cast<c40::Word>();
+    return attached().attr("read")(offset, now).cast<c40::Word>();
   }
   void write(c40::Address offset, c40::Word value, c40::Cycles now) override {
     const py::gil_scoped_acquire gil;
-    attached_.attr("write")(offset, value, now);
+    attached().attr("write")(offset, value, now);
   }
   void advance_to(c40::Cycles now) override {
     const py::gil_scoped_acquire gil;
-    attached_.attr("advance_to")(now);
+    attached().attr("advance_to")(now);
   }
   c40::Cycles next_event() const override {
     const py::gil_scoped_acquire gil;
-    return attached_.attr("next_event")().cast<std::optional<c40::Cycles>>().value_or(machine::never_cycle);
+    return attached().attr("next_event")().cast<std::optional<c40::Cycles>>().value_or(machine::never_cycle);
   }
   bool goes_on() const override { return true; }
   bool interrupts() const override {
     const py::gil_scoped_acquire gil;
-    return attached_.attr("interrupts")().cast<bool>();
+    return attached().attr("interrupts")().cast<bool>();
   }
   bool acts_on_others() const override { return acts_; }
   std::optional<std::string> stateless() const override {
     const py::gil_scoped_acquire gil;
-    if (attached_.attr("has_state").cast<bool>()) return std::nullopt;
+    if (attached().attr("has_state").cast<bool>()) return std::nullopt;
     return "is Python's, and its state is not saved; one with save() and load() has snapshots";
   }
   void list_state(state::Visitor& list) override {
     const py::gil_scoped_acquire gil;
     std::string bytes;
-    if (!list.loads()) bytes = attached_.attr("save")().cast<std::string>();
+    if (!list.loads()) bytes = attached().attr("save")().cast<std::string>();
     list("state", bytes);
     if (!list.loads()) return;
     const auto* loader = dynamic_cast<const state::Loader*>(&list);
     try {
-      attached_.attr("load")(py::bytes(bytes));
+      attached().attr("load")(py::bytes(bytes));
     } catch (const py::error_already_set&) {
       if (loader == nullptr || !loader->puts_back()) throw;
     }
@@ -75,7 +78,13 @@ class PythonDevice final : public machine::BoardDevice {
   }
 
  private:
-  py::object attached_;
+  py::object attached() const {
+    py::object found = reference_();
+    if (found.is_none()) throw std::runtime_error("a device is called whose processor or network is gone");
+    return found;
+  }
+
+  py::object reference_;  // py::weakref
   bool acts_;
 };
 

@@ -1,5 +1,9 @@
 // Networks from a description: Python's lists, or a file.
+#include <fmt/ranges.h>
 #include <pybind11/stl.h>
+
+#include <algorithm>
+#include <ranges>
 
 #include "machine/networks/network_file.hpp"
 #include "python/bindings/devices.hpp"
@@ -42,11 +46,18 @@ std::unique_ptr<machine::Network> made_network(const py::list& chips,
   }
   for (const auto& [text, cycles] : links) {
     machine::NetworkLink link = machine::parse_link(text, names);
-    for (const auto& [key, field] : {std::pair{"word_cycles", &link.parameters.word_cycles},
-                                     {"token_cycles", &link.parameters.token_cycles},
-                                     {"enter_cycles", &link.parameters.enter_cycles},
-                                     {"exit_cycles", &link.parameters.exit_cycles}})
-      if (cycles.contains(key)) *field = cycles[key].cast<int>();
+    const std::vector<std::pair<std::string, int*>> known = {{"word_cycles", &link.parameters.word_cycles},
+                                                             {"token_cycles", &link.parameters.token_cycles},
+                                                             {"enter_cycles", &link.parameters.enter_cycles},
+                                                             {"exit_cycles", &link.parameters.exit_cycles}};
+    for (const auto& [key, value] : cycles) {
+      const auto name = key.cast<std::string>();
+      const auto found = std::ranges::find(known, name, &std::pair<std::string, int*>::first);
+      if (found == known.end())
+        throw machine::NetworkError(fmt::format("link {}: no such key {}; known are {}", text, name,
+                                                fmt::join(known | std::views::keys, ", ")));
+      *found->second = value.cast<int>();
+    }
     d.links.push_back(link);
   }
   for (const py::handle given : memories) {

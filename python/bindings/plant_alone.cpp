@@ -1,5 +1,9 @@
 // A crane and an AGV by themselves, without a dock.
+#include <fmt/format.h>
 #include <pybind11/stl.h>
+
+#include <string>
+#include <vector>
 
 #include "io/stop.hpp"
 #include "plant/crane/crane_alone.hpp"
@@ -13,20 +17,69 @@ using namespace plant;
 
 namespace {
 
+/// What a crane or a vehicle is, part by part: what has to be the same for a snapshot to fit. Its place at the start
+/// and its load are state.
+struct Part {
+  std::string name, value;
+};
+using Parts = std::vector<Part>;
+
+Parts parts_of(const CraneAloneConfig& c) {
+  return {{"machine", state::save_value(c.crane.machine)},
+          {"parameter or drive", state::save_value(c.crane)},
+          {"model", state::save_value(c.rigid)},
+          {"integrator", state::save_value(c.method)},
+          {"order", state::save_value(c.order)},
+          {"tolerance", state::save_value(c.tolerance)},
+          {"bookkeeping", state::save_value(c.bookkeeping)},
+          {"seed or sway_noise", state::save_value(c.sensors)},
+          {"wind", state::save_value(c.wind)}};
+}
+Parts parts_of(const AgvParameters& p, double tolerance) {
+  return {{"drive", state::save_value(p.drive)},
+          {"parameter", state::save_value(p)},
+          {"tolerance", state::save_value(tolerance)}};
+}
+
+/// A state with what it is a state of.
+template <class State>
+struct Snapshot {
+  Parts parts;
+  State state;
+};
+
+template <class State>
+const State& state_for(const Parts& parts, const Snapshot<State>& snapshot, const char* what) {
+  for (std::size_t n = 0; n < parts.size(); ++n)
+    if (n >= snapshot.parts.size() || snapshot.parts[n].value != parts[n].value)
+      throw py::value_error(
+          fmt::format("the snapshot is of {} with another {}; one of {} with the same config is expected", what,
+                      parts[n].name, what));
+  return snapshot.state;
+}
+
 // Five numbers of a sequence or an array.
 Joints joints(const py::object& torques) {
+  const auto refuse = [&]() -> py::value_error {
+    return py::value_error("five torques are needed (gantry, slew, luff, hoist, rotator), not " +
+                           std::string(py::repr(torques)));
+  };
+  if (py::hasattr(torques, "harden_mask") && py::module_::import("numpy.ma").attr("is_masked")(torques).cast<bool>())
+    throw refuse();
   try {
     return torques.cast<Joints>();
   } catch (const py::cast_error&) {
-    throw py::value_error("five torques are needed (gantry, slew, luff, hoist, rotator), not " +
-                          std::string(py::repr(torques)));
+    throw refuse();
+  } catch (const py::error_already_set& error) {
+    if (!error.matches(PyExc_TypeError)) throw;
+    throw refuse();  // an array without dimensions has no length
   }
 }
 
 /// Calls from two threads at once are refused.
 class PythonCrane {
  public:
-  explicit PythonCrane(const CraneAloneConfig& config) : crane_(config) {}
+  explicit PythonCrane(const CraneAloneConfig& config) : crane_(config), parts_(parts_of(config)) {}
   const CraneAlone& read(const char* call) const {
     user_.reads(call);
     return crane_;
@@ -34,6 +87,11 @@ class PythonCrane {
   CraneAlone& change(const char* call) {
     user_.changes(call);
     return crane_;
+  }
+  Snapshot<CraneAlone::State> snapshot() const { return {parts_, read("snapshot").state()}; }
+  /// The state in a snapshot of a crane with the same config. \throws py::value_error
+  const CraneAlone::State& state_in(const Snapshot<CraneAlone::State>& snapshot) const {
+    return state_for(parts_, snapshot, "a crane");
   }
   /// Ctrl-C ends it between two steps.
   void run(const Joints& torque, double dt, long steps) {
@@ -45,6 +103,7 @@ class PythonCrane {
 
  private:
   CraneAlone crane_;
+  Parts parts_;
   OneUser user_{"Crane"};
 };
 
@@ -53,13 +112,20 @@ void run(PythonCrane& crane, const py::object& torques, double dt, long steps) {
   crane.run(joints(torques), dt, steps);
 }
 
+template <class State>
+py::class_<Snapshot<State>> bind_snapshot(py::module_& m, const char* name, const char* text) {
+  using S = Snapshot<State>;
+  return py::class_<S>(m, name, text)
+      .def("__copy__", [](const S& s) { return s; })
+      .def("__deepcopy__", [](const S& s, const py::dict&) { return s; })
+      .def(py::pickle(&value_bytes<S>, &value_of_bytes<S>));
+}
+
 void bind_crane_alone(py::module_& m) {
-  py::class_<CraneAlone::State>(m, "CraneAloneState",
-                                "Everything that the crane's future depends on; opaque: to be read only.")
-      .def_property_readonly("time", [](const CraneAlone::State& s) { return s.time; })
-      .def("__copy__", [](const CraneAlone::State& s) { return s; })
-      .def("__deepcopy__", [](const CraneAlone::State& s, const py::dict&) { return s; })
-      .def(py::pickle(&value_bytes<CraneAlone::State>, &value_of_bytes<CraneAlone::State>));
+  using CraneSnapshot = Snapshot<CraneAlone::State>;
+  bind_snapshot<CraneAlone::State>(m, "CraneAloneState",
+                                   "Everything that the crane's future depends on; opaque: to be read only.")
+      .def_property_readonly("time", [](const CraneSnapshot& s) { return s.state.time; });
   py::class_<PythonCrane>(m, "CraneAlone", "A crane by itself, driven by motor torques.")
       .def(py::init([](CraneParameters crane, const CranePose& home, double mass, double inertia, double rated_load,
                        bool rigid, double tolerance, Method method, int order, bool bookkeeping,
@@ -88,11 +154,13 @@ void bind_crane_alone(py::module_& m) {
           py::arg("q"), py::arg("qd"), py::arg("torque") = Joints{})
       .def(
           "linearize",
-          [](const PythonCrane& c, const CraneAlone::State& state) { return c.read("linearize").linearize(state); },
+          [](const PythonCrane& c, const CraneSnapshot& state) {
+            return c.read("linearize").linearize(c.state_in(state));
+          },
           py::arg("state"))
-      .def("snapshot", [](const PythonCrane& c) { return c.read("snapshot").state(); })
+      .def("snapshot", &PythonCrane::snapshot)
       .def(
-          "restore", [](PythonCrane& c, const CraneAlone::State& state) { c.change("restore").restore(state); },
+          "restore", [](PythonCrane& c, const CraneSnapshot& state) { c.change("restore").restore(c.state_in(state)); },
           py::arg("state"))
       .def_property_readonly("q", [](const PythonCrane& c) { return c.read("q").state().crane.q; })
       .def_property_readonly("qd", [](const PythonCrane& c) { return c.read("qd").state().crane.qd; })
@@ -130,27 +198,33 @@ void bind_crane_alone(py::module_& m) {
           py::arg("torques"), py::arg("seconds"));
 }
 
+struct PythonAgv : AgvAlone {
+  PythonAgv(const AgvParameters& parameters, const Pose& start, double tolerance)
+      : AgvAlone(parameters, start, tolerance), parts(parts_of(parameters, tolerance)) {}
+  Parts parts;
+};
+
 void bind_agv_alone(py::module_& m) {
-  py::class_<AgvAlone::State>(m, "AgvAloneState", "Everything that a vehicle's future depends on; opaque.")
-      .def("__copy__", [](const AgvAlone::State& s) { return s; })
-      .def("__deepcopy__", [](const AgvAlone::State& s, const py::dict&) { return s; })
-      .def(py::pickle(&value_bytes<AgvAlone::State>, &value_of_bytes<AgvAlone::State>));
-  py::class_<AgvAlone>(m, "AgvAlone", "An AGV without a dock.")
+  using AgvSnapshot = Snapshot<AgvAlone::State>;
+  bind_snapshot<AgvAlone::State>(m, "AgvAloneState", "Everything that a vehicle's future depends on; opaque.");
+  py::class_<PythonAgv>(m, "AgvAlone", "An AGV without a dock.")
       .def(py::init<const AgvParameters&, const Pose&, double>(), py::arg("parameters"), py::arg("start"),
            py::arg("tolerance") = 1e-8)
       .def(
           "step",
-          [](AgvAlone& a, double speed, double front, double rear, double turn, double dt) {
+          [](PythonAgv& a, double speed, double front, double rear, double turn, double dt) {
             a.step({speed, front, rear, turn}, dt);
           },
           py::arg("speed"), py::arg("front"), py::arg("rear"), py::arg("turn"), py::arg("dt"))
       .def("set_load", &AgvAlone::set_load, py::arg("mass"), py::arg("inertia"))
       .def("reset", &AgvAlone::reset, py::arg("pose"))
-      .def_property_readonly("y", [](const AgvAlone& a) { return a.state().vehicle.y; })
-      .def_property_readonly("standing", [](const AgvAlone& a) { return a.state().vehicle.standing; })
-      .def_property_readonly("time", [](const AgvAlone& a) { return a.state().time.count(); })
-      .def("snapshot", [](const AgvAlone& a) { return a.state(); })
-      .def("restore", &AgvAlone::restore, py::arg("state"))
+      .def_property_readonly("y", [](const PythonAgv& a) { return a.state().vehicle.y; })
+      .def_property_readonly("standing", [](const PythonAgv& a) { return a.state().vehicle.standing; })
+      .def_property_readonly("time", [](const PythonAgv& a) { return a.state().time.count(); })
+      .def("snapshot", [](const PythonAgv& a) { return AgvSnapshot{a.parts, a.state()}; })
+      .def(
+          "restore", [](PythonAgv& a, const AgvSnapshot& state) { a.restore(state_for(a.parts, state, "an AGV")); },
+          py::arg("state"))
       .def("energy", &AgvAlone::energy);
 }
 

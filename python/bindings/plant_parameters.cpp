@@ -53,9 +53,7 @@ void bind_crane(py::module_& m) {
       "Geometry (m), masses (kg, kg m2), limits and drives of a crane (plant-and-bus.md 1.4, docs/plant.md).");
   add_members(crane, crane_rows())
       .def(py::init<>()) FIELD(machine) FIELD(portal) FIELD(gear_losses) FIELD(stiction) FIELD(lower) FIELD(upper)
-      .def_property(
-          "drives", [](const P& p) { return std::vector<DriveParameters>(p.drives.begin(), p.drives.end()); },
-          [](P& p, const std::array<DriveParameters, joint_count>& drives) { p.drives = drives; });
+          FIELD(drives);
   m.def("gantry_crane", &gantry_crane, "parameters of a ship-to-shore gantry");
   m.def("drive_channels", &drive_channels, py::arg("machine"), "the joint behind each drive channel of the bus");
 }

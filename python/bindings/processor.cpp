@@ -89,7 +89,7 @@ Processor::Processor(machine::BoardDescription described, bool checks, const std
       ignored(described.ignored) {
   for (const py::object& device : own) {
     auto [place, behind] = PythonDevice::place(device);
-    devices.add(std::move(place), std::move(behind));
+    devices.add(surroundings, std::move(place), std::move(behind));
   }
   for (const auto& [place, device] : devices.places()) board += machine::configuration_of(place);
   for (const auto& [base, words] : described.contents) chip.write_block(base, words);
@@ -122,7 +122,7 @@ py::dict Processor::run(Cycles max_cycles, std::optional<c40::Address> until) {
     const c40::StopInfo stop = run_for(max_cycles);
     after();
     return describe(chip, stop);
-  } catch (const py::error_already_set&) {
+  } catch (...) {
     after();
     throw;
   }
@@ -153,7 +153,7 @@ py::list Processor::trace(Cycles max_cycles) {
   };
   try {
     run_for(max_cycles);
-  } catch (const py::error_already_set&) {
+  } catch (...) {
     after();
     throw;
   }

@@ -103,7 +103,7 @@ class Run {
     user_.changes("run_until");
     if (time < run_.time())
       throw py::value_error(
-          fmt::format("time_s: {:g} s has passed, the run is at {:.9g} s; a later instant is expected", time_s,
+          fmt::format("time_s: {:.9g} s has passed, the run is at {:.9g} s; a later instant is expected", time_s,
                       report::seconds(run_.time())));
     const OneUser::Long use(user_, "run_until", false);
     constexpr report::Time slice = std::chrono::milliseconds{20};

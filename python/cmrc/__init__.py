@@ -11,6 +11,14 @@ import sys as _sys
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 from typing import Any as _Any
 
+for _name in ("_interpreters", "_xxsubinterpreters"):  # of Python 3.13, and before
+    try:
+        _interpreters = __import__(_name)
+    except ImportError:
+        continue
+    if _interpreters.get_current() != _interpreters.get_main():
+        raise ImportError("cmrc: a subinterpreter cannot import it; the main interpreter of a process can")
+
 from cmrc import early_signals as _early_signals
 
 _before = _early_signals.handle() if _early_signals.is_command() else {}

@@ -1,27 +1,30 @@
 # Written by scripts/settings_stub.py from the configuration's schema (docs/configuration.md).
+from os import PathLike
 from typing import Literal, TypedDict
+
+from numpy import bool_
 
 class MoreSettings(TypedDict, total=False):
     """Keywords of cmrc.run beside its own arguments."""
 
     seed: int  # run.seed
     turn_order: int  # run.turn_order
-    strict: bool  # run.strict
+    strict: bool | bool_  # run.strict
     until: Literal["duration", "job_done"]  # run.until
     after_stop_s: float  # run.after_stop_s
-    ideal: bool  # run.ideal
-    phase_jitter: bool  # run.phase_jitter
+    ideal: bool | bool_  # run.ideal
+    phase_jitter: bool | bool_  # run.phase_jitter
     slots: int  # machine.slots
     dsp_clock: Literal["C40-40", "C40-50", "C40-60"]  # machine.dsp_clock
     cycle_time_factor: float  # machine.cycle_time_factor
     boot: Literal["preloaded", "link"]  # machine.boot
     idle_policy: Literal["doorbell", "pause", "spin"]  # machine.idle_policy
     pause_nops: int  # machine.pause_nops
-    guard: bool  # machine.guard
-    programs: str  # machine.programs
-    board: str  # machine.board
-    links: str  # machine.links
-    nets: str  # machine.nets
+    guard: bool | bool_  # machine.guard
+    programs: str | PathLike[str]  # machine.programs
+    board: str | PathLike[str]  # machine.board
+    links: str | PathLike[str]  # machine.links
+    nets: str | PathLike[str]  # machine.nets
     refresh_frequency_hz: float  # rates.refresh_frequency_hz
     servo_frequency_hz: float  # rates.servo_frequency_hz
     crane_point_frequency_hz: float  # rates.crane_point_frequency_hz
@@ -41,7 +44,7 @@ class MoreSettings(TypedDict, total=False):
     agv_buffer_points: int  # scheduling.agv_buffer_points
     work_mode: Literal["full_load", "slowed_agv", "slowed_crane"]  # scheduling.work_mode
     slow_factor: float  # scheduling.slow_factor
-    pid_after_torque: bool  # scheduling.pid_after_torque
+    pid_after_torque: bool | bool_  # scheduling.pid_after_torque
     long_blocks_max: int  # scheduling.long_blocks_max
     slice_cycles: int  # scheduling.slice_cycles
     time_after_delay: Literal["elapsed", "one"]  # scheduling.time_after_delay
@@ -75,12 +78,12 @@ class MoreSettings(TypedDict, total=False):
     trajectory: Literal["blend9", "quintic_shaper"]  # kernels.trajectory
     avoidance: Literal["none", "synthetic", "potential_field", "vfh", "dynamic_window"]  # kernels.avoidance
     avoidance_cycles: int  # load.avoidance_cycles
-    driving: bool  # load.driving
-    parked: bool  # load.parked
+    driving: bool | bool_  # load.driving
+    parked: bool | bool_  # load.parked
     clock_hz: float  # bus.clock_hz
     latency_timer_clocks: int  # bus.latency_timer_clocks
-    prefetch: bool  # bus.prefetch
-    fast_back_to_back: bool  # bus.fast_back_to_back
+    prefetch: bool | bool_  # bus.prefetch
+    fast_back_to_back: bool | bool_  # bus.fast_back_to_back
     topology: Literal["dual", "host_on_both", "sensors_with_host", "single"]  # bus.topology
     arbiter: Literal["round_robin", "fixed", "two_level", "host_fair"]  # bus.arbiter
     first_level_dsps: int  # bus.first_level_dsps
@@ -93,17 +96,17 @@ class MoreSettings(TypedDict, total=False):
     post_depth_words: int  # bus.post_depth_words
     shared_memory_card: Literal["sram", "s5933", "drive_card", "host_dram"]  # bus.shared_memory_card
     device_card: Literal["sram", "s5933", "drive_card", "host_dram"]  # bus.device_card
-    delayed_reads: bool  # bus.delayed_reads
+    delayed_reads: bool | bool_  # bus.delayed_reads
     delayed_read_clocks: int  # bus.delayed_read_clocks
     device_post_words: int  # bus.device_post_words
-    buses: str  # topology.buses
-    host: str  # topology.host
-    boards: str  # topology.boards
-    shared_memory: str  # topology.shared_memory
-    drives: str  # topology.drives
-    sensors: str  # topology.sensors
-    comm_port: str  # topology.comm_port
-    bridges: str  # topology.bridges
+    buses: str | PathLike[str]  # topology.buses
+    host: str | PathLike[str]  # topology.host
+    boards: str | PathLike[str]  # topology.boards
+    shared_memory: str | PathLike[str]  # topology.shared_memory
+    drives: str | PathLike[str]  # topology.drives
+    sensors: str | PathLike[str]  # topology.sensors
+    comm_port: str | PathLike[str]  # topology.comm_port
+    bridges: str | PathLike[str]  # topology.bridges
     drives_at: int  # topology.drives_at
     sensors_at: int  # topology.sensors_at
     comm_port_at: int  # topology.comm_port_at
@@ -121,13 +124,13 @@ class MoreSettings(TypedDict, total=False):
     settle_limit_s: float  # dock.settle_limit_s
     landing_retries_max: int  # dock.landing_retries_max
     integrator: Literal["erk", "adams", "bdf"]  # dock.integrator
-    stiction: bool  # dock.stiction
-    gear_losses: bool  # dock.gear_losses
-    strict_landing: bool  # dock.strict_landing
+    stiction: bool | bool_  # dock.stiction
+    gear_losses: bool | bool_  # dock.gear_losses
+    strict_landing: bool | bool_  # dock.strict_landing
     sway_sensors: int  # dock.sway_sensors
     capture_window_m: float  # dock.capture_window_m
-    layout: str  # dock.layout
-    protective_field: bool  # dock.protective_field
+    layout: str | PathLike[str]  # dock.layout
+    protective_field: bool | bool_  # dock.protective_field
     ship_motion: float  # dock.ship_motion
     wind_mean_m_s: float  # dock.wind_mean_m_s
     wind_gust_m_s: float  # dock.wind_gust_m_s
@@ -186,7 +189,7 @@ class MoreSettings(TypedDict, total=False):
     stop_s: float  # errors.stop_s
     go_on_s: float  # errors.go_on_s
     timeout_retries_max: int  # errors.timeout_retries_max
-    clear: bool  # errors.clear
+    clear: bool | bool_  # errors.clear
     misses_max: int  # report.misses_max
     error_rows_max: int  # report.error_rows_max
     samples_max: int  # report.samples_max

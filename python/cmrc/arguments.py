@@ -19,10 +19,10 @@ P = ParamSpec("P")
 
 
 def refuse(name: str, value: object, right: str) -> NoReturn:
-    raise TypeError(f"{name}: {_shown(value)} ({type(value).__name__}) cannot be used; {right} is expected")
+    raise TypeError(f"{name}: {shown(value)} ({type(value).__name__}) cannot be used; {right} is expected")
 
 
-def _shown(value: object) -> str:
+def shown(value: object) -> str:
     try:
         shown = repr(value)
     except ValueError:  # Python writes no integer of more than 4300 digits
@@ -81,7 +81,7 @@ def number(name: str, value: object, right: str = "a number", least: float = -ma
     try:
         found = float(value)
     except OverflowError:
-        raise ValueError(f"{name}: {_shown(value)} is beyond the range of a double; {right} is expected") from None
+        raise ValueError(f"{name}: {shown(value)} is beyond the range of a double; {right} is expected") from None
     if not found >= least:  # nan is neither
         raise ValueError(
             f"{name}: {value} is no {'number' if math.isnan(found) else 'possible value'}; {right} is expected"
@@ -95,7 +95,7 @@ def whole(name: str, value: object, right: str, least: int = 0, most: int = 2**3
     except TypeError:
         refuse(name, value, right)
     if not least <= found <= most:
-        raise ValueError(f"{name}: {_shown(found)} is out of range; {right} is expected")
+        raise ValueError(f"{name}: {shown(found)} is out of range; {right} is expected")
     return found
 
 

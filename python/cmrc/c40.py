@@ -32,6 +32,9 @@ from cmrc.programs import (
 )
 from cmrc.snapshots import ChipSnapshot, SnapshotError
 
+BoardError = _core.c40.BoardError
+BoardError.__doc__ = """Raised for a board that is not known, or whose file is wrong."""
+
 INTERRUPT_PINS = ("IIOF0", "IIOF1", "IIOF2", "IIOF3")
 INTERRUPT_TIMERS = ("TINT0", "TINT1")
 INTERRUPT_FLAGS = {f"DMAINT{channel}": 25 + channel for channel in range(6)}
@@ -104,7 +107,8 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun):
                 place, arguments.whole("boots_from", boots_from, "a word address", 0, 2**32 - 1), self._devices
             )
         super().__init__(core, None)
-        self._board, self._boots_from = place, boots_from
+        named = place in ("default", "flat")
+        self._board, self._boots_from = place if named else os.path.abspath(place), boots_from  # for fork, after chdir
         if program is not None:
             self.load(program)
 
@@ -265,6 +269,7 @@ __all__ = [
     "REGISTERS",
     "AccessesToNothing",
     "AssemblyError",
+    "BoardError",
     "ChipSnapshot",
     "ChipState",
     "CoffError",

@@ -11,6 +11,7 @@ For example::
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
@@ -58,7 +59,7 @@ class Stop:
     @property
     def time_s(self) -> float:
         """Simulated seconds since the start."""
-        return self.time_ps * 1e-12
+        return self.time_ps / 1e12
 
 
 @dataclass(frozen=True)
@@ -120,6 +121,7 @@ class Debugger:
         """``owner``: what runs Python devices, which may not move it."""
         self._core, self._owner = core, owner
         self._calls: dict[int, Callable[[Stop], bool | None]] = {}
+        self._heard: Callable[[str], None] | None = None
 
     def __enter__(self) -> Self:
         return self
@@ -159,17 +161,20 @@ class Debugger:
     def break_at(
         self, place: int | str, *, chip: int | None = None, condition: str = "", ignore: int = 0, log: str = ""
     ) -> int:
-        """Stops before the instruction at a place, on one chip or (None) on every chip; returns the condition's number.
+        """Stops before the instruction at a place, on one chip or (None) on every chip whose program has the place;
+        returns the condition's number.
 
         ``condition``: an expression that must hold. ``ignore``: number of hits to ignore. ``log``: prints this text,
         with ``{expressions}``, instead of stopping.
         """
-        number = -1
-        for address in self.places(place, 0 if chip is None else chip):
-            number = self._add(
-                "code", chip=chip, address=address, condition=condition, ignore=ignore, log=log, text=str(place)
-            )
-        return number
+        where: dict[str, Any]
+        if isinstance(place, int) and not isinstance(place, bool):
+            where = {"address": arguments.whole("place", place, "an address", 0, 2**32 - 1)}
+        else:
+            where = {"place": arguments.text("place", place, 'a label, a number or "FILE:LINE"')}
+        if chip is not None:
+            self._number(chip)
+        return self._add("code", chip=chip, **where, condition=condition, ignore=ignore, log=log, text=str(place))
 
     def watch(
         self,
@@ -454,4 +459,14 @@ class Debugger:
     def on_output(self, heard: Callable[[str], None] | None) -> None:
         """Sets the function that is called with the texts of log points, and of changes by hand."""
         arguments.function("heard", heard, "a function of a text")
-        self._d.on_output(heard)
+        if heard is None:
+            self._d.on_output(None)
+        else:
+            myself = weakref.ref(self)  # the core keeps no function that could know this debugger
+
+            def tell(text: str) -> None:
+                if (debugger := myself()) is not None and debugger._heard is not None:
+                    debugger._heard(text)
+
+            self._d.on_output(tell)
+        self._heard = heard

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import html
 import multiprocessing
+import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -28,6 +29,11 @@ TOGETHER: dict[str, Setting] = {
 """Four vehicles that drive and look for obstacles, all at the same instants."""
 
 
+WIDTH = 79
+COLUMN = 12
+"""Characters of a line, and of a line of a run's name."""
+
+
 @dataclass
 class Scene:
     """One scene: a sentence, a table, and what follows from it."""
@@ -39,17 +45,26 @@ class Scene:
     conclusion: str = ""
 
     def text(self) -> str:
-        """For a terminal."""
-        table = [list(self.header), *self.rows]
-        widths = [max(len(row[i]) for row in table) for i in range(len(self.header))]
+        """For a terminal of 80 columns: a column for each run, a line for each measure."""
+        names = [textwrap.wrap(row[0], COLUMN) or [""] for row in self.rows]
+        deep = max(map(len, names))
+        above = [[*[""] * (deep - len(name)), *name] for name in names]  # the names, on as many lines as they need
+        labels = [*[""] * (deep - 1), *self.header]
+        columns = [[*name, *row[1:]] for name, row in zip(above, self.rows, strict=True)]
+        widths = [max(map(len, column)) for column in columns]
         lines = [
-            "  "
-            + "  ".join(
-                cell.ljust(w) if i == 0 else cell.rjust(w) for i, (cell, w) in enumerate(zip(row, widths, strict=True))
+            "  ".join(
+                [
+                    "",
+                    label.ljust(max(map(len, labels))),
+                    *(column[n].rjust(w) for column, w in zip(columns, widths, strict=True)),
+                ]
             )
-            for row in table
+            for n, label in enumerate(labels)
         ]
-        return "\n".join([self.title, self.sentence, *lines, self.conclusion, ""])
+        return "\n".join(
+            [self.title, *textwrap.wrap(self.sentence, WIDTH), *lines, *textwrap.wrap(self.conclusion, WIDTH), ""]
+        )
 
     def page(self) -> str:
         """As HTML."""
@@ -58,7 +73,7 @@ class Scene:
         body = "".join(row.format("".join(f"<td>{html.escape(cell)}</td>" for cell in cells)) for cells in self.rows)
         return (
             f"<h2>{html.escape(self.title)}</h2><p>{html.escape(self.sentence)}</p>"
-            f"<table>{head}{body}</table><p><b>{html.escape(self.conclusion)}</b></p>"
+            f'<div class="wide"><table>{head}{body}</table></div><p><b>{html.escape(self.conclusion)}</b></p>'
         )
 
 
@@ -103,7 +118,10 @@ def _hertz(value: float | None) -> str:
 
 
 def _length(metres: float) -> str:
-    return f"{metres * 1e3:.2f} mm" if metres < 1 else f"{metres:.2f} m"
+    """With the unit that suits it, as the report on the terminal has it."""
+    if metres == 0:
+        return "0 m"
+    return f"{metres * 1e6:.3g} um" if metres < 1e-3 else f"{metres * 1e3:.3g} mm" if metres < 1 else f"{metres:.4g} m"
 
 
 COST = (
@@ -254,9 +272,9 @@ def plugged_in(recorded: Path) -> Scene:
     return scene
 
 
-PAGE = """<!doctype html><html lang="en"><meta charset="utf-8"><title>CMRC emulator: five scenes</title>
+PAGE = """<!doctype html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1"><title>CMRC emulator: five scenes</title>
 <style>body{{font:15px/1.5 sans-serif;max-width:64rem;margin:2rem auto;padding:0 1rem}}table{{border-collapse:collapse;margin:.5rem 0}}
-th,td{{border:1px solid #ccc;padding:.2rem .6rem;text-align:right;white-space:nowrap}}th:first-child,td:first-child{{text-align:left}}th{{background:#f0f0f0}}</style>
+th,td{{border:1px solid #ccc;padding:.2rem .6rem;text-align:right}}td{{white-space:nowrap}}th:first-child,td:first-child{{text-align:left;white-space:normal}}th{{background:#f0f0f0}}.wide{{overflow-x:auto}}</style>
 <h1>CMRC emulator: five scenes</h1>
 <p>Every number was measured just now, in runs of real C40 code on emulated DSPs. <i>missed</i>: share of the jobs that a machine without delay would
 have released in time. <i>load error</i>: RMS distance of the crane's load from where it would then be. <i>lag</i>: how far the crane's work was behind at the end.</p>

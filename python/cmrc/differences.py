@@ -12,7 +12,14 @@ from cmrc import _core, saved_result
 from cmrc.result import Result
 from cmrc.table import Table
 
-NO_METRIC = ("configuration", "elapsed_s", "reference_elapsed_s", "schema_version", "emulator_version")
+NO_METRIC = (
+    "configuration",
+    "configuration_toml",
+    "elapsed_s",
+    "reference_elapsed_s",
+    "schema_version",
+    "emulator_version",
+)
 """Keys of the report that are compared separately, or differ between two runs of the same configuration."""
 MISSING = "–"
 
@@ -130,7 +137,7 @@ Comparable = Result | Mapping[str, Any] | str | os.PathLike[str]
 def diff(left: Comparable, right: Comparable) -> Difference:
     """The differences between two results: each a ``Result``, a report (a dictionary), or a file of either.
 
-    Raises OSError; ValueError for a file that is neither a saved result nor a JSON report, and for a report of another
+    Raises OSError; ResultError for a file that is neither a saved result nor a JSON report, and for a report of another
     schema version.
     """
     (one, events), (other, beside) = _taken("left", left), _taken("right", right)
@@ -146,7 +153,7 @@ def _taken(name: str, of: Comparable) -> tuple[dict[str, Any], str | None]:
         try:
             return saved_result.checked_report(of), None
         except ValueError as error:
-            raise ValueError(f"{name}: {error}") from None
+            raise saved_result.ResultError(f"{name}: {error}") from None
     if not isinstance(of, (str, os.PathLike)):
         raise TypeError(
             f"{name}: {type(of).__name__} cannot be used; a Result, a report or the path of a file is expected"

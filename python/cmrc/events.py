@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cmrc import _core, files
-from cmrc.simulation import Setting, configured
+from cmrc.simulation import Given, configured
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -56,7 +56,7 @@ def built_in_tasks() -> tuple[str, ...]:
 
 def of_configuration(
     config: str | os.PathLike[str],
-    settings: Mapping[str, Setting] | None = None,
+    settings: Mapping[str, Given] | None = None,
     on_progress: Callable[[float, float], object] | None = None,
 ) -> Iterator[pa.RecordBatch]:
     """Runs a configuration and yields its events in batches of 0.1 s. ``on_progress(simulated_s, duration_s)`` is

@@ -75,7 +75,8 @@ def explain(report: Mapping[str, Any], n: int | None = None) -> str:
             )
         n = min(range(len(misses)), key=lambda i: due_ps(misses[i]))
     if not -len(misses) <= n < len(misses):
-        raise IndexError(f"n: {n}; the report lists {len(misses)} missed jobs one by one, 0 to {len(misses) - 1}")
+        listed = f"{len(misses)} missed jobs one by one, 0 to {len(misses) - 1}" if misses else "no missed job"
+        raise IndexError(f"n: {n} is out of range; the report lists {listed}")
     return " ".join(_sentences(misses, misses[n]))
 
 

@@ -3,6 +3,7 @@ would be enough, how fast the servo could be."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -22,6 +23,7 @@ NOT_RUN: Mapping[str, Any] = {
     "starved_intervals": 0,
     "errors": None,
 }
+"""Of a point beside its ``value`` and the ``realised`` value."""
 Point = dict[str, Any]
 
 
@@ -60,11 +62,12 @@ class Scan:
 
     def text(self) -> str:
         lines = [f"\n{self.meaning} ({self.key})"]
-        lines += [f"  {point['value']:>9g}  {_outcome(point)}{_cost(point)}" for point in self.points]
+        lines += [f"  {_value(point):>9}  {_outcome(point)}{_cost(point)}" for point in self.points]
         limit, points = self.limit(), self._by_ease()
         if limit is not None:
             passes = "every point up to it" if self.more_is_harder else "every point from it on"
-            lines.append(f"  limit: {limit:g}; {passes} passes")
+            at = next(point for point in points if point["value"] == limit)
+            lines.append(f"  limit: {_value(at)}; {passes} passes")
         elif not points or points[0]["ran"]:
             lines.append("  no limit: the easiest point does not pass")
         else:
@@ -142,7 +145,7 @@ class Scans:
         if len(set(values)) < len(values):
             raise _core.cmrc.ConfigError(f"limits: the grid of {scan.name} has a value twice; each is run once")
         for value in values:
-            point = {"value": value, **NOT_RUN}
+            point: Point = {"value": value, "realised": None, **NOT_RUN}
             scan.points.append(point)
             whole = scan.name == DSPS and value == int(value)
             try:
@@ -152,6 +155,7 @@ class Scans:
             except _core.cmrc.ConfigError as error:
                 point["refused"] = str(error)
                 continue
+            point["realised"] = _realised(scan.name, value, config)
             group = _core.cmrc.reference_key(config) if self.errors else ""
             self._jobs.append(_Job(point, config.to_toml(), group))
         return scan
@@ -198,6 +202,19 @@ def standard(config: _core.cmrc.Config) -> tuple[list[float], list[float], list[
         [float(dsps) for dsps in range(1, 9)],
         [refreshes / interval for interval in range(2 * servo, 1, -1)],
     )
+
+
+def _realised(scan: str, value: float, config: _core.cmrc.Config) -> float:
+    """The value that runs: a rate is the refresh rate divided by a whole number."""
+    if scan != SERVO:
+        return value
+    return float(config.to_dict()["rates.refresh_frequency_hz"]) / config.intervals()["N_p"]
+
+
+def _value(point: Point) -> str:
+    value, realised = point["value"], point["realised"]
+    same = realised is None or math.isclose(value, realised, rel_tol=1e-6)
+    return f"{value:g}" if same else f"{value:g} (runs at {realised:g})"
 
 
 def _outcome(point: Point) -> str:

@@ -3,6 +3,7 @@ every 15 s."""
 
 from __future__ import annotations
 
+import os
 import sys
 import threading
 import time
@@ -26,6 +27,16 @@ BEAT_S = 0.5
 def _can_change(stream: TextIO | None) -> bool:
     """A line that was shown can be written over: on a terminal, and below the cell of a notebook."""
     return stream is not None and (stream.isatty() or type(stream).__module__.startswith("ipykernel"))
+
+
+def _room(stream: TextIO | None) -> int | None:
+    """How long a line may be: one character less than the terminal is wide now, so that it stays one line. None: the
+    stream has no width."""
+    try:
+        columns = os.get_terminal_size(stream.fileno()).columns if stream is not None else 0
+    except (OSError, ValueError):  # no terminal; no descriptor
+        return None
+    return columns - 1 if columns > 0 else None
 
 
 class ProgressLine:
@@ -54,7 +65,9 @@ class ProgressLine:
             self.last = time_s
             line = f"{self.what}: {text}"
             if self.every_s == TERMINAL_S:
-                self._write("\r" + line.ljust(self.width))
+                room = _room(self.stream)
+                line = line[:room]
+                self._write("\r" + line.ljust(self.width)[:room])
                 self.width = len(line)
             else:
                 self._write(line + "\n")
@@ -99,7 +112,7 @@ class ProgressLine:
         """Erases the line, for other output."""
         with self._lock:
             if self.width:
-                self._write("\r" + " " * self.width + "\r")
+                self._write("\r" + (" " * self.width)[: _room(self.stream)] + "\r")
                 self.width = 0
 
     def __enter__(self) -> Self:

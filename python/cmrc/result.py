@@ -92,7 +92,7 @@ class Result:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:
-        """Reads a result that ``save`` wrote. Raises OSError; ValueError with the file's name for any other file."""
+        """Reads a result that ``save`` wrote. Raises OSError; ResultError with the file's name for any other file."""
         from cmrc import saved_result
 
         return cls(**saved_result.load(path))

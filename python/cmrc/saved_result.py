@@ -26,7 +26,11 @@ _LARGEST = 1 << 32  # limit of one unpacked member: a damaged file cannot reques
 _LARGEST_REPORT = 1 << 29
 
 
-class SchemaError(Error, ValueError):
+class ResultError(Error, ValueError):
+    """A file that is neither a saved result nor a report."""
+
+
+class SchemaError(ResultError):
     """A report of another schema: its keys have other meanings."""
 
 
@@ -57,7 +61,7 @@ def is_archive(path: str | os.PathLike[str]) -> bool:
 
 
 def load(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """The parts of a ``Result``. Raises OSError; ValueError with the file's name for a file that is not a result."""
+    """The parts of a ``Result``. Raises OSError; ResultError for a file that is not a result."""
     name = arguments.path("path", path, "the path of a result that Result.save wrote")
     with files.open_anywhere(name) as file:
         try:
@@ -66,7 +70,7 @@ def load(path: str | os.PathLike[str]) -> dict[str, Any]:
         except SchemaError as error:
             raise SchemaError(f"{name}: {error}") from None
         except Exception as error:  # zipfile and its decompressors raise errors of many kinds for a damaged file
-            raise ValueError(f"{name}: no saved result ({files.reason(error)}); Result.save writes one") from error
+            raise ResultError(f"{name}: no saved result ({files.reason(error)}); Result.save writes one") from error
 
 
 def _unpacked(archive: zipfile.ZipFile) -> dict[str, Any]:
@@ -109,8 +113,13 @@ def check_schema(report: Mapping[str, Any]) -> None:
     by = f", written by emulator {report['emulator_version']}" if "emulator_version" in report else ""
     if isinstance(found, int) and found > max(SCHEMA_VERSIONS):
         what = "a cmrc as new as its writer reads it"
+    elif "configuration_toml" in report:
+        what = "the run is to be made again: cmrc.run(config=report), with the report as a dictionary"
     else:
-        what = 'the run is to be made again, its settings are under "configuration" (cmrc.run(settings=...))'
+        what = (
+            'the run is to be made again: cmrc.run(settings=report["configuration"]), with its events, tasks and '
+            "processes, which are not in the report"
+        )
     raise SchemaError(
         f"the report has schema version {found}{by}; cmrc {_core.cmrc.emulator_version} reads {known}: {what}"
     )
@@ -128,7 +137,7 @@ def checked_report(report: Any) -> dict[str, Any]:
 
 
 def load_report(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """The report of a saved result, or of a JSON report (``emulator --report``). Raises OSError, ValueError."""
+    """The report of a saved result, or of a JSON report (``emulator --report``). Raises OSError, ResultError."""
     name = arguments.path("path", path, "the path of a saved result or a JSON report")
     if is_archive(name):
         report: dict[str, Any] = load(name)["report"]
@@ -138,7 +147,10 @@ def load_report(path: str | os.PathLike[str]) -> dict[str, Any]:
     except SchemaError as error:
         raise SchemaError(f"{name}: {error}") from None
     except (ValueError, RecursionError) as error:
-        raise ValueError(f"{name}: neither a saved result nor a JSON report ({files.reason(error)})") from error
+        raise ResultError(
+            f"{name}: neither a saved result nor a JSON report ({files.reason(error)}); what Result.save or emulator "
+            "--report writes is expected"
+        ) from error
 
 
 def _packed(table: Table) -> bytes:

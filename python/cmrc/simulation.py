@@ -39,18 +39,24 @@ Snapshot = _core.cmrc.Snapshot
 _LARGEST_SNAPSHOT = 1 << 32
 _NO_WAY_BACK = "what is collected beside the run cannot be taken back"
 Setting = bool | int | float | str
+Source = str | os.PathLike[str] | Mapping[str, Any]
+"""Of a configuration: a TOML file, or the report of a run, which is made again."""
+Given = Setting | os.PathLike[str] | np.bool_ | np.number[Any]
+"""What may be given as a setting."""
 Progress = Callable[[float, float], bool | None]
 
 
 def configured(
-    config: str | os.PathLike[str] | None,
+    config: Source | None,
     preset: str | None,
-    settings: Mapping[str, Setting] | None,
-    events: Sequence[Mapping[str, Setting]],
+    settings: Mapping[str, Given] | None,
+    events: Sequence[Mapping[str, Given]],
     keywords: Mapping[str, object],
 ) -> _core.cmrc.Config:
     """A configuration from the arguments common to all runs. Raises ConfigError; TypeError with the argument's name."""
-    file = None if config is None else arguments.path("config", config, "the path of a TOML file")
+    is_report = isinstance(config, Mapping)
+    toml = _configuration_of(config) if isinstance(config, Mapping) else None
+    file = None if config is None or is_report else arguments.path("config", config, "the path of a TOML file")
     name = None if preset is None else arguments.text("preset", preset, "the name of a preset")
     given = arguments.mapping("settings", settings, 'a dictionary of keys and values, {"machine.dsps": 2},')
     given |= keywords
@@ -60,7 +66,18 @@ def configured(
         for n, event in enumerate(arguments.items("events", events, "a list of dictionaries"))
     ]
     rows = [{key: _plain(f"events[{n}].{key}", value) for key, value in row.items()} for n, row in enumerate(rows)]
-    return _core.cmrc.config(file=file, preset=name, settings=given, events=rows)
+    return _core.cmrc.config(file=file, toml=toml, name="config", preset=name, settings=given, events=rows)
+
+
+def _configuration_of(report: Mapping[str, Any]) -> str:
+    """The configuration of a report as TOML. Raises ConfigError."""
+    toml = report.get("configuration_toml")
+    if isinstance(toml, str):
+        return toml
+    raise ConfigError(
+        'config: a dictionary without "configuration_toml"; the path of a TOML file is expected, or a report of this '
+        "version of cmrc or a later one"
+    )
 
 
 def _plain(key: str, value: object) -> object:
@@ -130,11 +147,13 @@ class Simulation:
 
     Every setting of docs/configuration.md may be given: in ``settings`` with its dotted name, or as a keyword with its
     last part if only one table has it (``dsps``, ``duration_s``, ``seed``, ``idle_policy``, ...). ``config`` is a TOML
-    file, ``preset`` one of those of docs/configuration.md. Later ones win: defaults, preset, file, settings. ``events``
-    are dictionaries with the fields of ``[[events]]``. With ``profile`` the result has the DSPs' cycles by place; the
-    run is slower and otherwise the same. With ``keep_events`` the result has the event trace, about 25 MB per simulated
-    second. ``reference`` is the ideal run for the errors, from an earlier run (``Simulation.reference``) that differs
-    only in the number of DSPs, their speed and failures; without it, the ideal run is made at the same time.
+    file, or the report of a run, whose configuration it has (``result.report``, or the JSON that ``emulator --report``
+    wrote). ``preset`` is one of those of docs/configuration.md. Later ones win: defaults, preset, file, ``settings``,
+    keywords. ``events`` are dictionaries with the fields of ``[[events]]``. With ``profile`` the result has the DSPs'
+    cycles by place; the run is slower and otherwise the same. With ``keep_events`` the result has the event trace,
+    about 25 MB per simulated second. ``reference`` is the ideal run for the errors, from an earlier run
+    (``Simulation.reference``) that differs only in the number of DSPs, their speed and failures; without it, the ideal
+    run is made at the same time.
 
     One thread at a time may use a run. Inside a callback it may be read (``result``, ``tasks``, ``dsp``), but neither
     changed nor run; everything else is a RuntimeError at once. Raises ConfigError; c40.AssemblyError if ``programs``
@@ -145,10 +164,10 @@ class Simulation:
     def __init__(
         self,
         *,
-        config: str | os.PathLike[str] | None = None,
+        config: Source | None = None,
         preset: str | None = None,
-        settings: Mapping[str, Setting] | None = None,
-        events: Sequence[Mapping[str, Setting]] = (),
+        settings: Mapping[str, Given] | None = None,
+        events: Sequence[Mapping[str, Given]] = (),
         profile: bool = False,
         keep_events: bool = False,
         reference: Reference | None = None,
@@ -173,7 +192,7 @@ class Simulation:
         self._recorded = False
         self._debugger: Debugger | None = None
 
-    def at(self, at_s: float, action: str, **fields: Setting) -> None:
+    def at(self, at_s: float, action: str, **fields: Given) -> None:
         """Adds an event at ``at_s``, not before the present time, with the fields of docs/configuration.md,
         ``[[events]]``.
 
@@ -257,7 +276,8 @@ class Simulation:
 
     def fork(self) -> Simulation:
         """Another run with the same past. Later changes of one (``at``, ``dsp``) do not affect the other. It is neither
-        recorded, nor does it keep events; raises RuntimeError with ``profile``."""
+        recorded, nor does it keep events; raises RuntimeError with ``profile``. The files of its configuration are read
+        again: from the same working folder, if their paths are relative."""
         return self._around(self._core.fork(), self.config)
 
     @classmethod
@@ -329,10 +349,10 @@ def run(
     dsps: int | None = None,
     duration_s: float | None = None,
     *,
-    config: str | os.PathLike[str] | None = None,
+    config: Source | None = None,
     preset: str | None = None,
-    settings: Mapping[str, Setting] | None = None,
-    events: Sequence[Mapping[str, Setting]] = (),
+    settings: Mapping[str, Given] | None = None,
+    events: Sequence[Mapping[str, Given]] = (),
     profile: bool = False,
     keep_events: bool = False,
     reference: Reference | None = None,

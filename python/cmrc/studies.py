@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 import math
-import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from cmrc import _core, arguments
 from cmrc.keywords import listed
 from cmrc.limit_scans import Scans
-from cmrc.simulation import Progress, Setting, configured
+from cmrc.simulation import Given, Progress, Source, configured
 from cmrc.table import Table
 
 if TYPE_CHECKING:
@@ -66,6 +65,13 @@ class Comparison:
     def __getitem__(self, metric: str) -> dict[str, Any]:
         return dict(self.report["metrics"][metric])
 
+    def __contains__(self, metric: object) -> bool:
+        return metric in self.report["metrics"]
+
+    def __iter__(self) -> Iterator[str]:
+        """The metrics' names."""
+        return iter(self.report["metrics"])
+
     def __repr__(self) -> str:
         return f"<cmrc.Comparison: {len(self.report['metrics'])} metrics over {self.report['duration_s']} s>"
 
@@ -86,10 +92,10 @@ def limits(
     dsps: Iterable[float] | None = None,
     servo: Iterable[float] | None = None,
     errors: bool = False,
-    config: str | os.PathLike[str] | None = None,
+    config: Source | None = None,
     preset: str | None = None,
-    settings: Mapping[str, Setting] | None = None,
-    events: Sequence[Mapping[str, Setting]] = (),
+    settings: Mapping[str, Given] | None = None,
+    events: Sequence[Mapping[str, Given]] = (),
     on_progress: Callable[[int, int], object] | None = None,
     **keywords: Unpack[LimitsSettings],
 ) -> Limits:
@@ -125,10 +131,10 @@ def scans_of(
 @listed
 def compare(
     *,
-    config: str | os.PathLike[str] | None = None,
+    config: Source | None = None,
     preset: str | None = None,
-    settings: Mapping[str, Setting] | None = None,
-    events: Sequence[Mapping[str, Setting]] = (),
+    settings: Mapping[str, Given] | None = None,
+    events: Sequence[Mapping[str, Given]] = (),
     on_progress: Progress | None = None,
     **keywords: Unpack[Settings],
 ) -> Comparison:

@@ -53,12 +53,12 @@ def grid(sweep: Sweep, axes: Axes, x: str | None = None, lines: str | None = Non
         means = np.array([spread.mean if spread.n else math.nan for _, spread in points])
         low = np.array([spread.mean - spread.low if spread.varies else 0.0 for _, spread in points])
         high = np.array([spread.high - spread.mean if spread.varies else 0.0 for _, spread in points])
-        label = None if lines is None else f"{_short(lines)} = {_value(value)}"
+        label = None if lines is None else f"{_short(lines)} = {_cut(_value(value))}"
         axes.errorbar(
             at, means, yerr=[low, high], label=label, marker=MARKS[n % len(MARKS)], ms=5, lw=1.3, capsize=3, **style(n)
         )
     if words:
-        axes.set_xticks(range(len(names)), [_value(name) for name in names])
+        _name_ticks(axes, [_value(name) for name in names])
     elif all(isinstance(name, int) for name in names):
         axes.locator_params(axis="x", integer=True)
     unit = metrics.unit_of(metric)
@@ -160,6 +160,29 @@ def _labelled(name: str) -> str:
 
 def _value(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+MOST_OF_A_NAME = 28
+"""Characters of a name in a plot."""
+TICKS_IN_A_ROW = 60
+"""Characters that have room below an axis, side by side."""
+
+
+def _cut(name: str) -> str:
+    """What distinguishes names is often at their ends: one that is too long loses its middle."""
+    if len(name) <= MOST_OF_A_NAME:
+        return name
+    half = (MOST_OF_A_NAME - 1) // 2
+    return f"{name[: MOST_OF_A_NAME - 1 - half]}…{name[-half:]}"
+
+
+def _name_ticks(axes: Axes, names: Sequence[str]) -> None:
+    """One tick for each name; slanted where they would lie on each other."""
+    cut = [_cut(name) for name in names]
+    shown = cut if len(set(cut)) == len(set(names)) else list(names)
+    slanted: dict[str, Any] = {"rotation": 25, "ha": "right", "rotation_mode": "anchor"}
+    crowded = len(names) * (max(map(len, shown)) + 2) > TICKS_IN_A_ROW
+    axes.set_xticks(range(len(names)), shown, **(slanted if crowded else {}))
 
 
 __all__ = ["cost", "grid"]

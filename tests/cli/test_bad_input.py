@@ -24,6 +24,8 @@ def files_of(directory: Path) -> set[str]:
         (["--dsps", "10000"], ["--dsps", "16"]),
         (["--dsps", "-1"], ["--dsps"]),
         (["--dsps", "many"], ["--dsps"]),
+        (["--dsps", "1", "--dsps", "2"], ["--dsps: given 2 times; once is expected"]),
+        (["exec", "x.asm", "--entry", "a", "--entry", "b"], ["--entry: given 2 times; once is expected"]),
         (["--duration", "-5"], ["--duration"]),
         (["--duration", "soon"], ["--duration"]),
         (["--preset", "hevy"], ["hevy", "heavy"]),
@@ -36,6 +38,10 @@ def files_of(directory: Path) -> set[str]:
         (["--trace-window", "5:2", "--trace", "t"], ["--trace-window", "5:2"]),
         (["--trace-window", "0:1"], ["--trace-window", "--trace"]),
         (["--trace-instructions", "9", "--trace", "t"], ["--trace-instructions", "9"]),
+        (
+            ["--trace-instructions", "1", "--trace", "t", "--set", "run.ideal=true"],
+            ["--trace-instructions", "no DSP 1; 0 to 0"],
+        ),
         (["--trace-labels", "--trace", "t"], ["--trace-labels", "--trace-instructions"]),
         (["exec", "x.asm", "--trace-labels"], ["--trace-labels", "--trace FILE"]),
         (["--set", "gamma"], ["--set", "KEY=VALUE"]),
@@ -66,6 +72,7 @@ def test_arguments(run, tmp_path: Path, arguments: list[str], messages: list[str
     [
         ("[machine]\ndspss = 4\n", ["c.toml:2:", "dspss", "dsps"]),
         ('[machine]\ndsps = "four"\n', ["c.toml:2:", "dsps", "integer"]),
+        ("dsps = 2\n", ["c.toml:1:1: dsps: no such key outside a table; machine.dsps is expected, below [machine]"]),
         ("[machine]\ndsps = 10000\n", ["c.toml:2:", "dsps", "16"]),
         ("[rates]\nrefresh_frequency_hz = 1500\n", ["c.toml", "refresh_frequency_hz"]),  # f_s >= 2 f_p
         ("[scheduling]\nq = 0x5000\n", ["q"]),  # 0 < q < p

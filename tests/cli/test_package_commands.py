@@ -37,3 +37,25 @@ def test_a_file_that_is_not_there_or_no_folder(
     assert main(given) == 2
     assert capsys.readouterr() == ("", says)
     assert [path.name for path in tmp_path.iterdir()] == ["file"] and Path("file").read_text() == "kept"
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        (["--dsps", "four"], 'machine.dsps: "four" is a string; an integer from 1 to 16 is expected'),
+        (["--duration", "2s"], 'run.duration_s: "2s" is a string; a number from 1e-06 to 86400 is expected (s)'),
+        (["--seed", "a"], 'run.seed: "a" is a string; an integer of at least 0 is expected'),
+    ],
+)
+@pytest.mark.parametrize("name", ["limits", "compare"])
+def test_a_wrong_value_of_a_setting_is_refused_as_the_emulator_does(
+    name: str, given: list[str], says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([name, *given]) == 2
+    assert capsys.readouterr() == ("", f"cmrc {name}: {says}\n")
+
+
+def test_a_grid_for_the_number_of_dsps_is_told_its_option(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["limits", "--dsps", "1:8"]) == 2
+    says = "--dsps: '1:8' is a grid, and --dsps is the number of DSPs of every point; --dsps-grid 1:8 is expected"
+    assert capsys.readouterr() == ("", f"cmrc limits: {says}\n")

@@ -66,12 +66,27 @@ def test_the_hash_repeats_and_depends_on_the_run_only(report_of) -> None:
     ):
         other = report_of("--dsps", 3, *same)
         assert other["hash"] == plain["hash"], same
-        apart = ("elapsed_s", "reference_elapsed_s", "configuration")
+        apart = ("elapsed_s", "reference_elapsed_s", "configuration", "configuration_toml")
         assert {key: value for key, value in other.items() if key not in apart} == {
             key: value for key, value in plain.items() if key not in apart
         }
     assert report_of("--dsps", 2)["hash"] != plain["hash"]
     assert report_of("--dsps", 3, "--idle-policy", "pause")["hash"] != plain["hash"]
+
+
+def test_a_dsp_that_is_plugged_in_later_has_an_instruction_trace(run, tmp_path: Path) -> None:
+    (tmp_path / "later.toml").write_text(
+        '[machine]\ndsps = 1\nslots = 3\n[[events]]\nat_s = 0.01\naction = "plug"\ndsp = 2\n'
+    )
+    result = run("--config", "later.toml", "--duration", SHORT, "--quiet", "--trace", "t", "--trace-instructions", 2)
+    assert result.returncode == 0, result.stderr
+    assert float((tmp_path / "t.dsp2").read_text().splitlines()[1].split()[0]) >= 0.01
+
+
+@pytest.mark.parametrize("given", [["--dsps", "2", "--set", "dsps=3"], ["--set", "machine.dsps=3", "--dsps", "2"]])
+def test_a_flag_holds_over_set_in_whatever_order(run, tmp_path: Path, given: list[str]) -> None:
+    assert run(*given, "--duration", "0.021", "--quiet", "--report", "r.json").returncode == 0
+    assert json.loads((tmp_path / "r.json").read_text())["configuration"]["machine.dsps"] == 2
 
 
 def test_traces_are_of_their_window_and_in_order(run, tmp_path: Path) -> None:

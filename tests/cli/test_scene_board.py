@@ -65,6 +65,14 @@ def test_the_clock_of_the_board_is_that_of_the_chip(tmp_path: Path) -> None:
     assert slow.hash == cmrc.run(dsps=2, duration_s=0.05, dsp_clock="C40-40").hash
 
 
+def test_a_slow_clock_is_one_of_whole_hertz(tmp_path: Path) -> None:
+    """33333334 / 2 Hz at 0.333333 and some ppm is no fraction that a clock could have."""
+    events = [{"at_s": 0.01, "action": "slow", "dsp": 1, "factor": 0.333333}]
+    slow = run(tmp_path, "clock_mhz = 33.333334\n" + DEFAULT, phase_jitter=True, events=events)
+    cycles = [dsp["cycles"] for dsp in slow.report["dsps"]]
+    assert cycles[1] / cycles[0] == pytest.approx((1 + 4 * 0.333333) / 5, rel=0.01)
+
+
 def test_wait_states_of_the_program_memory(tmp_path: Path) -> None:
     """A kernel's straight code misses the cache and waits twice for its fetch; of the dock, execution gets longer, not
     wrong."""

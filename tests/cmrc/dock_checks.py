@@ -158,9 +158,8 @@ def differences(one: Any, other: Any, path: str = "") -> list[str]:
 
 
 def without_the_clock(report: Report) -> Report:
-    return {
-        key: part for key, part in report.items() if key not in ("elapsed_s", "reference_elapsed_s", "configuration")
-    }
+    apart = ("elapsed_s", "reference_elapsed_s", "configuration", "configuration_toml")
+    return {key: part for key, part in report.items() if key not in apart}
 
 
 def in_pieces(config: Any, draw: random.Random, duration_s: float) -> Report:

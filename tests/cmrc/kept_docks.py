@@ -113,7 +113,7 @@ PARTS: dict[str, tuple[str, ...]] = {
     "chips": ("dsps", "buses", "links", "nets", "host"),
 }
 """Parts of a report that have a digest of their own; the others share one, apart from what differs from run to run."""
-LEFT_OUT = ("elapsed_s", "reference_elapsed_s", "emulator_version", "configuration")
+LEFT_OUT = ("elapsed_s", "reference_elapsed_s", "emulator_version", "configuration", "configuration_toml")
 
 
 def digests_of(dock: Dock, programs: Path) -> str:

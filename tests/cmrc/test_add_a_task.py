@@ -138,7 +138,17 @@ def test_importance_row_decides_between_waiting_and_due(desk: Path) -> None:
             "period_ms = 0.05",
             "0.125 is the shortest period, or more rates.refresh_frequency_hz is expected",
         ),
-        ("parameter_0", "parameter_1", "parameter"),
+        (
+            "parameter_0",
+            "parameter_1",
+            "tasks.parameter_1: is given without parameter_0; parameter_0, parameter_1, ... without a gap are expected",
+        ),
+        (
+            "parameter_0 = 0.02",
+            "\n".join(f"parameter_{n} = {n}" for n in range(33)),
+            "tasks.parameter_32: no such parameter; at most 32 are expected, parameter_0 to parameter_31",
+        ),
+        ("parameter_0", "parameter_00", "tasks.parameter_00: no such parameter; at most 32 are expected"),
         ("deadline_ms", "deadlin_ms", "tasks.deadlin_ms: no such field"),
     ],
 )

@@ -2,14 +2,21 @@
 and the run survives it."""
 
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
+import cmrc as package
+import numpy as np
 import pytest
 from audited_run import programs_with, run
 from cmrc import _core
+from locations import ROOT
+from traced_run import events_of
 
 cmrc = _core.cmrc
+KIND_PID = 6
+REFRESH, MILLISECOND = 125_000_000, 10**9  # ps
 
 
 def failures(report: dict[str, Any], kind: str) -> list[dict[str, Any]]:
@@ -145,3 +152,81 @@ def test_the_status_of_a_run_that_ends_or_is_ended(
     )
     simulation.run(lambda simulated_s, _: simulated_s < stop_at_s)
     assert (json.loads(simulation.report_json())["stop_reason"], simulation.exit_status) == (reason, status)
+
+
+def test_a_servo_block_that_runs_again_is_of_the_refresh_that_offers_it(tmp_path: Path) -> None:
+    """PID takes its set-point at TB_TICK, and reads the encoders when it runs. One DSP dies in PID, and boots again
+    while the block waits: TB_TICK follows the refreshes, but the job keeps its deadline."""
+    freeze = '[[events]]\nat_s = 0.0501\naction = "freeze"\ndsp = 0\n'
+    found, report = events_of(tmp_path, "--dsps", 1, "--duration", 0.07, toml=freeze)
+    pid = [(time, name, what) for time, _, name, what in found
+           if name in ("claim", "requeue") and what["kind"] == KIND_PID]  # fmt: skip
+    again = [name for _, name, _ in pid].index("requeue") + 1
+    (_, _, first), (put_back_at, _, put_back), (claimed_at, _, second), (_, _, after) = pid[again - 2 : again + 2]
+    assert first["tick"] == 400 and second["generation"] == put_back["generation"]
+    assert claimed_at - put_back_at > 2 * MILLISECOND  # it waits for the only DSP
+    assert second["tick"] == claimed_at // REFRESH
+    assert after["tick"] % 8 == 0 and after["tick"] > second["tick"]
+    assert report["tasks"]["pid"]["late"] >= 1 and report["host"]["recomputed"] == 1
+
+
+@pytest.mark.parametrize("dsps", [2, 1])
+def test_a_dsp_that_dies_in_pid_does_not_jerk_the_crane(dsps: int) -> None:
+    """In motion the set-point of two ticks before would give full torque, by slew, hoist and rotator."""
+    settings = {"report.reference": "none", "report.signal_decimation": 1}
+    at = 3.9511
+    quiet, disturbed = (
+        package.run(dsps=dsps, duration_s=3.98, settings=settings, events=events)
+        for events in ([], [{"at_s": at, "action": "freeze", "dsp": dsp} for dsp in range(dsps)])
+    )
+    assert "of kind pid" in "".join(f["message"] for f in failures(disturbed.report, "watchdog"))
+    for joint in ("psi", "phi", "l", "kappa"):
+        name = f"{joint}_code"
+        after = disturbed.signals["time_s"] > at
+        difference = np.abs(disturbed.signals[name] - quiet.signals[name])[after]
+        assert difference.max() < 1000, joint
+
+
+def test_a_pid_that_was_given_up_is_still_demanded(tmp_path: Path) -> None:
+    """Its ticks are dropped until the operator clears the error, and the drives that wait for it end the account."""
+    shutil.copytree(ROOT / "c40_programs", tmp_path / "programs")
+    source = tmp_path / "programs/kernels/pid.asm"
+    stuck = "        ldi     @TASK + TB_TICK, r0\n        subi    4000, r0\n        cmpi    400, r0\npid_stuck:\n"
+    source.write_text(
+        source.read_text().replace("\nkernel_pid:\n", f"\nkernel_pid:\n{stuck}        blo     pid_stuck\n")
+    )
+    settings = {"machine.programs": str(tmp_path / "programs"), "dsps": 4, "duration_s": 2.0, "run.after_stop_s": 0.6}
+    report = run([], **settings)
+    pid = report["tasks"]["pid"]
+    # On from the tick at 20 ms on. PID hangs at the tick at 500 ms; the drives wait 100 ms for its codes.
+    assert report["stop_reason"] == "drives_stopped"
+    assert 1.19 < report["account_end_s"] < 1.21
+    assert pid["on_time"] == 480 and pid["released"] == 480 + pid["dropped"]
+    assert pid["released"] == pytest.approx(1000 * report["account_end_s"] - 20, abs=1)
+
+    clear = {"at_s": 0.9, "action": "set", "key": "errors.clear", "value": True}
+    report = run([clear], **settings)
+    pid = report["tasks"]["pid"]
+    assert report["stop_reason"] == "completed"
+    assert pid["released"] == 1980 and pid["dropped"] == pytest.approx(400, abs=2)
+
+
+def test_a_drive_that_is_off_does_no_work() -> None:
+    """Both DSPs fail; the codes stay, also that of the hoist with its load. The drives time out 100 ms later."""
+    events = [{"at_s": 0.5, "action": "fail", "dsp": dsp} for dsp in range(2)]
+    efforts = []
+    for after_stop in (0.5, 1.5):
+        result = package.run(
+            dsps=2,
+            duration_s=3.0,
+            events=events,
+            settings={"run.after_stop_s": after_stop, "report.signal_decimation": 1, "report.reference": "none"},
+        )
+        efforts.append(result.report["control_cost"]["drive_s"])
+    assert efforts[0] == efforts[1]
+    times = result.signals["time_s"]
+    codes = [result.signals[f"{joint}_code"] for joint in ("s", "psi", "phi", "l", "kappa")]
+    assert max(abs(code[-1]) for code in codes) > 100
+    [on_until] = {f["time_s"] for f in result.report["failures"] if "drive_stopped" in f["message"]}
+    on = times < on_until
+    assert efforts[0] == pytest.approx(125e-6 * sum(np.sum((code[on] / 2047) ** 2) for code in codes), rel=1e-3)

@@ -90,6 +90,17 @@ def test_a_point_that_is_not_allowed_is_refused_and_the_others_are_run() -> None
     assert dsps["limit"] == 2 and [point["refused"] is None for point in dsps["points"]] == [True, False, False]
 
 
+def test_a_rate_that_does_not_exist_is_shown_with_the_one_that_runs() -> None:
+    found = cmrc.limits(servo=[3000, 4000], duration_s=0.025, dsps=[2, 99])
+    asked, exact = found.report["scans"]["servo"]["points"]
+    assert (asked["value"], asked["realised"], exact["realised"]) == (3000, 4000, 4000)
+    assert "  3000 (runs at 4000)  no miss\n" in found.text and "limit: 4000;" in found.text
+    two, refused = found.report["scans"]["dsps"]["points"]
+    assert (two["realised"], refused["realised"]) == (2, None) and "\n          2  no miss" in found.text
+    report = cmrc.run(duration_s=0.025, servo_frequency_hz=3000.0).report  # independently: what the run itself says
+    assert report["rates"]["f_p"]["nominal_hz"] == asked["realised"]
+
+
 def test_a_scan_gives_the_same_twice() -> None:
     once, twice = (cmrc.limits(cycles=[1, 8, 16, 32], duration_s=0.02, settings=AT_ONCE).report for _ in range(2))
     assert once == twice

@@ -194,6 +194,8 @@ def test_a_processs_steps_decide_when_the_servo_runs() -> None:
     ('[[subprocesses]]\nnumber = 1\nname = "x"\ncrane = "pid"\nrelease = "point"\n', "own.toml:1:1", "sub-process 1: only the name"),
     ('[[subprocesses]]\nnumber = 6\nname = "x"\nagv = "user.y"\nrelease = "interval"\n', "own.toml:1:1", '"user.y" is not a task for an AGV'),
     ("processes = 3\n", "own.toml:1:13", "[[processes]] begins each of them"),
+    (row(4, "crane", 'subprocesses = [1, 2, 3, 4]\nsteps = ["leg 1"]\nmay = [3, 7, 8]\nmust = [3]\ninitial = [6]'), "built-in row of process 5 (emulator config --processes): processes.number",
+     "process 5: can never start: no process demands or consents to it (rows of yours: process 4 at own.toml:2:1); "),
 ])  # fmt: skip
 def test_a_table_without_sense_is_refused(toml: str, place: str, says: str) -> None:
     with pytest.raises(cmrc.ConfigError, match=re.escape(says)) as error:

@@ -401,3 +401,32 @@ def test_events_are_part_of_the_configuration_as_toml() -> None:
     toml = cmrc.config(events=events).to_toml()
     assert cmrc.config(toml=toml).to_toml() == toml
     assert toml.count("[[events]]") == 2
+
+
+@pytest.mark.parametrize(
+    "event",
+    [
+        {"action": "unplug", "dsp": 0},
+        {"action": "fail", "dsp": 1},
+        {"action": "slow", "dsp": 0, "factor": 0.001},
+        {"action": "pause_host", "lasts_ms": 20.0},
+        {"action": "stall_bus", "bus": "A", "lasts_ms": 20.0},
+        {"action": "set", "key": "host.per_block_ns", "value": 90000},
+        {"action": "set", "key": "scheduling.servo_loss_share", "value": 1.0},
+        {"action": "set", "key": "scheduling.p", "value": 0x3000},
+    ],
+    ids=lambda event: " ".join(str(value) for value in event.values()),
+)
+def test_in_an_ideal_run_an_event_that_is_added_is_as_one_of_the_configuration(event: dict[str, Any]) -> None:
+    """Failures of the machine do not happen there (report.md, Ideal); of DSP 1 neither, which an ideal run has not."""
+    settings = {"report.reference": "none", "run.ideal": True, "run.duration_s": 0.06, "machine.dsps": 2}
+    event = {"at_s": 0.03, **event}
+    given = cmrc.Simulation(cmrc.config(settings=settings, events=[event]))
+    given.run()
+    added = cmrc.Simulation(cmrc.config(settings=settings))
+    added.run_until(0.02)
+    added.at(event)
+    added.run()
+    given_report, added_report = (json.loads(simulation.report_json()) for simulation in (given, added))
+    assert added_report["hash"] == given_report["hash"]
+    assert added_report["timed_events"] == given_report["timed_events"]

@@ -85,19 +85,47 @@ def test_a_place_may_be_a_line_of_a_file(program: Path, tmp_path: Path) -> None:
         ("on", "an event is expected"), ("on miss", "is not an event"), ("when", "an expression is expected"), ("delete 9", "there is no stop condition 9"), ("delete x", "an integer of at least 0 is expected"),
         ("goto never", "is not an instant"), ("goto -1 s", "is not an instant"), ("goto 1 day", "s, ms, us, ns, ps or cycles"), ("goto 1e30 s", "9000000 s"), ("stepi -1", "an integer of at least 0 is expected"), ("out", "no caller"),
         ("print", "a value is expected"), ("print [0x40000000000]", "is no number|nothing can be read"), ("x", "a place is expected"), ("peripherals nothing", "begins with nothing"), ("page nothing", "is expected"),
-        ("set r0", "is expected"), ("set r0 = 1.5e99", "beyond"), ("set ar0 = 1.5", "holds integers"), ("set 0x50000000 = 1", "reserved"), ("chip 3", "there is no chip 3"), ("source /nowhere", "cannot be read"),
+        ("set r0", "is expected"), ("set r0 = 1.5e99", "beyond"), ("set r1 = 4294967296", "does not fit into r1"), ("set [total] = 4294967296", "does not fit into a word"), ("set [total] = -2147483649", "does not fit into a word"), ("set 100000000h = 1", "is not an address"),
+        ("watch r1 read", "of a register, only changes can be watched"), ("set ar0 = 1.5", "holds integers"), ("set 0x50000000 = 1", "reserved"), ("chip 3", "there is no chip 3"), ("source /nowhere", "cannot be read"),
         ("lastwrite", "a place is expected"), ("assert", "a value is expected"),
     ],
 )  # fmt: skip
 def test_commands_that_make_no_sense_say_what_would_be_right(
     program: Path, tmp_path: Path, command: str, message: str
 ) -> None:
-    done = debug(program, stdin=f"{command}\nprint 6 * 7\n")
-    assert done.returncode == 0
-    assert re.search(message, done.stdout), done.stdout
-    assert "42 (0000002Ah)" in done.stdout
     done = debug(program, "-x", script(tmp_path, command, "print 6 * 7"))
     assert done.returncode == 2 and "42 " not in done.stdout
+    assert re.search(message, done.stdout), done.stdout
+
+
+def test_where_nobody_sees_the_answer_the_first_command_that_fails_is_the_end(program: Path, tmp_path: Path) -> None:
+    for failing, status in (("brake", 2), ("break don", 2), ("assert r0 == 99", 1)):
+        piped = debug(program, stdin=f"print 3\n{failing}\nprint 6 * 7\n")
+        assert piped.returncode == status and f"standard input:2: {failing}" in piped.stdout
+        given = debug(program, "-e", "print 3", "-e", failing, stdin="print 6 * 7\n")
+        assert given.returncode == status and f"-e: {failing}" in given.stdout
+        both = debug(program, "-e", failing, "-x", script(tmp_path, "print 6 * 7"))
+        assert both.returncode == status
+        assert not any("42 (" in done.stdout for done in (piped, given, both))
+    assert debug(program, "-e", "print 3", stdin="print 6 * 7\nquit\nnonsense\n").returncode == 0
+
+
+def test_a_script_may_begin_with_the_mark_of_utf_8(program: Path, tmp_path: Path) -> None:
+    marked = tmp_path / "marked.txt"
+    marked.write_bytes(b"\xef\xbb\xbfprint 6 * 7\n")
+    for done in (debug(program, "-x", marked), debug(program, stdin=marked.read_text())):
+        assert done.returncode == 0 and "42 (" in done.stdout
+
+
+def test_a_comment_is_no_empty_line(program: Path) -> None:
+    done = debug(program, stdin="stepi\n# a comment\nassert instructions == 1\n")
+    assert done.returncode == 0, done.stdout
+
+
+def test_memory_beyond_what_is_shown_at_once_is_named(program: Path) -> None:
+    done = debug(program, stdin="x 300000h 5000\n")
+    assert done.stdout.splitlines()[-1] == "4096 words at most; the others begin with: x 00301000h 904"
+    assert "at most" not in debug(program, stdin="x 300000h 4096\n").stdout
 
 
 def test_words_that_other_debuggers_have(program: Path) -> None:
@@ -143,13 +171,12 @@ def test_the_dock_by_commands() -> None:
 
 def test_fields_and_options_of_an_event_stand_in_any_order() -> None:
     orders = ("on claim chip 2 task=pid", "on claim task=pid chip 2", "on claim ignore 0 task=pid chip 2")
-    done = debug(
-        *("--dsps", "3", "--duration", "0.1", "--set", "report.reference=none", *AT_ONCE_OPTIONS),
-        stdin="\n".join([*orders, "continue", "stops", "on claim chip 2 total", "on claim chip 2 =pid"]),
-    )
+    dock = ("--dsps", "3", "--duration", "0.1", "--set", "report.reference=none", *AT_ONCE_OPTIONS)
+    done = debug(*dock, stdin="\n".join([*orders, "continue", "stops"]))
     stops = re.findall(r"^\d: at claim .*met (\d+) times$", done.stdout, re.MULTILINE)
     assert stops == ["1", "1", "1"], done.stdout
-    assert done.stdout.count("the end of the command is expected") == 2
+    for order in ("on claim chip 2 total", "on claim chip 2 =pid"):
+        assert "the end of the command is expected" in debug(*dock, stdin=order).stdout
 
 
 def test_all_registers_of_the_processor_are_shown(program: Path) -> None:

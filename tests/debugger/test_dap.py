@@ -3,6 +3,7 @@ message."""
 
 import base64
 import json
+import re
 import socket
 import struct
 import subprocess
@@ -193,7 +194,7 @@ def test_memory_instructions_and_changes_by_hand(program: Path) -> None:
             editor.client.set_variable(scope.variablesReference, "R3", "f(total) * 0 + 1.5"),
             responses.SetVariableResponse,
         )
-        assert answer.value == "1.5"
+        assert re.fullmatch(r"1\.5 \(integer \d+\)", answer.value)
         editor.client.continue_(1)
         editor.stopped()
         assert editor.value("[total]").startswith(f"{100 + SUMS[-1]} ") and editor.value("f(r3)") == "1.5"

@@ -25,7 +25,7 @@ def leg_three(dsp: Dsp) -> list[Segment]:
 
 def test_leg_three_begins_at_the_point_of_the_lane_nearest_to_the_vehicle(dsp: Dsp) -> None:
     rng = random.Random(4)
-    for _ in range(20):
+    for tick in range(20):
         segments = random_leg(rng)
         where = rng.choice(segments)
         x, y, _ = pose_at(where, rng.uniform(0, where.length))
@@ -34,7 +34,7 @@ def test_leg_three_begins_at_the_point_of_the_lane_nearest_to_the_vehicle(dsp: D
         dsp.device(UNIT + dsp.symbols["AGV_X"], round(1e3 * x))
         dsp.device(UNIT + dsp.symbols["AGV_Y"], round(1e3 * y))
         want = cut_leg(segments, x, y)
-        result, notify, cycles = dsp.run("home_agv")
+        result, notify, cycles = dsp.run("home_agv", tick=tick)
         assert (result, notify) == (len(want), 0)
         assert cycles < 5000
         got = leg_three(dsp)
@@ -43,7 +43,9 @@ def test_leg_three_begins_at_the_point_of_the_lane_nearest_to_the_vehicle(dsp: D
             assert (g.x, g.y) == pytest.approx((w.x, w.y), abs=BOUND)
             assert abs(wrap(g.heading - w.heading)) < 1e-4
             assert (g.curvature, g.speed) == pytest.approx((w.curvature, w.speed), rel=1e-6)
-        dsp.run("home_agv")  # again, as after a failure
+        dsp.run("home_agv", tick=tick)  # again, as after a failure
+        assert leg_three(dsp) == got
+        dsp.run("home_agv", tick=100 + tick)  # another homing
         assert [g.length for g in leg_three(dsp)] == pytest.approx([g.length for g in got], abs=1e-4)
 
 

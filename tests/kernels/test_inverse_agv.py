@@ -65,13 +65,14 @@ def test_set_points_agree_with_the_reference(dsp: Dsp) -> None:
     assert clamped > 5 and stood > 5  # both branches were met
 
 
-def test_a_block_that_was_pushed_before_is_not_pushed_again(dsp: Dsp) -> None:
+@pytest.mark.parametrize("point", [0, 5])  # the first of a leg, another
+def test_a_block_that_was_pushed_before_is_not_pushed_again(dsp: Dsp, point: int) -> None:
     measure(dsp, 0, 0, 0, 0, 0)
     dsp.put("AG_PERIOD_US", 20000)
-    dsp.put("AG_PRODUCED", 5)
-    dsp.run("inverse_agv", 5)
+    dsp.put("AG_PRODUCED", point)
+    dsp.run("inverse_agv", point)
     dsp.device(UNIT + dsp.symbols["AGV_REAR_COMMAND"], 12345678)
-    assert dsp.run("inverse_agv", 5)[:2] == (6, 0)
+    assert dsp.run("inverse_agv", point)[:2] == (point + 1, 0)
     assert pushed(dsp)[3] == 12345678
 
 

@@ -28,6 +28,8 @@ def magnitudes(seed: int, count: int = 150) -> list[float]:
         4.0,
         3.0,
         1 - 2**-24,
+        2.0**-126,  # the ends of the page's range
+        (2 - 2**-22) * 2.0**125,
     ]
 
 
@@ -72,10 +74,13 @@ def test_arc_tangent_in_every_octant(dsp: Dsp) -> None:
 
 def test_wrapped_angle_stays_within_a_half_turn(dsp: Dsp) -> None:
     r = random.Random(5)
-    for x in (single(r.uniform(-1000, 1000)) for _ in range(200)):
+    seams = [
+        (2 * r.randint(-1590, 1590) + 1) * math.pi + r.choice((-1, 1)) * 10 ** r.uniform(-7, -3) for _ in range(200)
+    ]
+    for x in map(single, seams + [r.uniform(-1e4, 1e4) for _ in range(200)]):
         out = dsp.function("m_wrap", x)[0]
-        assert abs(out) <= math.pi + 1e-6
-        assert math.remainder(out - x, 2 * math.pi) == pytest.approx(0, abs=1e-8 + abs(x) * 2**-30)
+        assert abs(out) <= math.pi + 1e-8 + abs(x) * 2**-24
+        assert math.remainder(out - x, 2 * math.pi) == pytest.approx(0, abs=1e-8 + abs(x) * 2**-31)
 
 
 def test_hyperbolic_tangent(dsp: Dsp) -> None:

@@ -140,3 +140,16 @@ def test_ports_and_peripheral_registers_can_be_looked_at() -> None:
     assert processor.peripheral("timer0.period") == 8250
     with pytest.raises(IndexError, match="timer0.period"):
         processor.peripheral("timer0.periode")
+
+
+def test_a_fork_finds_its_board_after_a_change_of_the_working_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "board.toml").write_text(
+        'name = "b"\n[[region]]\nname = "r"\nbase = 0x300000\nwords = 0x1000\nbus = "local"\n'
+    )
+    monkeypatch.chdir(tmp_path)
+    processor = c40.Processor(c40.assemble("   .text\nx: b x\n"), board="board.toml")
+    (tmp_path / "else").mkdir()
+    monkeypatch.chdir(tmp_path / "else")
+    assert processor.fork().pc == processor.pc

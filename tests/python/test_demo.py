@@ -14,7 +14,10 @@ def test_one_dsp_misses_the_servo_behind_identify_and_two_do_not() -> None:
     assert int(scene.rows[0][1]) > 0 and scene.rows[1][1] == "0"
     assert f"{scene.rows[0][1]} blocks" in scene.conclusion and "leaves 0" in scene.conclusion
     lines = scene.text().splitlines()
-    assert lines[0] == scene.title and len({len(line) for line in lines[2:5]}) == 1  # columns are below each other
+    table = [line for line in lines if line.startswith("  ")]
+    assert lines[0] == scene.title and len(table) == len(scene.header)
+    assert len({len(line) for line in table}) == 1  # columns are below each other
+    assert max(map(len, lines)) < 80
     assert all(f"<td>{cell}</td>" in scene.page() for cell in scene.rows[0])
 
 
@@ -24,6 +27,23 @@ def test_a_block_whose_dsp_is_killed_is_run_again() -> None:
     for row in scene.rows:
         assert 0 < float(row[1].removesuffix(" ms")) < 3 and row[2] == "1"
     assert scene.conclusion.startswith("No block is lost")
+
+
+def test_names_of_runs_take_as_many_lines_as_they_need() -> None:
+    scene = demo.Scene("t", "long " * 40, ("3 DSPs", "missed", *demo.COST))
+    scene.rows += [[name, "12.34 %", *["1000.00 mm"] * 8] for name in ("a", "b", "c")]
+    scene.rows.append(["together, at most 2 long blocks at a time", "0 %", *["0 m"] * 8])
+    lines = scene.text().splitlines()
+    table = [line for line in lines if line.startswith("  ")]
+    assert max(map(len, lines)) < 80 and len({len(line) for line in table}) == 1
+    assert [line[-12:].strip() for line in table[:4]] == ["together, at", "most 2 long", "blocks at a", "time"]
+    assert table[3].split()[:5] == ["3", "DSPs", "a", "b", "c"] and table[4].split()[0] == "missed"
+
+
+def test_lengths_are_those_of_the_report_on_the_terminal() -> None:
+    """0.78 um is not 0.00 mm."""
+    found = [demo._length(metres) for metres in (0, 7.76e-7, 2.713e-3, 0.5, 10.161159)]
+    assert found == ["0 m", "0.776 um", "2.71 mm", "500 mm", "10.16 m"]
 
 
 @pytest.mark.campaign

@@ -26,8 +26,8 @@ CALLS = {
 }
 NAMED = {
     CALLS["trace from its second line on"]: "line: line 2:",
-    CALLS["sweep"]: "sweep/sweep.json:",
-    CALLS["part"]: "parts/part-000001.parquet:",
+    CALLS["sweep"]: "{here}/sweep/sweep.json:",
+    CALLS["part"]: "{here}/parts/part-000001.parquet:",
 }
 SCRIPT = """
 import resource
@@ -62,7 +62,7 @@ def test_a_file_without_an_end_is_refused_by_name(call: str, tmp_path: Path) -> 
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith(NAMED.get(call, "/dev/zero:")), done.stdout
+    assert done.stdout.startswith(NAMED.get(call, "/dev/zero:").format(here=tmp_path)), done.stdout
 
 
 def test_a_report_may_come_from_a_pipe(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ from cmrc import _core, c40, network, plant
 ENDS = c40.assemble(" .text\nstart: idle\n")
 NAMED = [
     "AssemblyError",
+    "BoardError",
     "CannotOpen",
     "CoffError",
     "ConfigError",
@@ -23,6 +24,7 @@ NAMED = [
     "MemoryMapError",
     "NetworkError",
     "PageError",
+    "ResultError",
     "RomError",
     "SameFile",
     "SchemaError",
@@ -78,6 +80,18 @@ def test_each_is_an_error_of_the_package_and_a_built_in_one() -> None:
         ),
         (lambda: c40.assemble(" .text\n addi 1\n"), "<text>:2:2", "'addi' takes 2 operands, not 1", ""),
         (lambda: network.Network([ENDS] * 2, links=["00:1.3"]), None, None, None),
+        (
+            lambda: c40.Processor(ENDS, board="missing.toml"),
+            "missing.toml",
+            "cannot be read",
+            "a board file (docs/boards.md) is expected",
+        ),
+        (lambda: c40.Processor(ENDS, board="flt"), None, None, None),
+        (lambda: network.Network([ENDS] * 2, boards="flt"), None, None, None),
+        (lambda: c40.Processor(ENDS).load_rom("no.hex", 0x300000), "no.hex", "cannot be read", None),
+        (lambda: cmrc.Result.load(__file__), __file__, None, "Result.save writes one"),
+        (lambda: cmrc.diff(__file__, __file__), __file__, None, None),
+        (lambda: cmrc.diff({}, {}), "left", None, None),
         (lambda: plant.apply_layout(plant.default_dock(), "[[posts]]\nx_m = 1"), "layout:1:1", None, None),
     ],
 )

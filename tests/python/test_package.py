@@ -27,6 +27,30 @@ def test_the_import_brings_no_heavy_package() -> None:
     assert done.stdout == "[]\n"
 
 
+SUBINTERPRETER = """
+try:
+    import _interpreters as interpreters
+    run = interpreters.exec
+except ImportError:
+    import _xxsubinterpreters as interpreters
+    run = interpreters.run_string
+number = interpreters.create()
+try:
+    print(run(number, "import cmrc"))
+except Exception as error:
+    print(error)
+"""
+
+
+@pytest.mark.unsanitized
+def test_a_subinterpreter_cannot_import_it() -> None:
+    env = {"PYTHONPATH": str(Path(cmrc.__file__).parent.parent)}
+    done = subprocess.run(
+        [sys.executable, "-c", SUBINTERPRETER], env=env, capture_output=True, text=True, check=True, timeout=60
+    )
+    assert "ImportError" in done.stdout and "a subinterpreter cannot import it" in done.stdout
+
+
 def test_what_is_imported_later_is_there_all_the_same() -> None:
     assert set(cmrc.__all__) <= set(dir(cmrc)) and all(hasattr(cmrc, name) for name in cmrc.__all__)
     assert cmrc.sweep is cmrc.sweeps.sweep and cmrc.limits is cmrc.studies.limits

@@ -147,7 +147,7 @@ def test_arrays_that_no_memory_holds_are_refused_by_name(result: cmrc.Result, tm
 
 
 @pytest.mark.parametrize(("schema", "says"), [
-    (3, r"schema version 3, .*its settings are under \"configuration\""),
+    (3, r"schema version 3, .*the run is to be made again: cmrc\.run\(config=report\)"),
     (99, r"schema version 99, written by emulator .* reads 4: a cmrc as new as its writer"),
 ])  # fmt: skip
 def test_a_result_of_another_schema_is_refused_by_name_and_says_what_to_do(
@@ -166,6 +166,7 @@ def test_a_result_of_another_schema_is_refused_by_name_and_says_what_to_do(
 
 
 def test_an_older_report_has_what_makes_its_run_again(result: cmrc.Result) -> None:
+    """Of a version that had no configuration_toml: all but events, tasks and processes."""
     settings = {name: value for name, value in result.report["configuration"].items() if not isinstance(value, list)}
     assert cmrc.run(settings=settings).hash == result.hash
 
@@ -326,7 +327,10 @@ def test_an_explanation_names_what_blocked_the_job(result: cmrc.Result) -> None:
     assert "identify" in " ".join(result.explain(n) for n in range(len(result.missed)))
     with pytest.raises(IndexError, match="one by one"):
         result.explain(len(result.missed))
-    assert cmrc.run(dsps=2, duration_s=0.03).explain() == "No job missed its deadline."
+    none = cmrc.run(dsps=2, duration_s=0.03)
+    assert none.explain() == "No job missed its deadline."
+    with pytest.raises(IndexError, match="n: -1 is out of range; the report lists no missed job$"):
+        none.explain(-1)
     assert "misses_max" in cmrc.run(dsps=1, duration_s=0.04, misses_max=0).explain()
 
 

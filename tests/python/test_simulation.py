@@ -136,3 +136,9 @@ def test_a_dsp_can_be_looked_at_on_the_way() -> None:
     assert not simulation.dsp(2).plugged
     with pytest.raises(IndexError, match="slots are 0 to 2"):
         simulation.dsp(3)
+
+
+def test_a_comparison_is_asked_for_its_metrics() -> None:
+    found = cmrc.Comparison("", {"duration_s": 1.0, "metrics": {"f_p missed": {"run": 1.0}, "lag": {"run": 2.0}}})
+    assert "f_p missed" in found and "load" not in found and 0 not in found
+    assert list(found) == ["f_p missed", "lag"] and found["lag"] == {"run": 2.0}

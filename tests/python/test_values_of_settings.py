@@ -28,6 +28,11 @@ def test_a_setting(key: str, value: Any, meant: object) -> None:
     assert found == meant and type(found) is type(meant)
 
 
+def test_a_keyword_holds_over_settings() -> None:
+    for settings in ({"machine.dsps": 2}, {"dsps": 2}, {"machine": {"dsps": 2}}):
+        assert cmrc.Simulation(dsps=3, settings=settings).config.to_dict()["machine.dsps"] == 3
+
+
 def test_a_path_is_a_text(tmp_path: Path) -> None:
     layout = tmp_path / "layout.toml"
     layout.write_text("")

@@ -88,6 +88,11 @@ CALLS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     "run_until text": (lambda: simulation().run_until("1"), W, NO_INSTANT + "'1' (str)"),
     "run_until None": (lambda: simulation().run_until(None), W, NO_INSTANT + "None"),
     "run_until back": (lambda: ran().run_until(0.02), V, NO_INSTANT + "0.02 s has passed, the run is at 0.03 s"),
+    "run_until back by little": (
+        lambda: ran().run_until(numpy.float32(0.03)),
+        V,
+        NO_INSTANT + "0.0299999993 s has passed, the run is at 0.03 s",
+    ),
     "at text": (lambda: simulation().at("x", "fail", dsp=0), V, 'events.at_s: "x"'),
     "at nan": (lambda: simulation().at(math.nan, "fail", dsp=0), V, "events.at_s: nan"),
     "at back": (lambda: ran().at(0.02, "fail", dsp=0), V, "events.at_s: 0.02 s has passed"),

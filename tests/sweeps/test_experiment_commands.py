@@ -193,6 +193,36 @@ def test_progress_is_a_line_that_goes_away(monkeypatch: pytest.MonkeyPatch) -> N
     assert log.getvalue() == "work: on\n" * 3
 
 
+def test_a_line_of_progress_is_never_longer_than_its_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Else it would be two, and each update would leave one behind."""
+    import fcntl
+    import os
+    import pty
+    import struct
+    import termios
+
+    try:
+        ours, theirs = pty.openpty()
+    except OSError:
+        pytest.skip("no pseudo-terminals here (a chroot without /dev/pts)")
+    monkeypatch.setattr("cmrc.progress.SILENT_S", 0.0)
+
+    def seen(columns: int) -> list[str]:
+        fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+        line.of(17.5, 180.0, now=True)
+        return os.read(ours, 1000).decode().split("\r")
+
+    with os.fdopen(theirs, "w") as shown:
+        with ProgressLine("cmrc sweep", shown) as line:
+            wide = len(seen(80)[-1])
+            assert wide > 40
+            for columns in (20, 40, 80, 7):  # the window's size changes under way
+                last = seen(columns)[-1]
+                assert len(last) == min(wide, columns - 1) and last.startswith("cmrc s"), (columns, last)
+        assert os.read(ours, 1000).decode() == "\r" + " " * 6 + "\r"
+    os.close(ours)
+
+
 def test_work_without_reports_shows_that_it_continues(monkeypatch: pytest.MonkeyPatch) -> None:
     import io
     import threading

@@ -108,6 +108,8 @@ def test_a_grid_without_axes_is_one_run() -> None:
     ({"axes": {"dsps": 3}}, "axes.dsps: a list of values"),
     ({"axes": {"dsps": [1, [2]]}}, "axes.dsps[1]: list cannot be used"),
     ({"axes": {"dsps": [1, 2, 1]}}, "axes.dsps[2]: 1 is given twice"),
+    ({"axes": {"dsps": [1, 1.0]}}, "axes.dsps[1]: 1.0 is given twice"),
+    ({"axes": {"servo_frequency_hz": [1000, 500, 1000.0]}}, "axes.servo_frequency_hz[2]: 1000.0 is given twice"),
     ({"axes": {"dsps": [1], "machine": {"dsps": [2]}}}, "machine.dsps is also given at axes.dsps"),
     ({"fixed": {"dsps": 1}, "axes": {"machine.dsps": [2]}}, "axes.machine.dsps: machine.dsps is also given at fixed.dsps"),
     ({"fixed": {"seed": 1}, "repeats": {"seeds": 2}}, "repeats.seeds: run.seed is also given at fixed.seed"),

@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from cmrc.sweeps import GridError, SweepError, grid, sweep
 from cmrc.sweeps import search as function
@@ -170,3 +171,24 @@ def test_a_bad_search_says_where(tables: dict[str, Any], says: str, tmp_path: Pa
     with pytest.raises((GridError, SweepError)) as error:
         function(tables, tmp_path / "s")
     assert says in str(error.value) and not (tmp_path / "s").exists()
+
+
+def test_ends_the_wrong_way_round_are_named() -> None:
+    found, _ = bisected(lambda place, _: place["machine.dsps"] < 3, bisect="dsps", **{"from": 1, "to": 6}, tolerance=1)
+    assert found.best is None and found.exceptions == [6.0] and not found.whole_range
+    assert found.text().endswith(
+        "Nothing was found.\n6 passes, and the easy end does not: are from and to the wrong way round?\n"
+    )
+    nowhere, _ = bisected(lambda place, _: 1)
+    assert nowhere.exceptions == [] and nowhere.text().endswith("Nothing was found.\n")
+
+
+def test_the_ends_may_be_of_numpy() -> None:
+    ends = {"from": np.int64(8), "to": np.float64(1)}
+    found, _ = bisected(lambda place, _: place["machine.dsps"] < 3, bisect="dsps", **ends, tolerance=np.int32(1))
+    assert found.best == {"machine.dsps": 3} and type(found.best["machine.dsps"]) is int
+
+
+def test_a_choice_that_is_given_twice_is_refused() -> None:
+    with pytest.raises(GridError, match="1.0 is given twice"):
+        _Asked(grid.made({"search": {"space": {"dsps": [1, 1.0, 2]}}}))

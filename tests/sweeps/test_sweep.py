@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import cmrc
+import numpy as np
 import pytest
 import sweep_helpers
 from cmrc.sweeps import Status, Sweep, SweepError, grid, session, store, study, sweep
@@ -45,6 +46,20 @@ def test_every_point_is_a_row_and_its_report_is_the_runs(done: Sweep) -> None:
     assert list(table["seed"]) != [] and "tasks.pid.response_ps.p99" in table
     with pytest.raises(KeyError, match="2 runs"):
         done.report(servo_frequency_hz=500.0)
+
+
+def test_a_table_has_a_column_for_each_metric(done: Sweep) -> None:
+    def status(report: Any) -> bool:
+        return True
+
+    table = done.table(lambda report: report["dsps"][0]["slot"], lambda report: np.int64(7), status, "misses")
+    assert list(table) == [
+        "machine.dsps", "rates.servo_frequency_hz", "seed", "status", "message",
+        "<lambda>", "<lambda> 2", "status 2", "misses",
+    ]  # fmt: skip
+    assert list(table["status"]) == [run["status"] for run in done.runs]
+    assert np.nansum(table["<lambda> 2"].astype(float)) == 14 and list(table["status 2"][:1]) == [True]
+    assert "<lambda> 2" in done.text(lambda report: 1, lambda report: 2)
 
 
 def test_a_new_metric_and_the_same_sweep_run_nothing(done: Sweep, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,8 +1,12 @@
 """Metrics by name, and what repeats say of them."""
 
 import math
+from decimal import Decimal
+from fractions import Fraction
+from functools import partial
 from typing import Any
 
+import numpy as np
 import pytest
 from cmrc.sweeps import metrics
 
@@ -77,3 +81,32 @@ def test_the_bootstrap_is_seeded_and_holds_the_mean() -> None:
 ])  # fmt: skip
 def test_a_unit_is_that_of_the_whole_ending(metric: str, unit: str) -> None:
     assert metrics.unit_of(metric) == unit
+
+
+def test_numbers_of_numpy_are_numbers() -> None:
+    for given, found in ((np.int64(3), 3), (np.float32(0.5), 0.5), (np.bool_(True), True), (Fraction(1, 4), 0.25)):
+        measured = metrics.value(REPORT, lambda report, given=given: given)
+        assert measured == found and type(measured) is type(found)
+    for no in ("3", [3], np.array([1, 2]), 1j, Decimal(1)):
+        with pytest.raises(TypeError, match="is no number"):
+            metrics.value(REPORT, lambda report, no=no: no)
+
+
+def test_names_of_columns_are_different() -> None:
+    def seed(report: Any) -> int:
+        return 5
+
+    of = [lambda report: 1, "misses", lambda report: 2, seed, partial(seed), partial(seed), "misses", seed]
+    assert metrics.names_of(of, {"seed", "status"}) == [
+        "<lambda>", "misses", "<lambda> 2", "seed 2", "metric", "metric 2", "misses", "seed 3",
+    ]  # fmt: skip
+
+
+def test_a_function_changes_nothing_that_others_measure() -> None:
+    def changing(report: Any) -> int:
+        report["tasks"].clear()
+        report["dsps"][0]["cycles"] = 99
+        return 1
+
+    assert metrics.values(REPORT, [changing, "misses", lambda report: report["dsps"][0]["cycles"]]) == [1, 3, 10]
+    assert REPORT["dsps"][0]["cycles"] == 10

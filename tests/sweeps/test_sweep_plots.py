@@ -91,6 +91,35 @@ def test_a_grid_is_drawn_in_order_with_gaps_and_intervals(sweep: Sweep) -> None:
         plot.grid(sweep, axes(), x="seed")
 
 
+def test_long_names_below_an_axis_do_not_lie_on_each_other(
+    tmp_path: Path, sweep: Sweep, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from cmrc.commands import main
+
+    names = ["漢字漢字 wide", *(f"{'a very long name ' * 6}{n}" for n in range(3))]
+    with Folder(tmp_path / "s") as folder:
+        folder.write([row(n, {"future": name}, 1, 10 + n) for n, name in enumerate(names)])
+    drawn = axes()
+    plot.grid(Sweep(tmp_path / "s"), drawn, x="future")
+    drawn.figure.canvas.draw()  # type: ignore[union-attr]
+    ticks = drawn.get_xticklabels()
+    assert len({tick.get_text() for tick in ticks}) == 4 and max(len(tick.get_text()) for tick in ticks) < 30
+    assert {tick.get_rotation() for tick in ticks} == {25}
+    places = [drawn.transData.transform((n, 0))[0] for n in range(4)]
+    height = max(tick.get_fontsize() for tick in ticks) * drawn.figure.dpi / 72
+    assert min(b - a for a, b in itertools.pairwise(places)) * math.sin(math.radians(25)) > height
+    short = axes()
+    plot.grid(sweep, short, x="agv_phase", lines="dsps")
+    assert {tick.get_rotation() for tick in short.get_xticklabels()} == {0}
+    # What the font lacks is said in one sentence, not by warnings of a library.
+    assert (
+        main(["sweep", str(tmp_path / "s.toml"), "--show", "--metric", "misses", "--plot", str(tmp_path / "a.png")])
+        == 0
+    )
+    said = [line for line in capsys.readouterr().err.splitlines() if "reading" not in line]
+    assert len(said) == 1 and "a.png: the font has not all characters" in said[0] and (tmp_path / "a.png").exists()
+
+
 def test_lines_of_a_legend_can_be_distinguished_in_grey() -> None:
     from cmrc.result_plots import MARKS, style
 

@@ -229,3 +229,15 @@ def test_the_build_tools_status_and_files(tmp_path: Path, emulator: Path) -> Non
         [source, "-o", tmp_path / "none" / "x", "-I", tmp_path / "inc"],
     ):
         assert subprocess.run([tool, *bad], check=False, capture_output=True).returncode == 2
+
+
+def test_a_section_with_a_load_address_of_its_own_is_loaded_there(tmp_path: Path) -> None:
+    """Another linker may give a section a run address (its virtual one): the program moves it there itself."""
+    toolchain.write_coff(toolchain.assemble("start:\tnop\nagain:\tb again\n"), tmp_path / "a.out")
+    data = bytearray((tmp_path / "a.out").read_bytes())
+    physical = 22 + 28 + 8  # behind the two headers and the name
+    assert struct.unpack_from("<II", data, physical) == (0x300000, 0x300000)
+    struct.pack_into("<I", data, physical, 0x310000)
+    image = toolchain.read_coff_bytes(bytes(data))
+    assert [(s.name, s.address) for s in image.sections] == [(".text", 0x310000)]
+    assert image.symbols["again"] == 0x300001

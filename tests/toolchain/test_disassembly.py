@@ -1,6 +1,7 @@
 """A program as a source: it assembles to the same words, for every program of the tree."""
 
 import re
+import shlex
 import subprocess
 from collections import Counter
 from pathlib import Path
@@ -82,3 +83,70 @@ def test_a_disassembly_names_sections_labels_and_targets(tmp_path: Path, emulato
         '\t.sect\t".text"', "start:", "\tldi 1,r0", "again:", "\tbu again", "\tbr start", "\t.word 0xffffffff",
         '\t.sect\t".data"', "d:", "\t.word\t0x60000000", 'x\t.usect\t".bss",3',
     ]  # fmt: skip
+
+
+def reassembled(emulator: Path, program: Path, folder: Path) -> toolchain.Image:
+    """The program that the source makes, by the options that its head names."""
+    source = subprocess.run(
+        [emulator, "disasm", "--source", program], capture_output=True, text=True, check=True
+    ).stdout
+    (folder / "again.asm").write_text(source)
+    options = shlex.split(source.splitlines()[0].partition(" OUT ")[2])
+    done = subprocess.run(
+        [emulator, "asm", folder / "again.asm", "-o", folder / "again.out", *options],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return toolchain.read_coff(folder / "again.out")
+
+
+def memory(image: toolchain.Image) -> dict[int, int]:
+    return {s.address + i: word for s in image.sections for i, word in enumerate(s.words)}
+
+
+RAM_MODEL = """
+        .global start,ahead
+        .text
+start:  ldp     e
+        ldi     @e,r0
+        b       $
+        .bss    before,3
+        .bss    e,1
+        .bss    between,4
+        .bss    e2,2
+        .bss    behind,5
+FIVE    .set    5                       ; lies in .cinit's own words, which are in no memory
+        .sect   ".cinit"
+        .word   1,e,55
+        .word   2,e2,66,77
+ahead   .set    start+1
+"""
+
+
+def test_the_source_of_a_program_of_the_ram_model_holds_what_the_loader_sets(tmp_path: Path, emulator: Path) -> None:
+    objects = [toolchain.assemble_object(RAM_MODEL, name="a.o")]
+    image, _ = toolchain.link(
+        objects, map='c_model = "ram"\nentry = "ahead"\n[memory]\nm = { origin = 0x300000, length = 256 }\n'
+    )
+    toolchain.write_coff(image, tmp_path / "p.out")
+    plain = subprocess.run([emulator, "disasm", tmp_path / "p.out"], capture_output=True, text=True, check=True).stdout
+    assert "; section .cinit, 8 words at 00000000h, for the loader, which sets the initial values:" in plain
+    assert "FIVE" not in plain
+    again = reassembled(emulator, tmp_path / "p.out", tmp_path)
+    read = toolchain.read_coff(tmp_path / "p.out")
+    assert memory(again) == memory(read) and 55 in memory(again).values()
+    assert again.entry == read.entry == image.symbols["start"] + 1
+    for name in ("before", "e", "between", "e2", "behind"):
+        assert again.symbols[name] == image.symbols[name], name
+
+
+def test_the_source_begins_where_the_program_does(tmp_path: Path, emulator: Path) -> None:
+    source = '\t.text\nstart:\tnop\nL300001\t.set 7\nfoo:\tnop\n\tb $\n\t.sect "a b"\n\t.word 1\n\t.sect "it\'s $HOME"\n\t.word 2\n'
+    for name, entry in (("foo", 0x300001), ("start", 0x300000), ("L300001", 7)):
+        image = toolchain.assemble(source, entry=name)
+        toolchain.write_coff(image, tmp_path / "p.out")
+        again = reassembled(emulator, tmp_path / "p.out", tmp_path)
+        assert again.entry == image.entry == entry and contents(again) == contents(image)
+    unnamed = toolchain.assemble("\tnop\nL300000\t.set 7\n")  # the name that the source would give is taken
+    toolchain.write_coff(unnamed, tmp_path / "p.out")
+    assert reassembled(emulator, tmp_path / "p.out", tmp_path).entry == 0x300000

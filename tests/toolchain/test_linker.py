@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from cmrc._core import isa, toolchain
+from linked import contents, link, link_errors
 from locations import ROOT
 
 HERE = Path(__file__).parent / "linking"
@@ -19,21 +20,6 @@ local = { origin = 0x300000, length = 0x100000 }
 "more" = { address = 0x300200 }
 ".bss" = { address = 0x300300 }
 """
-
-
-def contents(image: toolchain.Image) -> dict[str, tuple[int, list[int]]]:
-    return {section.name: (section.address, list(section.words)) for section in image.sections}
-
-
-def link(*sources: str, map: str = "") -> toolchain.Image:
-    objects = [toolchain.assemble_object(source, name=f"{chr(97 + i)}.o") for i, source in enumerate(sources)]
-    return toolchain.link(objects, map=map)[0]
-
-
-def link_errors(*sources: str, map: str = "") -> list[str]:
-    with pytest.raises(toolchain.LinkError) as caught:
-        link(*sources, map=map)
-    return str(caught.value).splitlines()
 
 
 def from_gnu(name: str) -> toolchain.Object:
@@ -497,3 +483,13 @@ def test_damaged_objects_are_refused_or_linked_but_harm_nothing() -> None:
     for length in range(0, len(good) - 8, 5):  # Its last bytes are an empty string table.
         with pytest.raises(toolchain.CoffError):
             toolchain.read_object(good[:length], "cut")
+
+
+def test_a_word_may_hold_half_of_an_address() -> None:
+    far = "\t.global far\n\t.data\n\t.space 0FFF0h\nnear:\t.word 1\n\t.space 20h\nfar:\t.word 2\n"
+    halves = "\t.word {0},hi16({0}),lo16({0}),page({0}),({0}+3) >> 16,({0}-1) & 0FFFFh\n"
+    for name, source in (("near", halves.format("near") + far), ("far", "\t.ref far\n" + halves.format("far"))):
+        image = link(source, *([far] if name == "far" else []))
+        at = image.symbols[name]
+        words = contents(image)[".text"][1]
+        assert words == [at, at >> 16, at & 0xFFFF, at >> 16, at + 3 >> 16, (at - 1) & 0xFFFF], name

@@ -29,7 +29,7 @@ def test_functions_of_substitution_symbols() -> None:
     source = """
         .asg    abcab,s
         .word   $symlen(s),$symlen("xy"),$symcmp(s,abcab),$symcmp(a,b),$firstch(s,'b'),$lastch(s,'b'),$firstch(s,'z')
-        .word   $isdefed(s),$isdefed(t),$iscons(12h),$iscons(s),$isname(s),$isname(1),$isreg(AR3),$isreg(s)
+        .word   $isname(s),$isname(1),$isname("a b"),$isreg(AR3),$isreg(s)
 each    .macro  items
         .var    item
         .loop
@@ -39,7 +39,53 @@ each    .macro  items
         .endm
         each    1,2,3
 """
-    assert words(source) == [5, 2, 0, 0xFFFFFFFF, 2, 5, 0, 1, 0, 1, 0, 1, 0, 1, 0, 2, 4, 6]
+    assert words(source) == [5, 2, 0, 0xFFFFFFFF, 2, 5, 0, 1, 0, 0, 1, 0, 2, 4, 6]
+
+
+@pytest.mark.parametrize(
+    ("text", "kind"),
+    [("101b", 1), ("0b11", 1), ("17q", 2), ("12h", 3), ("0xFF", 3), ("'a'", 4), ("\"'ab'\"", 4), ("12", 5), ("017", 5)]
+    + [("1.5", 0), ("0ABh", 3), ("ABh", 0), ("12ab", 0), ("18q", 0), ("name", 0), ("-5", 0), ('""', 0)],
+)
+def test_iscons_says_how_a_constant_is_written(text: str, kind: int) -> None:
+    assert words(f"\t.word $iscons({text})\n") == [kind]
+    assert words(f"m .macro a\n .word $iscons(a)\n .endm\n m {text}\n") == [kind]
+
+
+def test_isdefed_looks_for_a_symbol_of_the_name_that_a_text_has() -> None:
+    source = """
+one     .set    1
+        .asg    one,s
+        .asg    two,t
+        .word   $isdefed("one"),$isdefed("two"),$isdefed(s),$isdefed(t),$isdefed("s"),$isdefed(".TMS320C40")
+        .if     !$isdefed("two")
+two     .set    2
+        .endif
+        .word   two,$isdefed(t)
+"""
+    assert words(source) == [1, 0, 1, 0, 0, 1, 2, 1]
+
+
+def test_an_option_sets_a_predefined_symbol_in_any_case_of_letters() -> None:
+    source = "\t.word .REGPARM,.regparm,.BigModel\n\t.if .regparm\n\t.word 7\n\t.endif\n"
+    assert words(source) == [0, 0, 0]
+    assert words(source, symbols={".REGPARM": 1, ".bigmodel": 2}) == [1, 1, 2, 7]
+
+
+def test_a_macros_definition_has_comments_that_begin_with_an_exclamation_mark() -> None:
+    source = """
+m       .macro  x
+! a comment, with x and 'odd (things
+! .endm
+        .loop   2
+! in a repeat
+        .word   x
+        .endloop
+        .endm
+        m       5
+"""
+    assert words(source) == [5, 5]
+    assert errors("m .macro\n nop\n .endm\n m\n! no macro\n")[0][:2] == (5, 1)
 
 
 def test_a_function_may_look_for_a_comma() -> None:

@@ -105,7 +105,7 @@ TEST_CASE("milestones have the same key in the same work, and gaps between point
   CHECK(key(6) == key(5) + 1);
   CHECK(course.milestones()[2].kind() == Milestone::Kind::point);
   CHECK(course.milestones()[2].at == Time{1200});
-  CHECK(course.leg_intervals() == std::vector<Time>{Time{100}, Time{50}});
+  CHECK(course.starved_intervals(Time{2199}).at(0) == 2);  // of 50 each
 
   cmrc::Course starved(0, 1);
   starved.leg_begun(1, 0, Time{100}, Time{1000});
@@ -117,6 +117,37 @@ TEST_CASE("milestones have the same key in the same work, and gaps between point
   CHECK(starved.starved_intervals(Time{1699}).at(1) == 3);
   starved.milestone(1, Milestone::Kind::leg_ended, 0, Time{1500});
   CHECK(starved.starved_intervals(Time{9000}).at(1) == 1);
+}
+
+TEST_CASE("memory of milestones is limited, whatever their kinds") {
+  const auto kinds = [](const cmrc::Course& course, Milestone::Kind kind) {
+    return std::ranges::count_if(course.milestones(), [&](const auto& one) { return one.kind() == kind; });
+  };
+  constexpr auto most = cmrc::Course::milestones_max;
+  cmrc::Course ends(0, 1);
+  std::int64_t now = 0;
+  const auto process = [&](cmrc::Course& course) {
+    course.process_begun(1, 9);
+    course.milestone(1, Milestone::Kind::process_ended, 0, Time{++now});
+  };
+  for (std::size_t n = 0; n < 3 * most; ++n) process(ends);
+  CHECK(ends.milestones().size() <= most);
+  CHECK(ends.milestones().size() > most / 4);
+  for (std::size_t n = 1; n < ends.milestones().size(); ++n)
+    CHECK(ends.milestones()[n].at - ends.milestones()[n - 1].at <= Time{8});
+
+  // Legs stay; points and ends of processes make room for them.
+  cmrc::Course legs(0, 1);
+  for (std::size_t n = 0; n < most; ++n) {
+    process(legs);
+    legs.leg_begun(1, 0, Time{100}, Time{++now});
+    legs.milestone(1, Milestone::Kind::point, 0, Time{++now});
+    legs.milestone(1, Milestone::Kind::point, 1, Time{++now});
+    legs.milestone(1, Milestone::Kind::leg_ended, 0, Time{++now});
+  }
+  CHECK(kinds(legs, Milestone::Kind::leg_begun) == most);
+  CHECK(kinds(legs, Milestone::Kind::leg_ended) == most);
+  CHECK(legs.milestones().size() < 4 * most);
 }
 
 TEST_CASE("servoing begins and ends in turn") {

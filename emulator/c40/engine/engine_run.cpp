@@ -74,11 +74,11 @@ const StopInfo& Engine::stop(Stepped why) {
       return Stepped::done;
     }
   }
+  if (probe_.on_code()) probe_.reaches(core.pc, state_.cycle);  // first: the program may end at the breakpoint
   if (!single && !breakpoints.empty() && breakpoints.contains(core.pc) && reported_breakpoint_ != state_.cycle) {
     reported_breakpoint_ = state_.cycle;
     return Stepped::breakpoint;
   }
-  if (probe_.on_code()) probe_.reaches(core.pc, state_.cycle);
   if (pipelines_.full()) forget_pipelines();
   const bool waiting_interrupt = !interruptible && interrupts::pending(state_) != 0;
   dma_effect_ = dma_side_.effect(dma_busy);

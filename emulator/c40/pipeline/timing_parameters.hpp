@@ -17,7 +17,6 @@ inline constexpr int trap_cost = 5;              // (unverified)
 inline constexpr int trap_not_taken_cost = 5;    // (unverified)
 inline constexpr int repeat_block_cost = 4;
 inline constexpr int repeat_single_cost = 4;
-inline constexpr int late_trap_cost = 1;  // LATcond: delayed, like LAJ (unverified)
 
 /// From recognition of an interrupt to the first instruction of the service routine, zero-wait code, stack and table
 /// (c40-hardware.md 5.5) (unverified).

@@ -107,7 +107,7 @@ void declare_run(CLI::App& app, RunOptions& options) {
       ->type_name("PORT");
   app.add_flag("--debug-wait", options.debug_wait, "Wait for the editor before the run");
   app.add_flag("--strict", options.strict,
-               "Exit with status 1 when a deadline was missed or an error had to be handled");
+               "Exit with status 1 when a deadline was missed, an error had to be handled, or no job was finished");
   app.add_flag("--quiet", options.quiet, "No progress line and no report on the terminal");
 }
 
@@ -472,11 +472,12 @@ std::variant<Request, Help> parse_command_line(int argc, const char* const* argv
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() != 0) throw InputError(usage_error(app, error));
+    if (error.get_exit_code() != 0) throw InputError(misplaced_option(app).value_or(usage_error(app, error)));
     std::ostringstream text;
     app.exit(error, text, text);
     return Help{text.str()};
   }
+  if (const auto error = misplaced_option(app)) throw InputError(*error);
   return commands.asked(run_options);
 }
 

@@ -106,7 +106,9 @@ Image read_any_program(const std::string& path, const std::vector<std::string>& 
   toolchain::Object object = toolchain::read_object(path);
   Image image = object.executable ? toolchain::image_of(object)
                                   : toolchain::link({std::move(object)}, {}, toolchain::MemoryMap::standard()).image;
-  toolchain::add_source_text(image, std::filesystem::path(path).parent_path());
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  toolchain::add_source_text(image, folder);
+  toolchain::name_sources_as_found(image, folder);
   return image;
 }
 

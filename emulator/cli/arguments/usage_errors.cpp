@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -27,8 +28,13 @@ CLI::Validator worded(CLI::Validator check, std::string expected) {
 }
 
 /// Of a value that is not a number the parser says "Could not convert: --option = value" only; the numbers that it
-/// reads itself are all integers. Of one that is missing it says "--option: 1 required NAME missing".
+/// reads itself are all integers. Of one that is missing it says "--option: 1 required NAME missing", of an option
+/// that is given twice "--option: At Most 1 required but received 2".
 std::string in_words(const std::string& message) {
+  constexpr std::string_view once = ": At Most 1 required but received ";
+  if (const std::size_t begin = message.find(once); begin != std::string::npos)
+    return fmt::format("{}: given {} times; once is expected", message.substr(0, begin),
+                       message.substr(begin + once.size()));
   constexpr std::string_view one = ": 1 required ", missing = " missing";
   if (const std::size_t begin = message.find(one); begin != std::string::npos && message.ends_with(missing)) {
     const std::size_t value = begin + one.size();
@@ -98,6 +104,24 @@ std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
   return fmt::format("{} (emulator {}--help lists {}options)",
                      left_over ? unexpected(app, command) : in_words(error.what()),
                      command == nullptr ? "" : command->get_name() + " ", command == nullptr ? "commands and " : "");
+}
+
+std::optional<std::string> misplaced_option(const CLI::App& app) {
+  const std::vector<CLI::App*> parsed = app.get_subcommands();
+  if (parsed.empty()) return std::nullopt;
+  const CLI::App& command = *parsed.front();
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->count() == 0) continue;
+    const std::string name = "--" + option->get_lnames().front();
+    const std::vector<std::string> own = options_of(command);
+    // The package knows the options of its own commands.
+    const bool may_follow = command.get_prefix_command() || std::ranges::find(own, name) != own.end();
+    return fmt::format("{}: before a command it has no effect; {} is expected (emulator {} --help lists options)", name,
+                       may_follow ? fmt::format("emulator {} {}", command.get_name(), name)
+                                  : fmt::format("emulator {} without it", command.get_name()),
+                       command.get_name());
+  }
+  return std::nullopt;
 }
 
 }  // namespace cli

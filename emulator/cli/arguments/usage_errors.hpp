@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <initializer_list>
+#include <optional>
 #include <string>
 
 namespace cli {
@@ -16,5 +17,8 @@ CLI::Validator one_of(std::initializer_list<const char*> words);
 
 /// The message for arguments that `app` could not read. An unknown command or option gets the nearest known name.
 std::string usage_error(const CLI::App& app, const CLI::ParseError& error);
+
+/// The message for an option before a command: it belongs to the dock's run, which no command makes.
+std::optional<std::string> misplaced_option(const CLI::App& app);
 
 }  // namespace cli

@@ -1,6 +1,5 @@
 // emulator classify: what each word is
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <future>
@@ -8,6 +7,7 @@
 
 #include "cli/arguments/options.hpp"
 #include "cli/arguments/program.hpp"
+#include "cli/output_files/progress_line.hpp"
 #include "io/print.hpp"
 #include "isa/classify.hpp"
 
@@ -32,7 +32,7 @@ Range parse_range(const std::string& text) {
 isa::Classification classify_all(const Range& range) {
   constexpr std::uint64_t lot = std::uint64_t{1} << 25;
   isa::Classification total;
-  const bool terminal = ::isatty(STDERR_FILENO) == 1;
+  ProgressLine line(report::Time{}, true);
   std::vector<std::future<isa::Classification>> lots;
   const auto workers = std::max(1U, std::thread::hardware_concurrency());
   for (std::uint64_t done = 0; done < range.count;) {
@@ -43,10 +43,8 @@ isa::Classification classify_all(const Range& range) {
       done += size;
     }
     for (auto& part : lots) total += part.get();
-    if (terminal)
-      fmt::print(stderr, "\r{:.0f} %", 100.0 * static_cast<double>(done) / static_cast<double>(range.count));
+    line.show(fmt::format("{:.0f} %", 100.0 * static_cast<double>(done) / static_cast<double>(range.count)));
   }
-  if (terminal) fmt::print(stderr, "\r      \r");
   return total;
 }
 

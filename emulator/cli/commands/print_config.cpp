@@ -12,7 +12,7 @@ int print_config(const ConfigOptions& options) {
   if (options.processes)
     io::print("{}", cmrc::built_in_processes_text());
   else
-    io::print("{}", to_toml(build_config(options.run)));
+    io::print("{}", to_toml(with_absolute_paths(build_config(options.run))));
   return success;
 }
 

@@ -14,6 +14,7 @@
 #include "cli/output_files/perfetto_file.hpp"
 #include "cli/output_files/progress_line.hpp"
 #include "cli/output_files/snapshots.hpp"
+#include "cmrc/run/ideal_run.hpp"
 #include "cmrc/run/simulation.hpp"
 #include "io/output_file.hpp"
 #include "io/print.hpp"
@@ -70,10 +71,12 @@ void check(const RunOptions& options, const cmrc::Config& config) {
     throw InputError("--trace-instructions: needs --trace FILE");
   if (options.trace_labels && options.trace_instructions.empty())
     throw InputError("--trace-labels: needs --trace-instructions N, the DSP whose instructions it is about");
+  const auto machine = cmrc::as_run(config).machine;  // an ideal run has one DSP
+  const auto slots = std::max(machine.dsps, machine.slots);
   for (const unsigned slot : options.trace_instructions)
-    if (slot >= config.machine.dsps)
+    if (slot >= slots)
       throw InputError(
-          fmt::format("--trace-instructions: there is no DSP {}; 0 to {} are possible", slot, config.machine.dsps - 1));
+          fmt::format("--trace-instructions: there is no DSP {}; 0 to {} are possible", slot, slots - 1));
   if (options.profile && (options.resume || !options.snapshots.empty()))
     throw InputError(
         "--profile: a run with a profile has no snapshots; leave out --profile, or --resume and --snapshot-at");

@@ -1,6 +1,4 @@
 // emulator debug: a program, a network or the dock, controlled by commands.
-#include <unistd.h>
-
 #include "cli/debug/debug_target.hpp"
 #include "debugger/console.hpp"
 #include "debugger/terminal.hpp"
@@ -12,18 +10,22 @@ namespace cli {
 int debug(const DebugOptions& options) {
   const DebugTarget target = debug_target(options);
   machine::debug::Debugger debugger(*target.debuggee);
-  debugger::Console console(debugger, [](const std::string& text) { io::print("{}\n", text); });
-  const bool by_hand = options.scripts.empty();
-  if (by_hand && isatty(STDIN_FILENO) != 0) io::print("emulator debug: help lists the commands, quit ends.\n");
-  if (by_hand) console.show_stop();
+  debugger::Console console(debugger, debugger::print_line);
+  const bool by_scripts = !options.scripts.empty(), attended = !by_scripts && debugger::attended();
+  if (attended) io::print("emulator debug: help lists the commands, quit ends.\n");
+  if (!by_scripts) console.show_stop();
+  if (attended) {
+    debugger::converse(console, debugger, options.commands);
+    return console.status();
+  }
   for (const std::string& command : options.commands)
-    if (!console.command(command)) return console.status();
+    if (!console.unattended(command, "-e")) return console.status();
   try {
     for (const std::string& script : options.scripts) console.script(script);
   } catch (const machine::debug::DebugError& error) {
     throw InputError(error.what());
   }
-  if (options.scripts.empty()) debugger::converse(console, debugger);
+  if (!by_scripts) debugger::read_commands(console);
   return console.status();
 }
 

@@ -2,14 +2,16 @@
 // A line on the terminal that shows how far a run has come.
 #include <chrono>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "report/event.hpp"
 
 namespace cli {
 
-/// Rewrites one line on standard error a few times per second and erases it at the end. Silent if standard error is not
-/// a terminal.
+/// Rewrites one line on standard error a few times per second and erases it at the end. The line is never longer than
+/// the terminal is wide. Silent if standard error is not a terminal. A line that cannot be written ends no work: from
+/// then on there is none.
 class ProgressLine {
  public:
   ProgressLine(report::Time duration, bool wanted);
@@ -23,6 +25,7 @@ class ProgressLine {
 
  private:
   void put(std::string_view text);
+  void write(const std::string& text) noexcept;
 
   using Wall = std::chrono::steady_clock;
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <sstream>
@@ -162,6 +163,14 @@ Value checked(const Key& key, const Value& value, const Origin& origin) {
   return value;
 }
 
+bool is_path(const Key& key, const Value& value) { return key.path && value != key.read(Config{}); }
+
+/// The value of a key in a file in `folder`.
+Value below(const std::filesystem::path& folder, const Key& key, const Value& value) {
+  if (folder.empty() || !is_path(key, value)) return value;
+  return (folder / std::get<std::string>(value)).string();
+}
+
 Origin origin_of(const toml::source_region& region, const std::string& name) {
   return {name, static_cast<std::int64_t>(region.begin.line), static_cast<std::int64_t>(region.begin.column)};
 }
@@ -244,7 +253,11 @@ ConfigBuilder& ConfigBuilder::preset(std::string_view name, const Origin& origin
 }
 
 ConfigBuilder& ConfigBuilder::file(const std::string& path) {
-  return text(io::read_text<ConfigError>(path, "the name of a TOML file"), path);
+  const std::string toml = io::read_text<ConfigError>(path, "the name of a TOML file");
+  std::error_code error;
+  const bool has_folder = std::filesystem::is_regular_file(path, error);
+  parse(toml, path, file_settings_, has_folder ? std::filesystem::path(path).parent_path() : std::filesystem::path());
+  return *this;
 }
 
 ConfigBuilder& ConfigBuilder::text(std::string_view toml, const std::string& name) {
@@ -264,7 +277,8 @@ ConfigBuilder& ConfigBuilder::set(std::string_view key, const Value& value, cons
   return *this;
 }
 
-void ConfigBuilder::parse(std::string_view toml, const std::string& name, std::vector<Setting>& into) {
+void ConfigBuilder::parse(std::string_view toml, const std::string& name, std::vector<Setting>& into,
+                          const std::filesystem::path& folder) {
   ConfigErrors errors;
   const auto walk = [&](const auto& self, const toml::table& table, const std::string& prefix) -> void {
     const auto read = [&](const std::string& full, const Origin& key_origin, const toml::node& node) {
@@ -286,12 +300,18 @@ void ConfigBuilder::parse(std::string_view toml, const std::string& name, std::v
       } else if (full == "subprocesses") {
         read_subprocesses(node, name, processes_, errors);
       } else if (index) {
-        into.push_back({*index, checked(keys()[*index], value_of(node, full, origin), origin), key_origin});
+        const Key& key = keys()[*index];
+        into.push_back({*index, below(folder, key, checked(key, value_of(node, full, origin), origin)), key_origin});
       } else if (has_known_leaf(node)) {  // the errors of its keys say more than the error of the table
         self(self, *node.as_table(), full + ".");
       } else if (const toml::array* list = node.as_array();
                  node.is_table() || (list != nullptr && list->is_homogeneous<toml::table>())) {
         refuse_table(key_origin, full);
+      } else if (const auto meant = find_leaf(full)) {
+        const std::string_view known = keys()[*meant].name;
+        refuse(
+            key_origin, full, "no such key outside a table",
+            fmt::format("{} is expected, below [{}]", known, known.substr(0, known.size() - leaf(known).size() - 1)));
       } else {
         refuse(key_origin, full, "no such key", right_key(full));
       }
@@ -410,6 +430,15 @@ std::string to_toml(const Config& config) {
   text += to_toml(config.processes);
   for (const TimedEvent& event : config.events) text += "\n[[events]]\n" + to_toml(event);
   return text;
+}
+
+Config with_absolute_paths(const Config& config) {
+  Config changed = config;
+  for (const Key& key : keys()) {
+    const Value value = key.read(config);
+    if (is_path(key, value)) key.assign(changed, std::filesystem::absolute(std::get<std::string>(value)).string());
+  }
+  return changed;
 }
 
 }  // namespace cmrc

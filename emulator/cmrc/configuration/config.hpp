@@ -6,6 +6,7 @@
 // preset, a TOML file, single settings (command-line flags, keyword arguments). Every fault of the user's input is a
 // ConfigError, with the place where the value was given.
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <span>
@@ -277,6 +278,7 @@ struct Key {
   std::function<void(Config&, const Value&)> assign;  ///< for a value that is already checked
   std::function<Value(const Config&)> read;
   bool live = false;  ///< an operator may change it during a run
+  bool path = false;  ///< names a file or a folder, unless it has its default
 };
 std::span<const Key> keys();
 /// A value as 64 bits: an integer, a double's bits, the number of a choice.
@@ -305,6 +307,7 @@ std::span<const Preset> presets();
 class ConfigBuilder {
  public:
   ConfigBuilder& preset(std::string_view name, const Origin& origin);
+  /// A path in a regular file is relative to that file's folder; in a text, and read from a pipe, to the current one.
   ConfigBuilder& file(const std::string& path);
   ConfigBuilder& text(std::string_view toml, const std::string& name);
   /// One setting that overrides the file. `key` has dots; a key without its table is accepted if only one table has it.
@@ -320,7 +323,8 @@ class ConfigBuilder {
     Value value;
     Origin origin;
   };
-  void parse(std::string_view toml, const std::string& name, std::vector<Setting>& into);
+  void parse(std::string_view toml, const std::string& name, std::vector<Setting>& into,
+             const std::filesystem::path& folder = {});
 
   std::optional<std::string> flag_preset_;
   std::optional<std::string> file_preset_;
@@ -333,5 +337,8 @@ class ConfigBuilder {
 
 /// The configuration as complete TOML, every key with its value.
 std::string to_toml(const Config& config);
+
+/// The same configuration; its paths do not depend on the current folder.
+Config with_absolute_paths(const Config& config);
 
 }  // namespace cmrc

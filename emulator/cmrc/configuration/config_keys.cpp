@@ -50,6 +50,11 @@ Key live(Key key) {
   return key;
 }
 
+Key path(Key key) {
+  key.path = true;
+  return key;
+}
+
 }  // namespace schema
 
 std::span<const Key> keys() {

@@ -54,6 +54,8 @@ Key choice(std::string name, Get get, const char* const (&words)[count], std::st
 
 /// The same key, marked as changeable by an operator during a run.
 Key live(Key key);
+/// The same key, marked as the path of a file or a folder.
+Key path(Key key);
 
 }  // namespace cmrc::schema
 

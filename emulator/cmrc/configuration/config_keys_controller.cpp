@@ -54,12 +54,13 @@ std::vector<Key> controller_keys() {
               "shared memory refuses a DSP's write outside the area of the task that it has claimed; false: it takes "
               "every write",
               "docs/add-a-task.md"),
-      text("machine.programs", FIELD(machine.programs),
-           "directory of the DSP programs' sources, assembled at the start; empty: the built-in image", "issue 2"),
-      text("machine.board", FIELD(machine.board),
-           "memories and clock of every DSP's board: default, or a board file (cli.md), whose clock_mhz comes before "
-           "dsp_clock",
-           "issue 4"),
+      path(text("machine.programs", FIELD(machine.programs),
+                "directory of the DSP programs' sources, assembled at the start; empty: the built-in image",
+                "issue 2")),
+      path(text("machine.board", FIELD(machine.board),
+                "memories and clock of every DSP's board: default, or a board file (cli.md), whose clock_mhz comes "
+                "before dsp_clock",
+                "issue 4")),
       text("machine.links", FIELD(machine.links),
            "links between communication ports of two slots, as in \"0.1:1.4, 1.0:2.5\": one of ports 0, 1, 2 with one "
            "of 4, 5",

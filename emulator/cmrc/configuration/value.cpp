@@ -8,7 +8,7 @@
 namespace cmrc {
 namespace {
 
-std::string quoted(std::string_view word) {
+std::string in_quotes(std::string_view word) {
   std::string text = "\"";
   for (std::size_t i = 0; i < word.size(); ++i) {
     const char c = word[i];
@@ -47,7 +47,7 @@ void ConfigErrors::finish() const {
 std::string show(const Value& value) {
   if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
   if (const auto* integer = std::get_if<std::int64_t>(&value)) return fmt::format("{}", *integer);
-  if (const auto* word = std::get_if<std::string>(&value)) return quoted(*word);
+  if (const auto* word = std::get_if<std::string>(&value)) return in_quotes(*word);
   std::string text = fmt::format("{}", std::get<double>(value));
   if (text.find_first_of(".en") == std::string::npos) text += ".0";
   return text;

@@ -341,6 +341,7 @@ void Host::relink() {
       const std::array<Word, 4> words = {t, words_.flag_waiting, block.importance,
                                          link};  // TB_T, TB_FLAG, TB_J, TB_LINK
       port_->write(offset + words_.t, words);
+      if (const Word tick = tick_of(block); tick != block.task.tick) port_->write(offset + words_.tick, tick);
       linked_.push_back(order[i]);
       own_linked_ = own_linked_ || own_slot(order[i]).has_value();
       if (block.importance > 0) ++eligible_, ledger_.offered(order[i]);

@@ -72,7 +72,7 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   /// one has come since, or the block before it is in its way; else its job was never started. When the host continues,
   /// it does the same.
   void count_rest(Time end, Ledger& account) const;
-  /// Torque compensation and PID are released at every tick.
+  /// Torque compensation and PID are released at every tick, or an error has stopped them.
   bool servoing() const { return servoing_from_.has_value(); }
   /// The refresh from which on they are.
   std::optional<Time> servoing_from() const { return servoing_from_; }
@@ -92,7 +92,6 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   const Errors& errors() const { return errors_; }
   const TaskList& list() const { return list_; }
   std::int64_t refresh() const { return tick_; }
-  const machine::Clock& refresh_clock() const { return clock_; }
   void list_state(state::Visitor& list);
 
  private:
@@ -128,7 +127,7 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
     bool out = false;     // one of its blocks is in the list
     std::size_t block = 0;
     std::int64_t last_t = 0;  // t of the last block when it was found finished
-    bool stopped = false;     // given up
+    bool stopped = false;     // given up: its ticks are dropped
     bool waits = false;       // its block was given up, and an error block has to decide what follows
     void list_state(state::Visitor& list);
   };
@@ -218,7 +217,7 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   void refresh_servo(Servo& servo, bool on);
   void load_servo(Servo& servo);
   void drop_tick(Servo& servo);
-  /// The task is released at nominal ticks: servoing is on, and no error has stopped it.
+  /// The task is released at nominal ticks: servoing is on. If an error has stopped it, its ticks are dropped.
   bool released(const Servo& servo) const;
   void drop_block(const Task& task, std::int64_t due, std::optional<Time> deadline);
   Time release_of_tick(std::int64_t tick) const { return clock_.at(tick - config_.scheduling.gamma_refreshes); }
@@ -229,6 +228,8 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   bool left_out(std::int64_t tick) const;
   std::size_t load_block(const Task& task, JobKind job, Time released, std::optional<Time> deadline,
                          std::optional<std::int64_t> tick);
+  /// The word TB_TICK of a waiting block at this refresh.
+  Word tick_of(const TaskBlock& block) const;
   void write_new_blocks();
   void acquire();
   void semaphore_read(Word taken);
@@ -298,9 +299,9 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   std::uint32_t dither_ = 1;  // state of the generator that varies the pause before the next try
   std::uint64_t eligible_ = 0;
   Word fence_ = 0xFFFFFFFF;
-  std::array<std::int64_t, 32> renewed_{};  // refresh of the host's last reset of a slot
-  std::optional<unsigned> suspect_;         // owner of the block whose flag is being read again
-  std::optional<unsigned> holder_;          // owner of the list, fenced off, from which the host takes it
+  std::array<std::int64_t, machine::most_slots> renewed_{};  // refresh of the host's last reset of a slot
+  std::optional<unsigned> suspect_;                          // owner of the block whose flag is being read again
+  std::optional<unsigned> holder_;  // owner of the list, fenced off, from which the host takes it
   Liveness liveness_;
   BootLoader boots_;
   Time pid_ended_{};  // when a block of PID was last found finished

@@ -51,6 +51,15 @@ void Host::drop_block(const Task& task, std::int64_t due, std::optional<Time> de
 
 void Host::write(Word offset, std::span<const Word> words) { port_->write(offset, words); }
 
+// PID and torque compensation take their set-points at TB_TICK, and read their sensors when they run. A block that was
+// put back would join the set-points of then to the sensors of now. So it is of the refresh that offers it.
+Word Host::tick_of(const TaskBlock& block) const {
+  const auto now = static_cast<Word>(tick_), nominal = block.task.tick;
+  const bool servo = block.task.kind == words_.program(JobKind::pid) ||
+                     block.task.kind == words_.program(JobKind::torque_compensation);
+  return servo && block.recomputations > 0 && static_cast<std::int32_t>(now - nominal) > 0 ? now : nominal;
+}
+
 void Host::write_new_blocks() {
   for (const std::size_t index : list_.order()) {
     TaskBlock& block = list_[index];
@@ -64,7 +73,7 @@ void Host::write_new_blocks() {
     words[words_.importance] = block.importance;
     words[words_.kind] = block.task.kind;
     words[words_.area] = block.task.area;
-    words[words_.tick] = block.task.tick;
+    words[words_.tick] = tick_of(block);
     words[words_.argument] = block.task.argument;
     if (const auto own = own_slot(index)) words[words_.owner] = *own + 1;
     words[words_.generation] = block.generation;
@@ -158,7 +167,7 @@ void Host::load_next_part(std::size_t done, const Task& task, std::uint32_t own_
 void Host::refresh_servo(Servo& servo, bool on) {
   if (!on) {
     while (servo.next <= tick_) servo.next += intervals_.servo;
-  } else if (servo.out || servo.waits) {
+  } else if (servo.out || servo.waits || servo.stopped) {
     while (servo.next <= tick_) drop_tick(servo);
   } else {
     while (servo.next + intervals_.servo <= tick_ || (servo.next <= tick_ && left_out(servo.next))) drop_tick(servo);
@@ -193,9 +202,7 @@ bool Host::left_out(std::int64_t tick) const {
                    static_cast<std::uint64_t>(number / s.servo_loss_run)) < s.servo_loss_share;
 }
 
-bool Host::released(const Servo& servo) const {
-  return processes_.releases(servo.subprocess, servo.task.robot) && !servo.stopped;
-}
+bool Host::released(const Servo& servo) const { return processes_.releases(servo.subprocess, servo.task.robot); }
 
 void Host::drop_tick(Servo& servo) {
   note(EventKind::miss, {servo.task.kind, static_cast<std::uint32_t>(servo.next),
@@ -213,7 +220,7 @@ void Host::count_rest(Time end, Ledger& account) const {
   const std::int64_t last = clock_.tick_at_or_after(end) - 1;  // refresh before the end
   for (const Servo* servo : {&torque_, &pid_}) {
     if (!released(*servo)) continue;
-    const bool blocked = servo->waits || (servo->out && account.is_open(servo->block));
+    const bool blocked = servo->waits || servo->stopped || (servo->out && account.is_open(servo->block));
     const std::int64_t period = intervals_.servo;
     for (std::int64_t next = servo->next; next - config_.scheduling.gamma_refreshes <= last; next += period) {
       if (next + period <= last || (blocked && next <= last) || left_out(next))

@@ -12,6 +12,8 @@
 #include <optional>
 #include <vector>
 
+#include "machine/system/machine.hpp"
+
 namespace state {
 class Visitor;
 }
@@ -44,7 +46,7 @@ class Liveness {
   };
   Slot& known(unsigned slot);
 
-  std::array<Slot, 32> slots_{};
+  std::array<Slot, machine::most_slots> slots_{};
   std::size_t known_ = 0;  // slots from this one on are unknown
 };
 

@@ -76,7 +76,7 @@ void Course::leg_begun(Robot robot, std::int64_t first, Time interval, Time at) 
   Place& place = places_[robot];
   ++place.legs;
   place.first_point = first;
-  leg_intervals_.push_back(interval);
+  legs_[robot].interval = interval;
   milestone(robot, Milestone::Kind::leg_begun, 0, at);
 }
 
@@ -91,21 +91,40 @@ void Course::milestone(Robot robot, Milestone::Kind kind, std::int64_t number, T
                             static_cast<std::uint64_t>(kind) << 32 | (within & 0xFFFFFFFF);
   Leg& leg = legs_[robot];
   switch (kind) {
-    case Milestone::Kind::leg_begun: leg = {at, leg_intervals_.back(), true, leg.starved}; break;
+    case Milestone::Kind::leg_begun: leg = {at, leg.interval, true, leg.starved}; break;
     case Milestone::Kind::point: leg.starved = leg.starved_at(at), leg.last = std::max(leg.last, at); break;
     case Milestone::Kind::leg_ended: leg.open = false; break;
     default: break;
   }
-  if (kind == Milestone::Kind::point && within % points_every_ != 0) return;
   milestones_.push_back({robot, key, at});
-  if (milestones_.size() > milestones_max) thin_milestones();
+  if (!is_kept(milestones_.back()))
+    milestones_.pop_back();
+  else if (milestones_.size() > milestones_room_)
+    thin_milestones();
 }
 
+// Demand is measured by the begins and ends of legs, so that all of them stay.
+bool Course::is_kept(const Milestone& one) const {
+  switch (one.kind()) {
+    case Milestone::Kind::leg_begun:
+    case Milestone::Kind::leg_ended: return true;
+    case Milestone::Kind::point: return (one.key & 0xFFFFFFFF) % points_every_ == 0;
+    default: return (one.key >> 44 & 0xFFFF) % processes_every_ == 0;
+  }
+}
+
+// First points; then, of a table of processes that end very often, the other milestones of every second process.
 void Course::thin_milestones() {
-  points_every_ *= 2;
-  std::erase_if(milestones_, [this](const Milestone& one) {
-    return one.kind() == Milestone::Kind::point && (one.key & 0xFFFFFFFF) % points_every_ != 0;
-  });
+  const auto thin = [this](std::uint64_t& every, std::uint64_t most) {
+    const auto removed = [&] { return std::erase_if(milestones_, [this](const auto& one) { return !is_kept(one); }); };
+    while (every < most) {
+      every *= 2;
+      if (removed() > 0) return true;
+    }
+    return false;
+  };
+  if (thin(points_every_, points_every_most) || thin(processes_every_, processes_every_most)) return;
+  milestones_room_ *= 2;
 }
 
 std::uint64_t Course::Leg::starved_at(Time time) const {

@@ -58,7 +58,7 @@ struct JobTimes {
 using JobsByRobot = std::map<std::pair<std::size_t, Robot>, JobTimes>;  ///< by kind and robot
 
 /// Records one course during its run. Its memory is limited: in a long run only every second, fourth, ... latch has a
-/// row, and only every second, fourth, ... point of a leg is a milestone.
+/// row, and only every second, fourth, ... point of a leg is a milestone. Begins and ends of legs are all kept.
 class Course {
  public:
   static constexpr std::size_t milestones_max = 1 << 18;
@@ -93,8 +93,6 @@ class Course {
   /// A column at any instant, linear between rows.
   double at(Time time, std::size_t column) const;
   const std::vector<Milestone>& milestones() const { return milestones_; }
-  /// Nominal time between the points of each leg, in the order of their milestones leg_begun.
-  const std::vector<Time>& leg_intervals() const { return leg_intervals_; }
   /// Instants at which servoing began and ended, in turn.
   const std::vector<Time>& servo_times() const { return servo_; }
   /// Whole point intervals inside legs in which a robot used no new point, until `end`: a gap of g intervals counts
@@ -121,18 +119,22 @@ class Course {
     std::uint64_t starved_at(Time time) const;
   };
 
+  static constexpr std::uint64_t points_every_most = std::uint64_t{1} << 32, processes_every_most = 1 << 16;
+
   void thin_rows();
+  bool is_kept(const Milestone& one) const;
   void thin_milestones();
 
   SharedRows rows_;
   std::size_t size_ = 0;
-  std::int64_t every_ = 1;          // every so many latches there is a row
-  std::uint64_t points_every_ = 1;  // every so many points of a leg there is a milestone
+  std::int64_t every_ = 1;             // every so many latches there is a row
+  std::uint64_t points_every_ = 1;     // every so many points of a leg there is a milestone
+  std::uint64_t processes_every_ = 1;  // every so many processes of a robot there are milestones beside the legs'
+  std::size_t milestones_room_ = milestones_max;
   std::map<Robot, Leg> legs_;
   int agvs_;
   std::map<Robot, Place> places_;
   std::vector<Milestone> milestones_;
-  std::vector<Time> leg_intervals_;
   std::vector<Time> servo_;
 };
 

@@ -16,6 +16,7 @@
 #include "cmrc/measures/why_late.hpp"
 #include "cmrc/tasks/block_audit.hpp"
 #include "cmrc/tasks/job_kinds.hpp"
+#include "cmrc/tasks/user_task.hpp"
 #include "cmrc/tasks/words.hpp"
 #include "machine/time/time.hpp"
 #include "report/task_account.hpp"
@@ -147,7 +148,8 @@ class Ledger {
   };
   struct Slot {
     std::uint64_t claims = 0;
-    std::vector<std::int64_t> occupied = std::vector<std::int64_t>(21, 0);
+    std::vector<std::int64_t> occupied =
+        std::vector<std::int64_t>(kind_rows.size() + most_user_tasks, 0);  // by job kind
   };
 
   std::vector<std::int64_t> booked(const std::vector<std::int64_t>& amounts) const;

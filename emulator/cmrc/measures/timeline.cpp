@@ -98,14 +98,14 @@ void Timeline::wait_for_free(Time from, Time to, unsigned number, report::WaitTi
   }
 }
 
-Waiting Timeline::explain(Time from, Time to, unsigned claimer, std::optional<unsigned> only) const {
+Waiting Timeline::explain(Time from, Time to, std::optional<unsigned> claimer, std::optional<unsigned> only) const {
   Waiting waiting;
   std::vector<std::deque<State>::const_iterator> states;
   for (const Slot& slot : slots_) states.push_back(at_time(slot.states, from));
   std::vector<unsigned> in_the_way;  // slots whose blocks are in the waiting block's way
   for (Time at = from; at < to;) {
     Time next = to;
-    unsigned awake = 32;  // the free DSP that is considered: the claimer, or the first
+    std::optional<unsigned> awake;  // the free DSP that is considered: the claimer, or the first
     bool asleep = false, overtaken = false;
     in_the_way.clear();
     for (unsigned i = 0; i < states.size(); ++i) {
@@ -123,7 +123,7 @@ Waiting Timeline::explain(Time from, Time to, unsigned claimer, std::optional<un
         case SlotState::off: break;
         case SlotState::asleep: asleep = true; break;
         case SlotState::awake:
-          if (awake == 32 || i == claimer) awake = i;
+          if (!awake || i == claimer) awake = i;
           break;
         case SlotState::busy: {
           const bool later = states[i]->from >= from;
@@ -135,8 +135,8 @@ Waiting Timeline::explain(Time from, Time to, unsigned claimer, std::optional<un
       }
     }
     const std::int64_t span = (next - at).count();
-    if (awake != 32) {
-      wait_for_free(at, next, awake, waiting.times);
+    if (awake) {
+      wait_for_free(at, next, *awake, waiting.times);
     } else if (asleep) {
       time_of(waiting.times, Wait::doorbell) += span;
     } else if (in_the_way.empty()) {

@@ -54,7 +54,7 @@ class Timeline {
 
   /// The wait of a block that could be claimed from `from` on and that slot `claimer` claimed at `to` (32: no DSP did).
   /// \param only the slot whose DSP alone may claim it: no other DSP counts
-  Waiting explain(Time from, Time to, unsigned claimer, std::optional<unsigned> only = {}) const;
+  Waiting explain(Time from, Time to, std::optional<unsigned> claimer, std::optional<unsigned> only = {}) const;
   void list_state(state::Visitor& list);
 
  private:
@@ -78,7 +78,6 @@ class Timeline {
     bool free() const { return !states.empty() && states.back().state != SlotState::busy; }
     void waited(const BusWait& wait);
   };
-  struct Span;
 
   void change(unsigned slot, State state);
   void wait_for_free(Time from, Time to, unsigned slot, report::WaitTimes& times) const;

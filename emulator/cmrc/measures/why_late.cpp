@@ -110,8 +110,9 @@ void WhyLate::missed(const MissedJob& job, const Timeline& timeline, BlockAudit&
       cutter.until(attempt.put_up->wanted, Wait::host_refresh);
       cutter.until(attempt.put_up->held, Wait::host_lock);
       cutter.until(attempt.put_up->free, Wait::host_refresh);
-      const Waiting waiting = timeline.explain(cutter.at(), attempt.run ? attempt.run->claimed : next,
-                                               attempt.run ? attempt.run->slot : 32, own_slots_.at(job.name.kind));
+      const Waiting waiting =
+          timeline.explain(cutter.at(), attempt.run ? attempt.run->claimed : next,
+                           attempt.run ? std::optional(attempt.run->slot) : std::nullopt, own_slots_.at(job.name.kind));
       add(chain.waits, waiting.times);
       chain.behind.insert(chain.behind.end(), waiting.behind.begin(), waiting.behind.end());
     } else {

@@ -15,7 +15,14 @@
 namespace cmrc {
 namespace {
 
-/// Everything that check() asks of a table; an error names the row's place.
+/// The place of a row that no file of the user has.
+Origin built_in(std::string_view kind, unsigned number) {
+  return {.name = fmt::format("built-in row of {} {} (emulator config --processes)", kind, number)};
+}
+bool is_built_in(const Origin& origin) { return origin.line == 0; }
+
+/// Everything that check() asks of a table; an error names the row's place, and of a built-in row also the places of
+/// the rows that were given, which it does not fit.
 class Checker {
  public:
   Checker(const ProcessTable& table, std::span<const UserTask> tasks) : table_(table), tasks_(tasks) {}
@@ -51,8 +58,21 @@ class Checker {
   void require(bool holds, const Process& process, std::string_view field, const std::string& what,
                std::string_view right) const {
     if (!holds)
-      refuse(process.origin, fmt::format("processes.{}", field), fmt::format("process {}: {}", process.number, what),
-             right);
+      refuse(process.origin, fmt::format("processes.{}", field),
+             fmt::format("process {}: {}{}", process.number, what, beside(process.origin)), right);
+  }
+
+  /// Of a built-in row.
+  std::string beside(const Origin& origin) const {
+    if (!is_built_in(origin)) return "";
+    std::vector<std::string> given;
+    const auto list = [&](std::string_view kind, const auto& rows) {
+      for (const auto& row : rows)
+        if (!is_built_in(row.origin)) given.push_back(fmt::format("{} {} at {}", kind, row.number, row.origin.text()));
+    };
+    list("sub-process", table_.subprocesses);
+    list("process", table_.processes);
+    return given.empty() ? "" : fmt::format(" (rows of yours: {})", fmt::join(given, ", "));
   }
 
   bool users(std::string_view task) const {
@@ -61,8 +81,8 @@ class Checker {
 
   void subprocess(const Subprocess& row) const {
     const auto refuse_row = [&](std::string_view field, const std::string& what, std::string_view right) {
-      refuse(row.origin, fmt::format("subprocesses.{}", field), fmt::format("sub-process {}: {}", row.number, what),
-             right);
+      refuse(row.origin, fmt::format("subprocesses.{}", field),
+             fmt::format("sub-process {}: {}{}", row.number, what, beside(row.origin)), right);
     };
     if (const Subprocess* own = built_in_processes().find_subprocess(row.number); own != nullptr && row.number <= 4) {
       // The host's own sub-processes: nothing else of their release can be configured.
@@ -142,7 +162,8 @@ class Checker {
       for (const unsigned number : {1U, 2U}) {
         if (!points.contains(step.kind) || has(planning.must, number)) continue;
         refuse(planning.origin, "subprocesses.must",
-               fmt::format("without {} \"{}\" of process {} would never end", number, text, process.number),
+               fmt::format("without {} \"{}\" of process {} would never end{}", number, text, process.number,
+                           beside(planning.origin)),
                "must = [1, 2] is expected");
       }
       if (process.robot == Robots::crane) needs(servo, 3, 4);
@@ -303,6 +324,8 @@ const ProcessTable& built_in_processes() {
     read_subprocesses(*rows.get("subprocesses"), "processes.toml", read, errors);
     read_processes(*rows.get("processes"), "processes.toml", read, errors);
     errors.finish();
+    for (Process& row : read.processes) row.origin = built_in("process", row.number);
+    for (Subprocess& row : read.subprocesses) row.origin = built_in("sub-process", row.number);
     return read;
   }();
   return table;

@@ -33,8 +33,8 @@ toolchain::Image assembled_program(const Config& config) {
   const std::filesystem::path directory = config.machine.programs;
   const std::filesystem::path source = directory / "dsp.asm";
   if (std::error_code error; !std::filesystem::is_regular_file(source, error)) {
-    throw ConfigError(
-        fmt::format("machine.programs: {} is not there; a directory with dsp.asm is expected", source.string()));
+    throw ConfigError(fmt::format("machine.programs: {} is not there; a directory with dsp.asm is expected",
+                                  std::filesystem::absolute(source).string()));
   }
   toolchain::Options options;
   options.include_dirs = {directory, directory / "include"};

@@ -34,6 +34,8 @@ Config as_run(const Config& given) {
   return config;
 }
 
+bool happens(const TimedEvent& event, const Config& config) { return !config.run.ideal || !is_the_machines(event); }
+
 Config ideal(Config config) {
   config.run.ideal = true;
   return config;

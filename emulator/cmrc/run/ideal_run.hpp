@@ -17,6 +17,9 @@ inline constexpr std::int64_t ideal_speed = 1000;
 /// The configuration of a run with run.ideal; unchanged if run.ideal is not set.
 Config as_run(const Config& config);
 
+/// Whether the event happens in a run of the configuration: in an ideal run none of the machine's does.
+bool happens(const TimedEvent& event, const Config& config);
+
 /// The same run, with run.ideal set.
 Config ideal(Config config);
 

@@ -207,6 +207,7 @@ report::RunReport make_report(ReportInputs e) {
     std::visit([&](const auto& value) { setting.value = value; }, key.read(e.config));
     report.configuration.push_back(std::move(setting));
   }
+  report.configuration_toml = to_toml(e.config);
   if (e.config.machine.boot == BootPolicy::link) report.boot_words = e.machine.boot_stream(0).size();
   for (unsigned slot = 0; slot < e.machine.slots(); ++slot) report.dsps.push_back(dsp_report(e, slot));
   report.tasks = std::move(e.account.tasks);

@@ -26,11 +26,11 @@ RunObserver::RunObserver(const Words& words, Ledger& ledger, report::EventLog& l
     : words_(words),
       ledger_(ledger),
       log_(log),
-      snapshots_(32),
+      snapshots_(machine::most_slots),
       blocks_(words.block_count),
-      faults_(32),
-      resets_(32),
-      boots_(32),
+      faults_(machine::most_slots),
+      resets_(machine::most_slots),
+      boots_(machine::most_slots),
       hold_(samples_max) {}
 
 void RunObserver::attach(plant::Dock& dock, Course* course, double wind_limit) {
@@ -51,7 +51,9 @@ void RunObserver::attach(plant::Dock& dock, Course* course, double wind_limit) {
                                        joint, static_cast<double>(since.count()) * 1e-12, found->frequency_hz)});
     }
     double squares = 0;
+    const std::uint32_t on = dock.drives_on();
     for (std::size_t j = 0; j < codes.size(); ++j) {
+      if ((on >> j & 1) == 0) continue;  // no torque, whatever its code
       constexpr double full_torque = plant::largest_torque_code;
       squares += static_cast<double>(codes[j]) * codes[j] / (full_torque * full_torque);
       if (std::abs(codes[j]) >= plant::largest_torque_code) ++saturated_[j];

@@ -45,13 +45,14 @@ void Simulation::at(const TimedEvent& event) {
     refuse(event.origin, "events.at_s", fmt::format("{} s is not within the run", event.at_s),
            fmt::format("it ends at {} s", p.config.run.duration_s));
   }
-  Config with = p.config;
+  Config with = p.given_config;
   with.events.push_back(event);
   check_events(with);
   p.check_sets(with.events);
-  p.config.events.push_back(event);
   p.given_config.events.push_back(event);
   p.ideal.forget();
+  if (!happens(event, p.config)) return;
+  p.config.events.push_back(event);
   p.expect(event);
 }
 

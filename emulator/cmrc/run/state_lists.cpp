@@ -329,10 +329,11 @@ void Course::list_all_but_rows(state::Visitor& list) {
                             std::to_string(rows_.room()));
   list("every", every_);
   list("points_every", points_every_);
+  list("processes_every", processes_every_);
+  list("milestones_room", milestones_room_);
   list("legs", legs_);
   list("places", places_);
   list("milestones", milestones_);
-  list("leg_intervals", leg_intervals_);
   list("servo", servo_);
 }
 

@@ -86,10 +86,22 @@ class TaskFields {
                  io::did_you_mean(name, known));
     }
   }
-  void nothing_left() const {
+  /// The fields of the first `parameters` parameters have been taken.
+  void nothing_left(std::size_t parameters) const {
     if (taken_ == fields_.size()) return;
-    refuse(where_, "tasks.parameter", "the numbers leave a gap",
-           "parameter_0, parameter_1, ... one after the other are expected");
+    constexpr std::string_view prefix = "parameter_";
+    std::vector<std::string> numbered;
+    for (std::size_t i = 0; i < most_parameters; ++i) numbered.push_back(fmt::format("{}{}", prefix, i));
+    for (const auto& [name, field] : fields_) {
+      if (!name.starts_with(prefix)) continue;
+      const auto known = std::ranges::find(numbered, name);
+      if (known == numbered.end())
+        refuse(field.origin, "tasks." + name, "no such parameter",
+               fmt::format("at most {} are expected, {} to {}", most_parameters, numbered.front(), numbered.back()));
+      if (static_cast<std::size_t>(known - numbered.begin()) < parameters) continue;
+      refuse(field.origin, "tasks." + name, fmt::format("is given without {}", numbered[parameters]),
+             "parameter_0, parameter_1, ... without a gap are expected");
+    }
   }
 
  private:
@@ -139,7 +151,7 @@ UserTask user_task(const std::map<std::string, Field>& given, const Origin& wher
     }
     task.parameters.push_back(field->value);
   }
-  fields.nothing_left();
+  fields.nothing_left(task.parameters.size());
   return task;
 }
 

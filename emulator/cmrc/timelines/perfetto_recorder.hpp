@@ -43,7 +43,6 @@ class PerfettoRecorder final : public report::EventSink, private RunWatcher, pri
     Trace::Track track;
     std::optional<Trace::Track> waits{};
     std::array<std::int64_t, held_up_count> held_up{};  // of its executive, since it woke up
-    Time waits_reported{};
   };
 
   // RunWatcher

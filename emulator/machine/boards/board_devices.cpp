@@ -22,6 +22,13 @@ namespace {
 constexpr unsigned bit(Pin pin) { return 1u << static_cast<unsigned>(pin); }
 }  // namespace
 
+bool behind_window(const c40::Board& board, Address base, std::uint64_t words) {
+  return std::ranges::any_of(board.regions, [&](const c40::Region& region) {
+    return region.kind == c40::Region::Kind::external_window && base >= region.base &&
+           base + words <= region.base + region.words;
+  });
+}
+
 BoardDevices::BoardDevices(const std::vector<DeviceDescription>& described) {
   for (const DeviceDescription& device : described) places_.push_back({device, row_of(device.kind).make(device)});
   join_vme();
@@ -33,8 +40,13 @@ void BoardDevices::join_vme() {
       space->tell(dynamic_cast<BusErrorStatus*>(named(place.described.vic).device.get()));
 }
 
-void BoardDevices::add(DeviceDescription described, std::shared_ptr<BoardDevice> device) {
+void BoardDevices::add(const c40::Board& board, DeviceDescription described, std::shared_ptr<BoardDevice> device) {
   const std::uint64_t end = std::uint64_t{described.base} + described.words;
+  if (!behind_window(board, described.base, described.words))
+    throw std::invalid_argument(
+        fmt::format("device {} at {:08X}h: a device needs a region of kind \"window\", and no such region of the board "
+                    "{} has {:08X}h to {:08X}h",
+                    described.name, described.base, board.name, described.base, end - 1));
   for (const auto& [other, unused] : places_)
     if (described.base < std::uint64_t{other.base} + other.words && other.base < end)
       throw std::invalid_argument(fmt::format("device {} at {:08X}h: {} is there, at {:08X}h", described.name,
@@ -116,8 +128,15 @@ void BoardDevices::note(const Place& place, const c40::ExternalAccess& access, W
 
 void BoardDevices::advance_to(Cycles now) {
   for (Cycles event = next_event(); event <= now; event = next_event()) {
-    for (Place& place : places_)
-      if (place.device->next_event() <= event) place.device->advance_to(event);
+    for (Place& place : places_) {
+      if (place.device->next_event() > event) continue;
+      place.device->advance_to(event);
+      if (const Cycles again = place.device->next_event(); again <= event)
+        throw std::invalid_argument(fmt::format(
+            "device {} at {:08X}h: what next_event() gives: {}, and advance_to({}) has been called; a later "
+            "cycle, or None, is expected",
+            place.described.name, place.described.base, again, event));
+    }
     now_ = std::max(now_, event);
     tell_pins(now_);
   }

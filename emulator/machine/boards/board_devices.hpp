@@ -16,6 +16,9 @@
 
 namespace machine {
 
+/// A window of the board holds all these addresses: only there an access reaches a device.
+bool behind_window(const c40::Board& board, c40::Address base, std::uint64_t words);
+
 class BoardDevices {
  public:
   struct Change {
@@ -33,8 +36,9 @@ class BoardDevices {
   BoardDevices(const BoardDevices&) = delete;
   BoardDevices& operator=(const BoardDevices&) = delete;
 
-  /// Adds a user's device. \throws std::invalid_argument if another device has these addresses
-  void add(DeviceDescription described, std::shared_ptr<BoardDevice> device);
+  /// Adds a user's device. \throws std::invalid_argument if another device has these addresses, or no window of the
+  /// board does
+  void add(const c40::Board& board, DeviceDescription described, std::shared_ptr<BoardDevice> device);
   const std::vector<Place>& places() const { return places_; }
   bool empty() const { return places_.empty(); }
   bool has(c40::Address address) const { return at(address) != nullptr; }
@@ -51,7 +55,8 @@ class BoardDevices {
   };
   /// Does the access; none: no device is at the address.
   std::optional<Answer> access(const c40::ExternalAccess& access);
-  /// Executes what the devices do by themselves up to and with this cycle.
+  /// Executes what the devices do by themselves up to and with this cycle. \throws std::invalid_argument for a device
+  /// whose next event is not later than the cycle up to which it has been executed
   void advance_to(c40::Cycles now);
   /// The same; also reports to the pins what other chips have done to the devices by this cycle.
   void look(c40::Cycles now);

@@ -1,15 +1,13 @@
 // [[device]] tables of a board file.
 #include <filesystem>
 
-#include "c40/chip/board.hpp"
 #include "io/text_form.hpp"
+#include "machine/boards/board_devices.hpp"
 #include "machine/boards/board_toml.hpp"
 #include "state/sha256.hpp"
 
 namespace machine {
 namespace {
-
-using c40::Region;
 
 std::vector<std::string_view> words_of(std::string_view text) {
   std::vector<std::string_view> words;
@@ -152,12 +150,7 @@ class DeviceReader {
   void place(const toml::node& node) {
     device_.base = toml_.word(node, "device.base");
     const std::uint64_t end = std::uint64_t{device_.base} + device_.words;
-    const auto& regions = board_.board.regions;
-    const bool behind_window = std::ranges::any_of(regions, [&](const Region& region) {
-      return region.kind == Region::Kind::external_window && device_.base >= region.base &&
-             end <= std::uint64_t{region.base} + region.words;
-    });
-    if (!behind_window && toml_.regions_known)
+    if (!behind_window(board_.board, device_.base, device_.words) && toml_.regions_known)
       toml_.note(node, fmt::format("device.base of {}: a device needs a [[region]] of kind \"window\", and no such "
                                    "region has {:08X}h to {:08X}h",
                                    device_.name, device_.base, end - 1));

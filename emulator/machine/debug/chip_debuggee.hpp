@@ -26,6 +26,7 @@ class ChipDebuggee final : public Debuggee {
   void look_again() override {
     if (!chip_.halted()) over_.reset();
   }
+  void changed_by_hand() override { look_again(); }
   void run_until(Time time) override;
   Time slice() const override { return std::chrono::milliseconds{1}; }
   std::string output() override { return devices_ != nullptr ? devices_->console() : std::string(); }

@@ -64,7 +64,7 @@ class ShownOutput {
   std::size_t shown_ = 0;
 };
 
-/// Only run_until, load and poke change anything; all other functions only read.
+/// Only run_until, load, poke and changed_by_hand change anything; all other functions only read.
 class Debuggee {
  public:
   Debuggee() = default;
@@ -87,6 +87,8 @@ class Debuggee {
   virtual std::optional<std::string> over() const = 0;
   /// To be called when an answer may have come for which the debuggee waited.
   virtual void look_again() {}
+  /// To be called after registers or words were changed from outside: what had come to an end may go on.
+  virtual void changed_by_hand() {}
   /// Executes everything before `time`, and nothing else. Stops earlier when the run is over, or at io::stop_asked().
   virtual void run_until(Time time) = 0;
   /// A suitable length of a run between two checks for hits.

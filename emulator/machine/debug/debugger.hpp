@@ -8,6 +8,7 @@
 ///
 /// A breakpoint stops before its instruction, a watchpoint after the access. Hits of other chips at the same instant
 /// are reported together. A search continues with later instants.
+#include <algorithm>
 #include <atomic>
 #include <functional>
 #include <memory>
@@ -27,7 +28,7 @@ namespace machine::debug {
 /// A stop condition.
 struct Trigger {
   enum class Kind : std::uint8_t {
-    code,                ///< before the instruction at `address`
+    code,                ///< before the instruction at any of `places`
     word,                ///< an access to one of `words` words from `address` on
     processor_register,  ///< `name` has changed: the chip runs by single instructions
     happening,           ///< an event of kind `name`, with `fields`
@@ -37,6 +38,7 @@ struct Trigger {
 
   Kind kind = Kind::code;
   std::optional<std::size_t> chip{};  ///< none: all chips (for events: any)
+  std::vector<CodePlace> places{};
   Address address = 0;
   Word words = 1;
   On on = On::write;
@@ -51,9 +53,16 @@ struct Trigger {
 
   /// Whether both stop at the same hits, without regard to counts.
   bool same_as(const Trigger& other) const {
-    return kind == other.kind && chip == other.chip && address == other.address && words == other.words &&
-           on == other.on && name == other.name && fields == other.fields && condition == other.condition &&
-           log == other.log && enabled == other.enabled;
+    return kind == other.kind && chip == other.chip && places == other.places && address == other.address &&
+           words == other.words && on == other.on && name == other.name && fields == other.fields &&
+           condition == other.condition && log == other.log && enabled == other.enabled;
+  }
+
+  /// It stops the chip before the instruction at `pc`.
+  bool stops(std::size_t n, Address pc) const {
+    return kind == Kind::code && chip.value_or(n) == n && std::ranges::any_of(places, [&](const CodePlace& place) {
+             return place.chip.value_or(n) == n && place.address == pc;
+           });
   }
 
   /// The name of the event "an instruction breaks a rule of the manual".
@@ -154,7 +163,7 @@ class Debugger {
   // ---- changes by hand: everything later is discarded, and a new branch begins ----
   /// \throws DebugError
   void set_word(std::size_t chip, Address address, Word value);
-  /// By the name of a register ("AR0", "R1" with 40 bits or a float). \throws DebugError
+  /// By the name of a register: an integer of 32 bits; of R0 to R11 also a float. \throws DebugError
   void set_register(std::size_t chip, std::string_view name, std::string_view expression);
   /// Number of changes in this branch.
   std::size_t changes() const;
@@ -199,7 +208,7 @@ class Debugger {
   template <class Fits>
   std::optional<Time> instruction_before(std::size_t chip, Time time, Fits fits);
   void look_at_past(std::size_t chip, Time from, Time to);
-  void change(std::function<void()> make, std::string text);
+  void change(std::function<void()> by_hand, std::string text);
 
   Debuggee& debuggee_;
   std::vector<ProgramView> programs_;

@@ -30,11 +30,15 @@ std::uint64_t float_bits(double value) {
 
 }  // namespace
 
-void Debugger::change(std::function<void()> make, std::string text) {
+void Debugger::change(std::function<void()> by_hand, std::string text) {
+  const auto make = [this, by_hand = std::move(by_hand)] {
+    by_hand();
+    debuggee_.changed_by_hand();
+  };
   make();
   const bool future = history_->info().last > now() || changed_ < changes_.size();
   changes_.resize(changed_);
-  changes_.push_back({now(), std::move(make)});
+  changes_.push_back({now(), make});
   changed_ = changes_.size();
   history_->forget_after(now());
   past_.reset();
@@ -67,9 +71,8 @@ void Debugger::set_register(std::size_t chip, std::string_view name, std::string
   const Value value = Expression(expression, debuggee_, programs_, chip).value();
   if (value.is_float && !(reg && isa::is_extended(*reg)))
     throw DebugError(fmt::format("{} holds integers, and {} is a float", name, expression));
-  if (!value.is_float && (value.integer < -0x80000000LL ||
-                          value.integer > (reg && isa::is_extended(*reg) ? 0xFFFFFFFFFFLL : 0xFFFFFFFFLL)))
-    throw DebugError(fmt::format("{} does not fit into {}", expression, name));
+  if (!value.is_float && !value.is_word())
+    throw DebugError(fmt::format("{} does not fit into {}: 32 bits do, signed or unsigned", expression, name));
   const auto make = [this, chip, reg, expansion, value] {
     c40::Chip& changed = debuggee_.chip(chip);
     const auto word = static_cast<Word>(value.integer);
@@ -77,10 +80,8 @@ void Debugger::set_register(std::size_t chip, std::string_view name, std::string
     if (!reg) return changed.set_pc(word);
     if (!isa::is_extended(*reg)) return changed.set_register(*reg, word);
     if (value.is_float) return changed.set_register(*reg, float_bits(value.real));
-    // An integer of up to 32 bits keeps the exponent, as an integer load does.
-    const bool wide = value.integer > 0xFFFFFFFFLL;
-    changed.set_register(
-        *reg, wide ? static_cast<std::uint64_t>(value.integer) : (changed.register_value(*reg) & 0xFF00000000u) | word);
+    // The exponent stays, as in an integer load.
+    changed.set_register(*reg, (changed.register_value(*reg) & 0xFF00000000u) | word);
   };
   change(make, fmt::format("{} of {} = {}", name, debuggee_.chip_name(chip), value.text()));
 }

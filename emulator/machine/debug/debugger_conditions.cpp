@@ -17,8 +17,16 @@ void Debugger::check(const Trigger& trigger) {
   if (trigger.chip) require_chip(*trigger.chip);
   const std::size_t chip = trigger.chip.value_or(0);
   using enum Trigger::Kind;
-  if (trigger.kind == code && !debuggee_.peek(chip, trigger.address))
-    throw DebugError(fmt::format("{:08X}h: {} has no memory there", trigger.address, debuggee_.chip_name(chip)));
+  for (const CodePlace& place : trigger.places) {
+    const auto of = trigger.chip ? trigger.chip : place.chip;
+    if (of) require_chip(*of);
+    bool there = false;
+    for (std::size_t n = of.value_or(0); !there && n < (of ? *of + 1 : programs_.size()); ++n)
+      there = debuggee_.peek(n, place.address).has_value();
+    if (!there)
+      throw DebugError(
+          fmt::format("{:08X}h: {} has no memory there", place.address, debuggee_.chip_name(of.value_or(0))));
+  }
   if (trigger.kind == word && (trigger.words == 0 || trigger.address + (trigger.words - 1) < trigger.address))
     throw DebugError(fmt::format("{:08X}h: 1 word or more, up to the end of memory, can be watched", trigger.address));
   if (trigger.kind == processor_register && !isa::register_named(trigger.name))

@@ -33,10 +33,8 @@ std::vector<Hit> Debugger::search(Time until, const Manner& manner) {
   hear_what_is_under_way(manner);
   const auto chip_at_breakpoint = [this] {
     return std::ranges::any_of(triggers_, [this](const auto& entry) {
-      const Trigger& t = entry.second;
-      if (!t.enabled || t.kind != Trigger::Kind::code) return false;
       for (std::size_t n = 0; n < programs_.size(); ++n)
-        if (t.chip.value_or(n) == n && debuggee_.chip(n).pc() == t.address) return true;
+        if (entry.second.enabled && entry.second.stops(n, debuggee_.chip(n).pc())) return true;
       return false;
     });
   };
@@ -192,7 +190,7 @@ Trigger Debugger::happening_of(std::size_t chip, Step step) {
 const Stop& Debugger::run_to_code(std::size_t chip, Address address, std::string condition) {
   triggers_.insert_or_assign(temporary, Trigger{.kind = Trigger::Kind::code,
                                                 .chip = chip,
-                                                .address = address,
+                                                .places = {{std::nullopt, address}},
                                                 .condition = std::move(condition),
                                                 .once = true});
   return go_on(never, {});

@@ -18,7 +18,7 @@ namespace machine::debug {
 
 std::string Value::text() const {
   if (is_float) return fmt::format("{:.9g}", real);
-  if (integer >= -0x80000000LL && integer <= 0xFFFFFFFFLL)
+  if (is_word())
     return fmt::format("{} ({:08X}h)", static_cast<std::int32_t>(static_cast<std::uint32_t>(integer)),
                        static_cast<std::uint32_t>(integer));
   return fmt::format("{}", integer);
@@ -59,15 +59,13 @@ std::int64_t wrapping(std::string_view op, std::int64_t a, std::int64_t b) {
   return op == "/" ? a / b : a % b;
 }
 
-bool is_word(std::int64_t value) { return value >= -0x80000000LL && value <= 0xFFFFFFFFLL; }
-
 Value apply(std::string_view op, const Value& a, const Value& b) {
   const bool real = a.is_float || b.is_float;
   if (op == "==" || op == "!=") {
     bool equal = a.number() == b.number();
     if (!real)
-      equal = is_word(a.integer) && is_word(b.integer) ? static_cast<Word>(a.integer) == static_cast<Word>(b.integer)
-                                                       : a.integer == b.integer;
+      equal = a.is_word() && b.is_word() ? static_cast<Word>(a.integer) == static_cast<Word>(b.integer)
+                                         : a.integer == b.integer;
     return of(equal == (op == "=="));
   }
   const auto compare = [&](auto x, auto y) {

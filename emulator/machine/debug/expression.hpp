@@ -18,6 +18,8 @@ struct Value {
   std::int64_t integer = 0;
   double real = 0;
   std::optional<Address> address{};  ///< the address of a word in memory, or of a label
+  /// An integer of 32 bits, signed or unsigned.
+  bool is_word() const { return !is_float && integer >= -0x80000000LL && integer <= 0xFFFFFFFFLL; }
   bool truth() const { return is_float ? real != 0 : integer != 0; }
   double number() const { return is_float ? real : static_cast<double>(integer); }
   /// "1.5", "-2 (FFFFFFFEh)"

@@ -106,7 +106,8 @@ void Debugger::HitRecorder::arm(const std::map<unsigned, Trigger>& triggers, std
     bool steps = each_ == n, rules = false;
     for (const auto& [number, trigger] : armed_) {
       if (trigger.chip && *trigger.chip != n) continue;
-      if (trigger.kind == Trigger::Kind::code) plan.code.insert(trigger.address);
+      for (const CodePlace& place : trigger.places)
+        if (place.chip.value_or(n) == n) plan.code.insert(place.address);
       if (trigger.kind == Trigger::Kind::word && !shared(trigger))
         plan.data.push_back({trigger.address, trigger.words});
       steps = steps || trigger.by_instructions();
@@ -185,7 +186,7 @@ void Debugger::HitRecorder::add(unsigned number, const Trigger& trigger, Hit hit
 void Debugger::HitRecorder::reached(std::size_t chip, Address pc, Time time) {
   if (!open_) return;
   for (const auto& [number, trigger] : armed_)
-    if (trigger.kind == Trigger::Kind::code && trigger.address == pc && trigger.chip.value_or(chip) == chip)
+    if (trigger.stops(chip, pc))
       add(number, trigger,
           {.time = time,
            .chip = chip,

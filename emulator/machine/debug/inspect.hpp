@@ -2,6 +2,7 @@
 /// What a front end shows of a chip and its program: places, source, calls, registers.
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,17 +26,22 @@ class ProgramView {
 
   const toolchain::Image& image() const { return image_; }
   std::optional<SourcePlace> source(Address address) const;
-  /// In all files whose names end with `file`: the first line with code from `line` on. Empty if there is none.
-  std::vector<Address> addresses(std::string_view file, int line) const;
   const std::vector<std::string>& files() const { return image_.files; }
+  /// The absolute path of a file of the program, as it was found on disk; empty: it was not, or is built in.
+  const std::string& path(std::size_t file) const { return paths_[file]; }
+  std::string path(std::string_view file) const;
   /// A file's text: from disk, else composed of the lines that have code. Empty if none is known.
   std::string file_text(std::string_view file) const;
   /// "kernel_pid+0x1A"
   std::string name(Address address) const { return names_.text(address); }
   /// The address of a label, or of a word to which the program gives a name; else the value of a symbol.
   std::optional<Address> address(std::string_view label) const;
-  /// The label at the start of the routine, at or before the address; and its address.
-  std::optional<std::pair<std::string, Address>> routine(Address address) const;
+  /// A label of code that is exactly there.
+  std::optional<std::string> label_at(Address address) const;
+  /// The address is code of the program.
+  bool has_code(Address address) const;
+  /// Where the program's calls lead to, and its entry: a routine extends from one to the next, as in a profile.
+  const std::set<Address>& called() const;
   /// From the source, else disassembled.
   std::string instruction(Address address, Word word) const;
   std::string disassembled(Address address, Word word) const;
@@ -43,13 +49,56 @@ class ProgramView {
  private:
   const toolchain::Image& image_;
   AddressNames names_;
-  std::map<Address, std::size_t> lines_;     ///< into image_.lines
-  std::map<Address, std::string> routines_;  ///< by first address
+  std::vector<std::string> paths_;         ///< of the files
+  std::map<Address, std::size_t> lines_;   ///< into image_.lines
+  std::map<Address, std::string> labels_;  ///< of code
+  mutable std::set<Address> called_;       ///< made at the first call
 };
 
-/// An address in a user's form: "kernel_pid", "kernel_pid+4", 300000h, 0x300000, a decimal number, or FILE:LINE.
+/// A place in code: of one chip, or of all.
+struct CodePlace {
+  std::optional<std::size_t> chip{};
+  Address address = 0;
+  friend bool operator==(const CodePlace&, const CodePlace&) = default;
+};
+/// The same code, as far as it is the same: all chips with this chip's program.
+std::vector<CodePlace> with_same_program(const std::vector<ProgramView>& programs, std::size_t chip, Address address);
+
+/// What a user means by the name of a file: exactly the file that he names; else those of which most of the path, from
+/// its end, is the same; else the only one with that last part. A file that is known to be another one is not meant.
+class FilesNamed {
+ public:
+  /// \param chip only of its program; none: of all programs
+  FilesNamed(const std::vector<ProgramView>& programs, std::optional<std::size_t> chip, std::string_view file);
+  /// A file of the first program that has it, by its number there.
+  static FilesNamed only(const std::vector<ProgramView>& programs, std::size_t chip, std::size_t file);
+  bool empty() const { return files_.empty(); }
+  /// In each of the files, the first line with code from `line` on.
+  std::vector<CodePlace> code(int line) const;
+  /// The lines with code from one to another.
+  std::set<int> lines(int from, int to) const;
+
+ private:
+  explicit FilesNamed(const std::vector<ProgramView>& programs) : programs_(programs) {}
+  struct File {
+    std::size_t chip = 0, number = 0;
+    std::string identity;  ///< the same text for the same file
+  };
+  const std::vector<ProgramView>& programs_;
+  bool one_chip_ = false;
+  std::vector<File> files_;
+};
+
+/// Code by a user's words: "kernel_pid", "kernel_pid+4", FILE:LINE: of each chip whose program has it, there; 300000h,
+/// 0x300000, a decimal number: of all chips. \param chip only in its program
 /// \throws DebugError that says what would be right
-std::vector<Address> places_named(const ProgramView& program, std::string_view text);
+std::vector<CodePlace> code_named(const std::vector<ProgramView>& programs, std::optional<std::size_t> chip,
+                                  std::string_view text);
+/// The same in one chip's program.
+std::vector<Address> places_named(const std::vector<ProgramView>& programs, std::size_t chip, std::string_view text);
+/// "cloop (00300001h) of chip 0, cloop (00300005h) of chip 1"
+std::string text_of(const std::vector<CodePlace>& places, const std::vector<ProgramView>& programs,
+                    const Debuggee& debuggee);
 
 struct Frame {
   Address pc = 0;             ///< of the present instruction, or of the call

@@ -65,6 +65,12 @@ std::optional<std::string> NetworkDebuggee::over() const {
   return text;
 }
 
+void NetworkDebuggee::changed_by_hand() {
+  ended_.reset();
+  network_.changed_by_hand();
+  for (std::size_t n = 0; n < status_.size(); ++n) status_[n] = network_.status(n);
+}
+
 void NetworkDebuggee::run_until(Time time) {
   if (ended_) return;
   const NetworkStop stop = network_.run_until(time);

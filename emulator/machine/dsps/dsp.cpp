@@ -304,10 +304,14 @@ void Dsp::pace(Time now, std::int64_t parts_per_million) {
   if (state_ == State::access) reached = std::max(reached, access_.cycle);
   if (state_ == State::port) reached = std::max(reached, port_access_.cycle);
   const std::int64_t ppm = slot_ < context_.config.chip_skews.size() ? context_.config.chip_skews[slot_].ppm : 0;
-  std::int64_t above = context_.config.chip_hz * parts_per_million,
-               below = 1'000'000 * context_.config.chip_hz_denominator;
-  const std::int64_t divisor = std::gcd(above, below);
-  clock_.change(reached, Skew{ppm, Time{0}}, above / divisor, below / divisor);
+  constexpr std::int64_t million = 1'000'000;
+  std::int64_t above = context_.config.chip_hz, below = context_.config.chip_hz_denominator;
+  if (parts_per_million != million) {
+    // In whole hertz: a finer fraction, with a deviation in ppm on top, would be no clock.
+    above = std::max<std::int64_t>(1, (above * parts_per_million + million * below / 2) / (million * below));
+    below = 1;
+  }
+  clock_.change(reached, Skew{ppm, Time{0}}, above, below);
   for (const Wire& wire : wires_) wire.link.set_clock(wire.side, clock_);
   if (state_ == State::resuming) own_next_ = clock_.at(access_.cycle + arbitration_ + transfer_);
   set_next();

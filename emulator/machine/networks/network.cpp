@@ -347,6 +347,12 @@ void Network::link_happens(std::size_t number, Time time) {
   }
 }
 
+void Network::changed_by_hand() {
+  something_happened();
+  changed_ = now_;
+  for (auto& node : nodes_) node->look_again();
+}
+
 void Network::perform_port(Node& node, Cycles cycle) {
   node.chip.complete_port(cycle);
   node.status = ChipStatus::running;

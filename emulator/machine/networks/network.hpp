@@ -285,6 +285,8 @@ class Network {
   using MemoryListener = std::function<void(std::size_t chip, MemoryPlace place, c40::Word before,
                                             const c40::ExternalAccess& access, Time time)>;
   void watch_memory(MemoryListener listener) { memory_listener_ = std::move(listener); }
+  /// To be called after registers or words were changed between two runs: what had come to rest is looked at again.
+  void changed_by_hand();
   /// Sets the sink of a chip's instructions; null: none. Changes nothing. Use this, not Chip::set_trace: the network
   /// listens too.
   void set_trace(std::size_t n, c40::TraceSink* sink);

@@ -17,7 +17,7 @@ void Network::add_devices() {
     if (d.board.devices.empty() && d.devices.empty()) continue;
     node->devices = std::make_unique<BoardDevices>(d.board.devices);
     try {
-      for (const auto& [described, device] : d.devices) node->devices->add(described, device);
+      for (const auto& [described, device] : d.devices) node->devices->add(d.board.board, described, device);
     } catch (const std::invalid_argument& error) {
       throw NetworkError(fmt::format("chip {}: {}", node->number, error.what()));
     }

@@ -1,5 +1,6 @@
 // The runs of a chip of a network, and why each ends.
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "machine/chips/asleep.hpp"
@@ -85,16 +86,42 @@ bool Network::Node::asks_anew() {
 bool Network::Node::at_breakpoint() {
   over_breakpoint_ = true;
   if (passing_) return true;
-  if (description.until == chip.pc()) {
-    status = ChipStatus::until;
-  } else if (program_end(chip.peek(chip.pc()), chip.pc()) == ProgramEnd::halt && !chip.dma_busy()) {
-    if (chip.dma_active() || (chip.watches_ports() && can_interrupt(chip)) || reacts_to_pins())
-      status = ChipStatus::sleeping;
-    else if (!can_interrupt(chip) || !awaits_timer(chip))
-      status = ChipStatus::halt;
-    asleep_since = chip.cycle();
+  if (const auto rests = rest()) {
+    status = *rests;
+    if (status != ChipStatus::until) asleep_since = chip.cycle();
   }
   return over_breakpoint_ = status == ChipStatus::running;
+}
+
+/// The status of a chip whose program ends at its PC, or waits there; none: it runs on.
+std::optional<ChipStatus> Network::Node::rest() const {
+  if (description.until == chip.pc()) return ChipStatus::until;
+  if (chip.dma_busy() || program_end(chip.peek(chip.pc()), chip.pc()) != ProgramEnd::halt) return std::nullopt;
+  if (chip.dma_active() || (chip.watches_ports() && can_interrupt(chip)) || reacts_to_pins())
+    return ChipStatus::sleeping;
+  if (!can_interrupt(chip) || !awaits_timer(chip)) return ChipStatus::halt;
+  return std::nullopt;
+}
+
+/// Its registers or memory were changed while nothing ran.
+void Network::Node::look_again() {
+  patience.is_private = false;
+  begin_patience();
+  using enum ChipStatus;
+  if (status != halt && status != idle && status != until && status != sleeping) return;
+  std::optional<ChipStatus> rests;
+  try {
+    if (!chip.idle()) rests = rest();
+  } catch (const std::out_of_range&) {
+    // No memory is there: the next fetch reports this.
+  }
+  if (rests) {
+    status = *rests;
+    return wake_up();
+  }
+  if (status != sleeping) bring_to(network.now_, true);
+  status = running;
+  note_idle();
 }
 
 bool Network::Node::window_access(const c40::ExternalAccess& access) {

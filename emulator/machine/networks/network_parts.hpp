@@ -170,6 +170,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   void look_for_loop();
   void begin_patience();
   void note_idle();
+  void look_again();
   /// Updates whether the port for which it waits is ready. Returns whether this has changed.
   bool note_ready(Time time) {
     if (!waits_for_port()) return false;
@@ -227,6 +228,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   bool at_limit() override;
   bool asks_anew() override;
   bool at_breakpoint() override;
+  std::optional<ChipStatus> rest() const;
   bool window_access(const c40::ExternalAccess& access) override;
   bool port_access(const c40::PortAccess& access) override { return waits(c40::StopInfo::Reason::port_access, access); }
   bool port_wait(const c40::PortAccess& access) override { return waits(c40::StopInfo::Reason::port_wait, access); }

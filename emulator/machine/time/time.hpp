@@ -17,7 +17,4 @@ using c40::Time;
 /// Later than every cycle.
 inline constexpr c40::Cycles never_cycle = std::numeric_limits<c40::Cycles>::max();
 
-/// PCI at its nominal 33 1/3 MHz.
-inline constexpr Clock pci_clock{100'000'000, 3};
-
 }  // namespace machine

@@ -184,14 +184,21 @@ Value Program::reserve(int section_number, Address words, Address alignment, std
   return place;
 }
 
-bool Program::is_defined(const std::string& name) const {
-  return symbols_.contains(name) || predefined(name, options_.cpu);
+bool Program::is_defined(const std::string& name) const { return symbols_.contains(name) || predefined_value(name); }
+
+/// An option gives the symbol another value, in any case of letters too.
+std::optional<std::int64_t> Program::predefined_value(const std::string& name) const {
+  const auto usual = predefined(name, options_.cpu);
+  if (usual)
+    for (const auto& [given, value] : options_.symbols)
+      if (lower(given) == lower(name)) return value;
+  return usual;
 }
 
 Value Program::value_of(const std::string& name, std::size_t offset) const {
   const auto found = symbols_.find(name);
   if (found == symbols_.end()) {
-    if (const auto value = predefined(name, options_.cpu)) return Value::of(*value);
+    if (const auto value = predefined_value(name)) return Value::of(*value);
   }
   // A register of the other processor is not taken as a symbol of another object, unless the source declares it.
   const bool taken_as_external = undefined_external_ && register_of_other(name, options_.cpu).empty();

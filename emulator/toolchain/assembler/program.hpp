@@ -171,6 +171,7 @@ class Program final : public SymbolSource {
   void check_globals(std::vector<Diagnostic>& diagnostics) const;
   /// What the last evaluation gave, if another would give the same.
   const Evaluated* known(const Symbol& symbol) const;
+  std::optional<std::int64_t> predefined_value(const std::string& name) const;
   std::string undefined(const std::string& name) const;
   /// "; did you mean 'start'?", what the name means on the other processor, or nothing.
   std::string symbol_near(const std::string& name) const;

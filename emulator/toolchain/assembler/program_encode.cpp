@@ -36,11 +36,16 @@ void Program::place(std::vector<Diagnostic>& diagnostics) {
       taken.push_back({at, section->size});
       if (wanted != options_.sections.end()) from = end;
     }
-    if (section->address % section->alignment == 0) continue;
     const SourceLine nowhere{std::make_shared<const std::string>("sections"), 0, section->name, nullptr};
-    diagnostics.push_back(make_diagnostic(nowhere, 0,
-                                          fmt::format("the section '{}' at {:x}h must be aligned to {} words",
-                                                      section->name, section->address, section->alignment)));
+    const auto complain = [&](std::string message) {
+      diagnostics.push_back(make_diagnostic(nowhere, 0, std::move(message)));
+    };
+    if (section->address % section->alignment != 0)
+      complain(fmt::format("the section '{}' at {:x}h must be aligned to {} words", section->name, section->address,
+                           section->alignment));
+    if (section->blocked && !in_one_page(section->address, section->size))
+      complain(fmt::format("the section '{}' ({} words at {:x}h) must lie in one page of 64 K words", section->name,
+                           section->size, section->address));
   }
   placed_ = true;
   ++stage_;
@@ -121,10 +126,14 @@ Word Program::plain_word(const Expression& expression, const Value& value, Addre
                          WordRelocations* relocations) const {
   if (value.is_real()) throw LineError{expression.offset, "a float; use .float, or single(x) for its word"};
   if (relocations != nullptr && !value.is_absolute()) {
-    if (value.half != Value::Half::none)
-      throw LineError{expression.offset, "half of an address that is not settled yet fits into instructions only"};
-    relocations->push_back({offset, {RelocationType::rellong, value}});
-    return static_cast<Word>(value.integer);
+    const auto address = static_cast<Word>(value.integer);
+    const bool high = value.half == Value::Half::high, low = value.half == Value::Half::low;
+    relocations->push_back({offset,
+                            {high  ? RelocationType::partms16
+                             : low ? RelocationType::partls16
+                                   : RelocationType::rellong,
+                             value}});
+    return high ? address >> 16 : low ? address & 0xFFFF : address;
   }
   const std::int64_t number = value.is_absolute() ? value.integer : address_of_section(value.section) + value.integer;
   if (number < -(std::int64_t{1} << 31) || number >= std::int64_t{1} << 32)

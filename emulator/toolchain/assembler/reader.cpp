@@ -211,9 +211,10 @@ bool Reader::collect(const SourceLinePtr& line) {
     finish_collecting();
     return true;
   }
+  const bool repeat = collector_->kind == Collector::Kind::repeat;
+  if (!repeat && line->text.starts_with('!')) return true;  // a comment of the definition
   // A macro in a macro gets the arguments of the outer one now; the lines of a repeat get theirs each time they are
   // read.
-  const bool repeat = collector_->kind == Collector::Kind::repeat;
   collector_->macro.body.push_back(
       repeat || parameters_ == nullptr ? line : with_text(line, substitute(line->text, *parameters_, false)));
   return true;
@@ -303,7 +304,8 @@ SourceLinePtr Reader::substituted(const SourceLinePtr& line) {
     return line;
   }
   text = replace_functions(text, without_comment(text, reading_.dialect).size(),
-                           {parameters_, &substitutes_, options_.cpu});
+                           {parameters_, &substitutes_, options_.cpu,
+                            [this](const std::string& name) { return program_.is_defined(name); }});
   if (parameters_ != nullptr) text = substitute(text, *parameters_, false);
   text = substitute(text, substitutes_, true) + kept;
   return text == line->text ? line : with_text(line, std::move(text));

@@ -133,10 +133,11 @@ class Functions {
     if (name == "$symcmp") return sign(a.compare(value(arguments[1])));
     if (name == "$firstch") return place(a.find(character(arguments[1])));
     if (name == "$lastch") return place(a.rfind(character(arguments[1])));
-    if (name == "$isdefed") return symbols_.find(arguments[0]) != nullptr ? 1 : 0;
+    if (name == "$isdefed") return symbols_.is_defined(a) ? 1 : 0;
     if (name == "$ismember") return take_member(arguments[0], arguments[1]);
-    if (name == "$iscons") return !a.empty() && is_digit(a[0]) ? 1 : 0;
-    if (name == "$isname") return !a.empty() && is_identifier_start(a[0]) ? 1 : 0;
+    if (name == "$iscons") return static_cast<long>(constant_kind(a));
+    if (name == "$isname")
+      return !a.empty() && is_identifier_start(a[0]) && std::ranges::all_of(a, is_identifier) ? 1 : 0;
     if (name == "$isreg") return isa::register_named(a, symbols_.cpu) ? 1 : 0;
     return std::nullopt;
   }

@@ -1,5 +1,6 @@
 #pragma once
 // Substitution symbols: names that are replaced by text, from .asg, .eval and the parameters of macros.
+#include <functional>
 #include <map>
 #include <string>
 #include <string_view>
@@ -19,7 +20,8 @@ std::string substitute(const std::string& text, const Substitutes& symbols, bool
 struct SubstituteScopes {
   Substitutes* parameters = nullptr;
   Substitutes* globals = nullptr;
-  isa::Cpu cpu = isa::Cpu::c40;  ///< The processor whose registers $isreg knows.
+  isa::Cpu cpu = isa::Cpu::c40;                             ///< The processor whose registers $isreg knows.
+  std::function<bool(const std::string&)> is_defined = {};  ///< Whether a symbol has this name: for $isdefed.
 
   const std::string* find(std::string_view name) const;
   /// The symbols to which an assignment to this name belongs.

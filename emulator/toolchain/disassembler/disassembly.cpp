@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "isa/ascii.hpp"
 #include "isa/disassemble.hpp"
 #include "toolchain/encoder/encoder.hpp"
 #include "toolchain/syntax/parser.hpp"
@@ -16,12 +17,19 @@ namespace {
 
 using Labels = std::map<Address, std::string>;
 
+/// Whether the section is a .cinit that the loader reads: it lies in no memory, and its records follow it.
+bool is_table_for_loader(const Image& image, const Image::Section& section) {
+  const std::size_t next = static_cast<std::size_t>(&section - image.sections.data()) + 1;
+  return !section.initial_values && next < image.sections.size() && image.sections[next].initial_values;
+}
+
 /// Names of addresses within the sections; if an address has several, the first in the alphabet.
 Labels labels_of(const Image& image) {
   Labels out;
   for (const auto& [name, value] : image.symbols)
     for (const auto& section : image.sections)
-      if (value - section.address < section.size && !name.starts_with('.')) out.emplace(value, name);
+      if (value - section.address < section.size && !name.starts_with('.') && !is_table_for_loader(image, section))
+        out.emplace(value, name);
   return out;
 }
 
@@ -66,6 +74,13 @@ std::string folded(std::size_t run, Address first) {
                   : fmt::format("...       {} more of the same, to {:08X}h\n", run - 1, first + run - 1);
 }
 
+/// The name of the address; a new one if it has none.
+const std::string& named(Address address, const Image& image, Labels& labels) {
+  std::string name = fmt::format("L{:X}", address);
+  while (!labels.contains(address) && image.symbols.contains(name)) name += '_';
+  return labels.emplace(address, std::move(name)).first->second;
+}
+
 /// Adds a label at each branch target that has none, in loaded sections.
 void add_targets(const Image& image, Labels& labels) {
   for (const auto& section : image.sections) {
@@ -78,13 +93,85 @@ void add_targets(const Image& image, Labels& labels) {
       if (!relative && !instruction->src1.is(isa::Operand::Kind::address)) continue;
       const Address target = (relative ? section.address + i : 0) + static_cast<Word>(instruction->src1.value);
       for (const auto& other : image.sections)
-        if (target - other.address < other.words.size()) labels.emplace(target, fmt::format("L{:X}", target));
+        if (target - other.address < other.words.size()) named(target, image, labels);
     }
   }
 }
 
 std::string head(isa::Cpu cpu) {
   return cpu == isa::Cpu::c40 ? std::string() : fmt::format("; cpu {}\n", isa::name(cpu));
+}
+
+std::string_view purpose(const Image& image, const Image::Section& section) {
+  if (is_table_for_loader(image, section)) return ", for the loader, which sets the initial values:";
+  return section.loaded ? "" : ", reserved";
+}
+
+/// The parts of the sections as a source has them: no two share a word. What the loader sets, or another section
+/// holds, is cut out of reserved memory; the further pieces get names of their own.
+class SourceParts {
+ public:
+  explicit SourceParts(const Image& image) {
+    for (const auto& section : image.sections) names_.insert(section.name);
+    for (const auto& section : image.sections)
+      if (section.loaded) taken_.emplace(section.address, std::uint64_t{section.address} + section.size);
+    for (const auto& section : image.sections)
+      if (section.loaded)
+        parts_.push_back({section.name, section.address, section.size, section.words, true, false});
+      else if (!is_table_for_loader(image, section))
+        add_reserved(section);
+  }
+
+  const std::vector<Image::Section>& parts() const { return parts_; }
+
+ private:
+  void add_reserved(const Image::Section& section) {
+    std::uint64_t at = section.address;
+    const std::uint64_t end = at + section.size;
+    int number = 0;
+    const auto add_up_to = [&](std::uint64_t stop) {
+      if (stop <= at) return;
+      const auto from = static_cast<Address>(at);
+      std::string name = section.name;
+      while (number > 0 && !names_.insert(name = fmt::format("{}.{}", section.name, number)).second) ++number;
+      ++number;
+      parts_.push_back({std::move(name), from, static_cast<Address>(stop - at), {}, false, false});
+    };
+    for (const auto& [begin, stop] : taken_) {
+      if (stop <= at || begin >= end) continue;
+      add_up_to(begin);
+      at = std::max<std::uint64_t>(at, stop);
+    }
+    add_up_to(end);
+    taken_.emplace(section.address, end);
+  }
+
+  std::vector<Image::Section> parts_;
+  std::set<std::string, std::less<>> names_;
+  std::multimap<std::uint64_t, std::uint64_t> taken_;  ///< Begin and end of what the source already has.
+};
+
+/// Reserved words, from one label to the next; there is one at the beginning.
+std::string reserved_source(const Image::Section& part, const Labels& labels) {
+  std::string out;
+  const std::uint64_t end = std::uint64_t{part.address} + part.size;
+  for (auto label = labels.find(part.address); label != labels.end() && label->first < end;) {
+    const auto& [at, name] = *label++;
+    const std::uint64_t stop = label == labels.end() ? end : std::min<std::uint64_t>(end, label->first);
+    fmt::format_to(std::back_inserter(out), "{}\t.usect\t\"{}\",{}\n", name, part.name, stop - at);
+  }
+  return out;
+}
+
+/// As an argument of a shell's command.
+std::string argument(const std::string& text) {
+  if (std::ranges::all_of(text, [](char c) {
+        return ascii::is_letter_or_digit(c) || std::string_view("_.=:").find(c) != std::string_view::npos;
+      }))
+    return text;
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
 }
 
 }  // namespace
@@ -95,7 +182,7 @@ std::string disassembly(const Image& image) {
   std::string out = head(image.cpu);
   for (const auto& section : image.sections) {
     fmt::format_to(std::back_inserter(out), "; section {}, {} words at {:08X}h{}\n", section.name, section.size,
-                   section.address, section.loaded ? "" : ", reserved");
+                   section.address, purpose(image, section));
     const auto is_marked = [&](std::size_t i) { return labels.contains(section.address + static_cast<Address>(i)); };
     for (std::size_t i = 0, run = 0; i < section.words.size(); i += run) {
       const Address address = section.address + static_cast<Address>(i);
@@ -156,22 +243,25 @@ std::string source_of(const Image& image) {
   for (const auto& [address, name] : labels_of(image))
     if (can_be_written(name)) labels.emplace(address, name);
   add_targets(image, labels);
+  const std::string entry = named(image.entry, image, labels);
+  const SourceParts source(image);
+  for (const auto& part : source.parts())
+    if (!part.loaded) named(part.address, image, labels);
   const auto lookup = lookup_in(labels);
   std::string out = "; emulator asm FILE -o OUT";
   if (image.cpu != isa::Cpu::c40) out += fmt::format(" --cpu {}", isa::name(image.cpu));
-  for (const auto& section : image.sections) out += fmt::format(" --section {}={:#x}", section.name, section.address);
-  out += '\n';
-  for (const auto& section : image.sections) {
-    if (!section.loaded) {
-      const std::string label = lookup(section.address);
-      out += fmt::format("{}\t.usect\t\"{}\",{}\n", label.empty() ? fmt::format("L{:X}", section.address) : label,
-                         section.name, section.size);
+  for (const auto& part : source.parts())
+    out += " --section " + argument(fmt::format("{}={:#x}", part.name, part.address));
+  out += fmt::format(" --entry {}\n", entry);
+  for (const auto& part : source.parts()) {
+    if (!part.loaded) {
+      out += reserved_source(part, labels);
       continue;
     }
-    out += fmt::format("\t.sect\t\"{}\"\n", section.name);
-    const bool data = is_data(section);
-    Address address = section.address;
-    for (const Word word : section.words) {
+    out += fmt::format("\t.sect\t\"{}\"\n", part.name);
+    const bool data = is_data(part);
+    Address address = part.address;
+    for (const Word word : part.words) {
       if (const std::string label = lookup(address); !label.empty()) out += label + ":\n";
       if (data)
         fmt::format_to(std::back_inserter(out), "\t.word\t{:#010x}\n", word);
@@ -180,6 +270,9 @@ std::string source_of(const Image& image) {
       ++address;
     }
   }
+  const bool entry_is_in_a_part =
+      std::ranges::any_of(source.parts(), [&](const auto& part) { return image.entry - part.address < part.size; });
+  if (!entry_is_in_a_part) out += fmt::format("{}\t.set\t{:#x}\n", entry, image.entry);
   return out;
 }
 

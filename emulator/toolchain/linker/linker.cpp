@@ -18,11 +18,6 @@ namespace {
 
 std::string join(const std::vector<std::string>& messages) { return fmt::format("{}", fmt::join(messages, "\n")); }
 
-std::int64_t sign_extended(std::uint64_t value, unsigned bits) {
-  const unsigned shift = 64 - bits;
-  return static_cast<std::int64_t>(value << shift) >> shift;
-}
-
 /// A global symbol's definition.
 struct Definition {
   Word value = 0;
@@ -44,6 +39,7 @@ class Linker {
       throw LinkError(
           {fmt::format("{}: no section contains a word; a program has at least one", objects_.front().name)});
     placement_.place(map_, cpu(), errors_);
+    check_small_model();
     define_symbols();
     check_undefined();
     if (!errors_.empty()) throw LinkError(std::move(errors_));
@@ -143,11 +139,21 @@ class Linker {
     for (std::size_t i = 0; i < objects_.size(); ++i)
       for (std::size_t k = 0; k < objects_[i].sections.size(); ++k) placement_.add(objects_[i].sections[k], {i, k});
     for (const char* name : {".text", ".data", ".bss"}) placement_.need(name);  // their ends are symbols
+    placement_.find(".bss")->rather_in_one_page = map_.is_c;                    // the small model keeps one page in DP
     // .cinit ends with a count of 0 (c40-hardware.md 10.2).
-    OutputSection* const table = placement_.find(".cinit");
+    OutputSection* const table = placement_.find(initial_values);
     if (table == nullptr || table->size == 0) return;
     ++table->size;
     table->for_loader = map_.loader_sets_values;
+  }
+
+  void check_small_model() {
+    const OutputSection& bss = *placement_.find(".bss");
+    if (!bss.rather_in_one_page || in_one_page(bss.address, bss.size)) return;
+    warnings_.push_back(
+        fmt::format("{}: warning: .bss ({} words at {:08X}h) lies in two pages of 64 K words; a program of the small "
+                    "model reaches only the first. The memory map may give another place",
+                    linked_program, bss.size, bss.address));
   }
 
   /// How far an object's section was moved.
@@ -171,7 +177,7 @@ class Linker {
                                at->second.object != nullptr ? at->second.object->name : "the memory map"));
       }
     constexpr Word no_table = 0xFFFFFFFF;  // The value that TI's linker uses (c40-hardware.md 10.2).
-    const OutputSection* const table = map_.loader_sets_values ? nullptr : placement_.find(".cinit");
+    const OutputSection* const table = map_.loader_sets_values ? nullptr : placement_.find(initial_values);
     define_own("cinit", table != nullptr && table->size != 0 ? table->address : no_table);
     define_size("__STACK_SIZE", ".stack");
     define_size("__SYSMEM_SIZE", ".sysmem");
@@ -230,6 +236,7 @@ class Linker {
           add_lines(part, section.address + part.offset, image);
         }
       }
+      if (section.name == initial_values) check_initial_values(section, out.words);
       if (section.for_loader)
         return_to_loader(out, image);
       else
@@ -241,6 +248,32 @@ class Linker {
     } catch (const CoffError& error) {
       complain(error.what());
     }
+  }
+
+  /// What would be lost in silence: the program, and the loader, read the table up to the first count of 0.
+  void check_initial_values(const OutputSection& table, const std::vector<Word>& records) {
+    if (records.empty()) return;
+    std::size_t end = 0;
+    try {
+      Image unused;
+      end = add_initial_values(unused, table.name, records, fmt::format("{}: warning", linked_program));
+    } catch (const CoffError& error) {
+      if (!table.for_loader) warnings_.emplace_back(error.what());  // else it is an error (return_to_loader)
+      return;
+    }
+    if (end >= records.size())
+      warnings_.push_back(fmt::format("{}: warning: the last record of {} asks for one word more than it has",
+                                      linked_program, table.name));
+    const auto lost = std::find_if(records.begin() + static_cast<std::ptrdiff_t>(std::min(end, records.size())),
+                                   records.end(), [](Word word) { return word != 0; });
+    if (lost == records.end()) return;
+    const auto place = static_cast<Address>(lost - records.begin());
+    const auto next = std::ranges::find_if(table.parts, [&](const auto& part) { return part.offset > place; });
+    const OutputSection::Part& part = *std::prev(next);
+    warnings_.push_back(
+        fmt::format("{}: {}+{:X}h: warning: the initial values from here on are not set; a 0 before them, in word {} "
+                    "of {}, closes the table",
+                    objects_[part.source.object].name, table.name, place - part.offset, end, table.name));
   }
 
   /// The table itself stays as a section that reserves nothing: only its name and size.
@@ -348,7 +381,9 @@ class Linker {
       if (const auto found = image.symbols.find(name); found != image.symbols.end()) return found->second;
     const OutputSection* text = placement_.find(".text");
     if (text->size != 0) return text->address;
-    return std::ranges::find_if(placement_.sections(), [](const auto& section) { return section.size != 0; })->address;
+    return std::ranges::find_if(placement_.sections(),
+                                [](const auto& section) { return section.size != 0 && !section.for_loader; })
+        ->address;
   }
 
   std::string map_text(const Image& image) const {
@@ -356,7 +391,8 @@ class Linker {
     for (const auto& memory : map_.memories) {
       std::uint64_t used = 0;
       for (const OutputSection& section : placement_.sections())
-        if (section.address >= memory.origin && section.address - memory.origin < memory.length) used += section.size;
+        if (!section.for_loader && section.address >= memory.origin && section.address - memory.origin < memory.length)
+          used += section.size;
       out += fmt::format("{:<16} {:08X}h {:>9X}h {:>9X}h\n", memory.name, memory.origin, memory.length, used);
     }
     out += "\nsection          address         size  from\n";
@@ -383,6 +419,7 @@ class Linker {
 
   static constexpr std::size_t most_errors = 1000;
   static constexpr const char* linked_program = "the linked program";
+  static constexpr const char* initial_values = ".cinit";
 
   std::vector<Object> objects_;
   std::vector<Object> library_;
@@ -398,44 +435,6 @@ class Linker {
 
 LinkError::LinkError(std::vector<std::string> messages)
     : std::runtime_error(join(messages)), messages_(std::move(messages)) {}
-
-Relocated relocate(Word word, const Relocation& relocation, Word symbol_then, Word symbol_now, Word place_then,
-                   Word place_now, bool symbol_is_section) {
-  const unsigned bits = width(relocation.type);
-  const auto mask = static_cast<Word>((std::uint64_t{1} << bits) - 1);
-  const auto put = [&](std::int64_t value) { return (word & ~mask) | (static_cast<Word>(value) & mask); };
-  if (relocation.type == RelocationType::partms16) {
-    // Without a low half in the object: the low half of the symbol, if the high half belongs to it.
-    Word low = relocation.low;
-    if (low == 0 && symbol_then >> 16 == (word & mask)) low = symbol_then & 0xFFFF;
-    const Word address = ((word & mask) << 16 | low) - symbol_then + symbol_now;
-    return {put(address >> 16), true, address};
-  }
-  const Word origin_then = is_relative(relocation.type) ? place_then : 0;
-  const Word origin_now = is_relative(relocation.type) ? place_now : 0;
-  std::int64_t rest = sign_extended((word & mask) - symbol_then + origin_then, bits);
-  // A place in a section is after its start; a branch subtracts 3 at most.
-  if (symbol_is_section && is_relative(relocation.type) && rest < -3) rest += std::int64_t{1} << bits;
-  const std::int64_t value = std::int64_t{symbol_now} + rest - std::int64_t{origin_now};
-  // Distances may wrap around the end of the address space.
-  const std::int64_t distance =
-      is_relative(relocation.type) ? sign_extended(static_cast<std::uint64_t>(value), 32) : value;
-  Relocated out{put(distance), true, distance};
-  switch (relocation.type) {
-    case RelocationType::pcrword:
-    case RelocationType::pcr24:
-      out.fits = distance >= -(std::int64_t{1} << (bits - 1)) && distance < std::int64_t{1} << (bits - 1);
-      break;
-    case RelocationType::rel24: out.fits = distance >= 0 && distance <= std::int64_t{mask}; break;
-    case RelocationType::relword: {
-      const std::int64_t number = sign_extended(static_cast<std::uint64_t>(value), 32);
-      out.fits = number >= -32768 && number <= 65535;
-      break;
-    }
-    default: break;
-  }
-  return out;
-}
 
 Linked link(std::vector<Object> objects, std::vector<Object> library, const MemoryMap& map) {
   return Linker(std::move(objects), std::move(library), map).link();

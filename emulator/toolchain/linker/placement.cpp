@@ -100,6 +100,8 @@ void Placement::put(OutputSection& section, Address address, const MemoryMap::Me
   if (address % section.alignment != 0)
     errors.push_back(fmt::format("section {} must be aligned to {} words", extent(section), section.alignment));
   check_end(section, errors);
+  if (section.blocked && !in_one_page(address, section.size))
+    errors.push_back(fmt::format("section {} must lie in one page of 64 K words", extent(section)));
   if (memory != nullptr && (address < memory->origin || end > memory->origin + memory->length))
     errors.push_back(fmt::format("section {} does not lie in the memory '{}' ({} words at {:08X}h)", extent(section),
                                  memory->name, memory->length, memory->origin));
@@ -114,14 +116,17 @@ void Placement::put_in(OutputSection& section, const MemoryMap::Memory& memory, 
   std::vector<Extent> taken;
   for (const OutputSection* other : placed_) taken.push_back({other->address, other->size});
   std::uint64_t& end = ends_.try_emplace(&memory, memory.origin).first->second;
-  const std::uint64_t at = section.size == 0
-                               ? aligned(end, section.alignment)
-                               : free_place(memory.origin, section.size, section.alignment, section.blocked, taken);
+  const std::uint64_t last = memory.origin + memory.length;
+  const auto place = [&](bool blocked) {
+    return free_place(memory.origin, section.size, section.alignment, blocked, taken);
+  };
+  std::uint64_t at = aligned(end, section.alignment);
+  if (section.size != 0) at = place(section.blocked || section.rather_in_one_page);
+  if (at + section.size > last && section.rather_in_one_page && section.size != 0) at = place(section.blocked);
   section.address = static_cast<Address>(std::min(at, address_space - 1));
   if (section.size == 0) return;
   end = at + section.size;
-  if (end > memory.origin + memory.length) {
-    const std::uint64_t last = memory.origin + memory.length;
+  if (end > last) {
     errors.push_back(
         fmt::format("section '{}' of {} words does not fit in the memory '{}' ({} words at {:08X}h, {} left)",
                     section.name, section.size, memory.name, memory.length, memory.origin, at < last ? last - at : 0));

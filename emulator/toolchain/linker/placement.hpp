@@ -28,6 +28,7 @@ struct OutputSection {
   Address size = 0;
   Address alignment = 1;
   bool blocked = false;
+  bool rather_in_one_page = false;  ///< As if blocked, where its memory has room for that.
   bool loaded = false;
   bool for_loader = false;  ///< Only for the loader: takes no memory and has the address 0.
   std::vector<Part> parts;

@@ -21,8 +21,8 @@ void check_overlaps(const Image& image, const std::string& file) {
   }
 }
 
-void add_initial_values(Image& image, const std::string& table, const std::vector<Word>& records,
-                        const std::string& file) {
+std::size_t add_initial_values(Image& image, const std::string& table, const std::vector<Word>& records,
+                               const std::string& file) {
   std::size_t at = 0;
   for (int number = 0; at < records.size() && records[at] != 0; ++number) {
     const std::size_t left = records.size() - at;
@@ -39,6 +39,7 @@ void add_initial_values(Image& image, const std::string& table, const std::vecto
                               .initial_values = true});
     at += 2 + count;
   }
+  return at;
 }
 
 std::optional<RelocationType> relocation_type(std::uint16_t number) {

@@ -78,9 +78,10 @@ struct Object {
 };
 
 /// Does what a loader does with a .cinit of the RAM model: a section for each record {count, address, words...}, up to
-/// a count of 0. `file` is the file's name in messages. Throws CoffError if a record extends beyond the table's end.
-void add_initial_values(Image& image, const std::string& table, const std::vector<Word>& records,
-                        const std::string& file);
+/// a count of 0. Returns the place of this 0, the number of words if there is none. `file` is the file's name in
+/// messages. Throws CoffError if a record extends beyond the table's end.
+std::size_t add_initial_values(Image& image, const std::string& table, const std::vector<Word>& records,
+                               const std::string& file);
 /// Throws CoffError if two loaded sections overlap; `file` is the file's name in the message.
 void check_overlaps(const Image& image, const std::string& file);
 /// The program that a loader makes of an executable. Throws CoffError if two loaded sections overlap, or if .cinit ends

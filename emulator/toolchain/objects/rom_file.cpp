@@ -211,7 +211,9 @@ std::string rom_file(std::span<const std::uint8_t> bytes, RomFormat format) {
 
 Bytes read_rom(const std::filesystem::path& path) {
   const io::Input input = io::read_input(path);
-  if (!input.problem.empty()) throw RomError(fmt::format("{} {}", path.string(), input.problem));
+  if (!input.problem.empty())
+    throw RomError(
+        fmt::format("{}: {}; a file in Intel hex, S-records or bytes is expected", path.string(), input.problem));
   const std::string_view text = input.text;
   // Blank lines may come first. A file of plain bytes that begins like this, with such a character next, is not a boot
   // image.

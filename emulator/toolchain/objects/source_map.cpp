@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -29,6 +30,16 @@ Number next_number(std::string_view& line, int base) {
   return value;
 }
 
+/// A source file: under its own name, else in the folder `beside`, there at last under the last part of its name.
+std::optional<std::filesystem::path> source_on_disk(const std::filesystem::path& name,
+                                                    const std::filesystem::path& beside) {
+  for (const std::filesystem::path& path : {name, beside / name, beside / name.filename()}) {
+    std::error_code error;
+    if (std::filesystem::is_regular_file(path, error)) return path;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::string source_map(const Image& image, const std::filesystem::path& base) {
@@ -47,21 +58,21 @@ void add_source_text(Image& image, const std::filesystem::path& beside) {
   std::set<std::uint32_t> wanted;
   for (const LineRecord& line : image.lines) wanted.insert(line.file);
   for (const std::uint32_t file : wanted) {
-    const std::filesystem::path name(image.files[file]);
-    std::vector<std::string>& lines = texts[file];
-    for (const std::filesystem::path& path : {name, beside / name, beside / name.filename()}) {
-      std::error_code error;
-      if (!std::filesystem::is_regular_file(path, error)) continue;
-      std::istringstream text(io::read_input(path).text);
-      for (std::string line; std::getline(text, line);) lines.push_back(std::move(line));
-      break;
-    }
+    const auto path = source_on_disk(image.files[file], beside);
+    if (!path) continue;
+    std::istringstream text(io::read_input(*path).text);
+    for (std::string line; std::getline(text, line);) texts[file].push_back(std::move(line));
   }
   for (LineRecord& line : image.lines) {
     const std::vector<std::string>& lines = texts[line.file];
     if (line.line >= 1 && static_cast<std::size_t>(line.line) <= lines.size())
       line.text = lines[static_cast<std::size_t>(line.line) - 1];
   }
+}
+
+void name_sources_as_found(Image& image, const std::filesystem::path& beside) {
+  for (std::string& file : image.files)
+    if (const auto path = source_on_disk(file, beside)) file = path->string();
 }
 
 void add_source_map(Image& image, std::string_view map) {

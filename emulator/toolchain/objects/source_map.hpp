@@ -14,6 +14,8 @@ std::string source_map(const Image& image, const std::filesystem::path& base);
 /// Reads the text of an image's lines from the source files: under their own names, else from the folder `beside` under
 /// the last part of their names. Lines of a file that is not found, or is shorter, stay without text.
 void add_source_text(Image& image, const std::filesystem::path& beside);
+/// Where a source file is found only beside, that becomes its name, by which it can be opened.
+void name_sources_as_found(Image& image, const std::filesystem::path& beside);
 
 /// Adds files and lines to an image of the same program. Throws std::invalid_argument for a text that is not a source
 /// map.

@@ -24,19 +24,41 @@ bool all_of(std::string_view text, std::string_view allowed) {
 
 constexpr std::string_view hex_digits = "0123456789abcdefABCDEF";
 
+struct Digits {
+  std::string_view digits;
+  int base = 10;
+};
+
 /// TI's and GNU's forms of integers: 0FFh 101b 17q 0xFF 0b101 255. A leading 0 has no meaning: 017 is 17 (ruling 33).
-std::optional<std::int64_t> integer_literal(std::string_view text) {
+Digits digits_of(std::string_view text) {
   const char first = text[0], last = lower(text.back());
   const auto body = text.substr(0, text.size() - 1);
-  if (text.size() > 2 && first == '0' && (text[1] == 'x' || text[1] == 'X')) return integer_in_base(text.substr(2), 16);
-  if (last == 'h' && all_of(body, hex_digits)) return integer_in_base(body, 16);
-  if (last == 'b' && !body.empty() && all_of(body, "01")) return integer_in_base(body, 2);
-  if (last == 'q' && all_of(body, "01234567")) return integer_in_base(body, 8);
-  if (text.size() > 2 && first == '0' && (text[1] == 'b' || text[1] == 'B')) return integer_in_base(text.substr(2), 2);
-  return integer_in_base(text, 10);
+  if (text.size() > 2 && first == '0' && (text[1] == 'x' || text[1] == 'X')) return {text.substr(2), 16};
+  if (last == 'h' && all_of(body, hex_digits)) return {body, 16};
+  if (last == 'b' && !body.empty() && all_of(body, "01")) return {body, 2};
+  if (last == 'q' && all_of(body, "01234567")) return {body, 8};
+  if (text.size() > 2 && first == '0' && (text[1] == 'b' || text[1] == 'B')) return {text.substr(2), 2};
+  return {text, 10};
+}
+
+std::optional<std::int64_t> integer_literal(std::string_view text) {
+  const Digits number = digits_of(text);
+  return integer_in_base(number.digits, number.base);
 }
 
 }  // namespace
+
+ConstantKind constant_kind(std::string_view text) {
+  if (text.empty()) return ConstantKind::none;
+  if (character_constant(text) == text.size()) return ConstantKind::character;
+  if (!is_digit(text[0]) || !integer_literal(text)) return ConstantKind::none;
+  switch (digits_of(text).base) {
+    case 2: return ConstantKind::binary;
+    case 8: return ConstantKind::octal;
+    case 16: return ConstantKind::hexadecimal;
+    default: return ConstantKind::decimal;
+  }
+}
 
 std::size_t character_constant(std::string_view text) {
   constexpr std::size_t most = 4;

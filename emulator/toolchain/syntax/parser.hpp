@@ -1,5 +1,6 @@
 #pragma once
 // Splits one line of assembler source into its parts (c40-isa.md 11, docs/assembler.md).
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -55,6 +56,9 @@ bool is_identifier_start(char c);
 bool is_identifier(char c);
 /// Number of characters of the character constant at the text's beginning, quotes included; 0: there is none.
 std::size_t character_constant(std::string_view text);
+/// How the whole text writes an integer, with the numbers that TI's $iscons has for it.
+enum class ConstantKind : std::uint8_t { none, binary, octal, hexadecimal, character, decimal };
+ConstantKind constant_kind(std::string_view text);
 /// The line without its comment. A comment begins with ';' outside quotes, or is the whole line if it starts with '*'.
 /// For GNU as the whole line is also a comment if its first character other than a blank is '#', as in the output of a
 /// preprocessor.

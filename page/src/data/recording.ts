@@ -62,6 +62,7 @@ export interface Miss {
 
 export interface Report {
   stop_reason: string;
+  simulated_s: number;
   hash: string;
   misses: Miss[];
   misses_left_out: number;
@@ -69,7 +70,7 @@ export interface Report {
   buses: Record<string, unknown>;
   timed_events: { time_s: number; what: string }[];
   failures: { time_s: number; dsp: number | null; kind: string; message: string }[];
-  errors: null | { load_m: { rms: number; peak: number; end: number } };
+  errors: null | { window_s: [number, number]; load_m: { rms: number; peak: number; end: number } };
   configuration: Record<string, unknown>;
   [key: string]: unknown;
 }

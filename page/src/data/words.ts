@@ -22,8 +22,26 @@ export function instant(seconds: number, step = 1e-3): string {
   return `${seconds.toFixed(Math.min(9, Math.max(0, Math.ceil(-Math.log10(step)))))} s`;
 }
 
+/** A length with the unit that suits it, as the report on the terminal has it. */
 export function length(metres: number): string {
-  return Math.abs(metres) < 1 ? `${(metres * 1e3).toFixed(Math.abs(metres) < 0.1 ? 2 : 0)} mm` : `${metres.toFixed(2)} m`;
+  const size = Math.abs(metres), digits = (value: number, count: number): number => Number(value.toPrecision(count));
+  if (size === 0) return "0 m";
+  return size < 1e-3 ? `${digits(metres * 1e6, 3)} µm` : size < 1 ? `${digits(metres * 1e3, 3)} mm` : `${digits(metres, 4)} m`;
+}
+
+/** The length of a run: all digits that it has, to the microsecond. */
+export function duration(seconds: number): string {
+  return `${Number(seconds.toFixed(6))} s`;
+}
+
+const STOPS: Record<string, string> = {
+  interrupted: "interrupted", under_way: "under way", job_done: "the job is done", no_dsp_left: "no DSP was left", drives_stopped: "the drives have stopped",
+  plant_fault: "the plant faulted",
+};
+
+/** Why a run ended before its time. */
+export function stop(reason: string): string {
+  return STOPS[reason] ?? reason.replaceAll("_", " ");
 }
 
 export function robot(number: number): string {

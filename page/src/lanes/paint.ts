@@ -1,6 +1,6 @@
 // Paints lanes of a canvas: shares by column as stacked colours, segments as boxes, deadlines as marks.
 import { exactShares, FAILED, type Pyramid } from "../data/lanes";
-import type { Jobs } from "../data/jobs";
+import { due, during, met, type Jobs } from "../data/jobs";
 import { before, WAITS, type Bus, type Lane, type Runs } from "../data/recording";
 import { GROUP_ASLEEP, GROUP_AWAKE, GROUP_FAILED, GROUPS, OKABE_ITO, rgb, WAIT_COLOURS, type Theme } from "../ui/colours";
 
@@ -173,16 +173,16 @@ export class LanePainter {
 
   /** Deadlines of a kind: one by one where there is room, else how many were met and missed. */
   deadlines(context: Context, place: Place, view: Stretch, jobs: Jobs, runs: Runs, dots: number): void {
-    const scale = place.width / (view.to - view.from);
     const first = before(jobs.at, view.from) + 1, last = before(jobs.at, view.to);
-    const x = (time: number): number => place.left + (time - view.from) * scale;
     if (last - first < place.width / (7 * dots)) {
-      for (let i = Math.max(0, first - 2); i <= Math.min(jobs.at.length - 1, last + 2); ++i) this.oneDeadline(context, place, x, jobs.run[i], runs, dots);
+      this.eachDeadline(context, place, view, during(jobs, runs, view.from, view.to).map((i) => jobs.run[i]), runs, dots);
       return;
     }
-    context.fillStyle = this.theme.dark ? "#4b7f95" : "#a9cfe0";
-    const met = Math.max(2 * dots, place.height * 0.35);
-    this.columns(context, place, view, jobs.at, 1, place.top + (place.height - met) / 2, met);
+    const middle = place.top + place.height / 2, band = Math.max(2 * dots, place.height * 0.35);
+    context.fillStyle = this.theme.dark ? "#4b7f95" : "#5f93ab";
+    this.columns(context, place, view, jobs.metAt, 1, middle - band / 2, band);
+    context.fillStyle = this.theme.ink;
+    this.columns(context, place, view, jobs.otherAt, 1, middle - dots / 2, dots);
     context.fillStyle = OKABE_ITO.vermillion;
     this.columns(context, place, view, jobs.missedAt, Math.max(2 * dots, 1), place.top, place.height);
   }
@@ -203,27 +203,38 @@ export class LanePainter {
     if (right > left) context.fillRect(place.left + left, top, right - left, height);
   }
 
-  // From the release to the deadline a line; the end a dot, and where it was missed a triangle.
-  private oneDeadline(context: Context, place: Place, x: (time: number) => number, run: number, runs: Runs, dots: number): void {
-    const middle = place.top + place.height / 2, due = Number.isNaN(runs.deadline[run]) ? runs.ended[run] : runs.deadline[run];
-    const clip = (value: number): number => Math.min(place.left + place.width, Math.max(place.left, value));
-    const left = clip(x(runs.released[run])), right = clip(x(due)), end = x(runs.ended[run]);
+  /** From the release to the deadline a line. Where it was missed, a triangle at the deadline; else a dot at the job's end, hollow where no deadline was met. */
+  private eachDeadline(context: Context, place: Place, view: Stretch, list: number[], runs: Runs, dots: number): void {
+    const scale = place.width / (view.to - view.from), middle = place.top + place.height / 2;
+    const x = (time: number): number => place.left + (time - view.from) * scale;
+    const seen = (time: number): boolean => time >= view.from && time <= view.to;
     context.fillStyle = this.theme.soft;
-    context.fillRect(left, middle - dots / 2, Math.max(dots, right - left), dots);
-    if (right < place.left + place.width && right > place.left) context.fillRect(right - dots, place.top + 2 * dots, 2 * dots, place.height - 4 * dots);
-    const mark = runs.missed[run] ? right : end;
-    if (mark < place.left || mark > place.left + place.width) return;
-    context.fillStyle = runs.missed[run] ? OKABE_ITO.vermillion : OKABE_ITO.sky;
-    context.beginPath();
-    if (runs.missed[run]) {
-      const size = place.height / 2;
-      context.moveTo(mark, place.top);
-      context.lineTo(mark + size * 0.8, place.top + place.height);
-      context.lineTo(mark - size * 0.8, place.top + place.height);
-    } else {
-      context.arc(mark, middle, Math.min(place.height / 3, 4 * dots), 0, 7);
+    const line = (from: number, to: number): void => {
+      const left = x(Math.max(view.from, from)), right = x(Math.min(view.to, to));
+      if (right >= left) context.fillRect(left, middle - dots / 2, Math.max(dots, right - left), dots);
+    };
+    let from = Infinity, to = -Infinity; // lines that touch are one
+    for (let i = list.length - 1; i >= 0; --i) {
+      const run = list[i], until = due(runs, run);
+      if (until < from && to >= from) line(from, to), (from = Infinity), (to = -Infinity);
+      from = Math.min(from, runs.released[run]);
+      to = Math.max(to, until);
+      if (seen(runs.deadline[run])) context.fillRect(x(until) - dots, place.top + 2 * dots, 2 * dots, place.height - 4 * dots);
     }
-    context.fill();
+    if (to >= from) line(from, to);
+    const size = place.height / 2, round = Math.min(place.height / 3, 4 * dots);
+    context.lineWidth = 1.5 * dots;
+    context.strokeStyle = this.theme.ink;
+    for (const run of list) {
+      const missed = runs.missed[run], time = missed ? due(runs, run) : runs.ended[run], at = x(time);
+      if (!seen(time)) continue;
+      context.beginPath();
+      if (missed) context.moveTo(at, place.top), context.lineTo(at + size * 0.8, place.top + place.height), context.lineTo(at - size * 0.8, place.top + place.height);
+      else context.arc(at, middle, round, 0, 7);
+      context.fillStyle = missed ? OKABE_ITO.vermillion : met(runs, run) ? OKABE_ITO.sky : this.theme.panel;
+      context.fill();
+      if (!missed && !met(runs, run)) context.stroke();
+    }
   }
 
   /** How much of a bus each master uses, stacked; what is left is free. */

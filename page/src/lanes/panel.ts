@@ -1,7 +1,7 @@
 // The lanes: events, DSPs, deadlines and buses over one time axis.
-import { jobsByKind, missesOf, type Jobs } from "../data/jobs";
+import { during, jobsByKind, met, missesOf, type Jobs } from "../data/jobs";
 import { Pyramid, segmentAt } from "../data/lanes";
-import { before, WAITS, type Lane, type Recording } from "../data/recording";
+import { before, OUTCOMES, WAITS, type Lane, type Recording } from "../data/recording";
 import * as words from "../data/words";
 import { GROUPS, groupsOf, OKABE_ITO, type Theme } from "../ui/colours";
 import type { Moment } from "../ui/events";
@@ -11,6 +11,8 @@ import { fullScale, LanePainter, masterColours, type Place } from "./paint";
 
 interface Row {
   name: string;
+  short?: string; // where there is no room for the name
+  cut?: boolean; // the name was too long
   height: number; // CSS px
   paint(context: CanvasRenderingContext2D, place: Place, dots: number): void;
   explain(time: number, reach: number): string[] | null;
@@ -48,7 +50,8 @@ export class LanePanel {
     this.misses = missesOf(this.jobs);
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "img");
-    this.canvas.setAttribute("aria-label", "What each DSP did, deadlines, buses and events over time");
+    const missed = this.misses.run.length;
+    this.canvas.setAttribute("aria-label", `What each DSP did, deadlines, buses and events over time. ${missed ? `${missed} missed deadlines: the keys n and p go from one to the next, and tell why it was missed` : "No deadline was missed"}`);
     host.append(this.canvas);
     this.makeRows();
   }
@@ -68,7 +71,7 @@ export class LanePanel {
     }
     for (const bus of buses) {
       this.rows.push({
-        name: `bus ${bus.name} to ${fullScale(bus)} %`, height: 20,
+        name: `bus ${bus.name} to ${fullScale(bus)} %`, short: `${bus.name} to ${fullScale(bus)} %`, height: 20,
         paint: (context, place) => this.painter.bus(context, place, this.state, bus, header.bus_slice_s, header.from_s, masterColours(bus, this.theme), fullScale(bus)),
         explain: (time) => {
           const i = Math.floor((time - header.from_s) / header.bus_slice_s);
@@ -182,10 +185,27 @@ export class LanePanel {
     const miss = this.missNear(jobs, time, reach);
     if (miss >= 0) return [...words.runLines(header, runs, miss), "click: why"];
     const first = before(jobs.at, time - 2 * reach) + 1, last = before(jobs.at, time + 2 * reach);
-    if (last - first >= 2) return [jobs.name, `${last - first + 1} deadlines under the pointer, all met`];
-    if (last >= first && last >= 0) return words.runLines(header, runs, jobs.run[last]);
-    const next = Math.min(jobs.at.length - 1, before(jobs.at, time) + 1);
-    return runs.released[jobs.run[next]] <= time ? words.runLines(header, runs, jobs.run[next]) : null;
+    if (last - first >= 2) return [jobs.name, this.outcomes(jobs, first, last)];
+    // The dot of a job's end, else a deadline, else the line to the next deadline.
+    const places = during(jobs, runs, time - 2 * reach, time + 2 * reach);
+    const nearest = (at: (place: number) => number): number | undefined => {
+      const away = (place: number): number => Math.abs(at(place) - time);
+      return places.filter((place) => away(place) <= 2 * reach).sort((a, b) => away(a) - away(b))[0];
+    };
+    const place = nearest((place) => (runs.missed[jobs.run[place]] ? NaN : runs.ended[jobs.run[place]])) ?? nearest((place) => jobs.at[place]) ?? places.find((place) => jobs.at[place] >= time);
+    return place === undefined ? null : words.runLines(header, runs, jobs.run[place]);
+  }
+
+  /** What became of jobs none of which missed its deadline. */
+  private outcomes(jobs: Jobs, first: number, last: number): string {
+    const { runs } = this.recording, counts = new Map<string, number>();
+    for (let i = first; i <= last; ++i) {
+      const run = jobs.run[i], what = met(runs, run) ? "met" : Number.isNaN(runs.deadline[run]) ? "without a deadline" : OUTCOMES[runs.outcome[run]];
+      counts.set(what, (counts.get(what) ?? 0) + 1);
+    }
+    const all = last - first + 1;
+    if (counts.get("met") === all) return `${all} deadlines under the pointer, all met`;
+    return `${all} jobs under the pointer: ${[...counts].map(([what, count]) => `${count} ${what}`).join(", ")}`;
   }
 
   dress(theme: Theme): void {
@@ -235,14 +255,20 @@ export class LanePanel {
     return ((coarse ? 10 : 2) / this.width) * (this.state.to - this.state.from);
   }
 
+  /** It is over the lanes, not beside them. */
+  covers(clientX: number): boolean {
+    const x = clientX - this.canvas.getBoundingClientRect().left - this.left;
+    return x >= 0 && x <= this.width;
+  }
+
   explain(clientX: number, clientY: number, coarse = false): string[] | null {
-    const time = this.timeAt(clientX);
-    if (time < this.state.from || time > this.state.to) return null;
-    return this.rowAt(clientY)?.explain(time, this.reach(coarse)) ?? null;
+    const row = this.rowAt(clientY);
+    if (this.covers(clientX)) return row?.explain(this.timeAt(clientX), this.reach(coarse)) ?? null;
+    return row?.cut ? [row.name] : null;
   }
 
   missAt(clientX: number, clientY: number, coarse = false): number {
-    return this.rowAt(clientY)?.choose?.(this.timeAt(clientX), this.reach(coarse)) ?? -1;
+    return this.covers(clientX) ? (this.rowAt(clientY)?.choose?.(this.timeAt(clientX), this.reach(coarse)) ?? -1) : -1;
   }
 
   draw(): boolean {
@@ -269,12 +295,25 @@ export class LanePanel {
       context.font = `${11.5 * dots}px system-ui, sans-serif`;
       context.textBaseline = "middle";
       context.textAlign = "right";
-      context.fillText(this.shortened(context, row.name, (this.left - 12) * dots), (this.left - 8) * dots, place.top + place.height / 2 + dots * 0.5);
+      const name = this.nameOf(context, row, (this.left - 12) * dots);
+      row.cut = name !== row.name;
+      context.fillText(name, (this.left - 8) * dots, place.top + place.height / 2 + dots * 0.5);
       context.textAlign = "left";
       top += row.height + GAP;
     }
     this.paintChosen(context, place, dots);
     return true;
+  }
+
+  /** What distinguishes names is often at their ends: one that is too long loses its middle. */
+  private nameOf(context: CanvasRenderingContext2D, row: Row, room: number): string {
+    const fits = (text: string): boolean => context.measureText(text).width <= room;
+    if (fits(row.name)) return row.name;
+    if (row.short) return row.short;
+    let left = row.name.length - 1;
+    const shown = (): string => `${row.name.slice(0, Math.ceil(left / 2))}…${row.name.slice(row.name.length - Math.floor(left / 2))}`;
+    while (left > 2 && !fits(shown())) --left;
+    return shown();
   }
 
   private shortened(context: CanvasRenderingContext2D, text: string, room: number): string {

@@ -3,7 +3,7 @@ import { WAITS, type Recording } from "../data/recording";
 import { GROUPS, groupsOf, OKABE_ITO, WAIT_COLOURS, type Theme } from "./colours";
 
 const KEYS: [string, string][] = [
-  ["space", "play, stop"], ["← →", "a step of the view back or on"], ["+ −", "show less, more time"], ["0", "the whole run"],
+  ["space", "play, stop"], ["← →", "a step of the view back or on"], ["Home End", "the begin and the end of the run"], ["+ −", "show less, more time"], ["0", "the whole run"],
   ["[ ]", "slower, faster"], ["n p", "the next miss, the one before"], ["e", "the next event"], ["r g l", "rays, ideal run, planned path"],
   ["h", "the first view of the dock"], ["d", "dark or light"], ["s", "save as PNG"], ["? Esc", "open and close this"],
 ];
@@ -59,6 +59,13 @@ export function help(host: HTMLElement, recording: Recording, theme: Theme, clos
   };
   row(shape(OKABE_ITO.sky, (c) => c.arc(26, 15, 9, 0, 7)), "a deadline that was met: the job's end");
   row(shape(OKABE_ITO.vermillion, (c) => (c.moveTo(26, 2), c.lineTo(40, 28), c.lineTo(12, 28))), "a deadline that was missed");
+  row((context) => {
+    context.strokeStyle = theme.ink;
+    context.lineWidth = 4;
+    context.beginPath();
+    context.arc(26, 15, 9, 0, 7);
+    context.stroke();
+  }, "the end of another job: it had no deadline, or was not finished when the run ended");
   row(shape(OKABE_ITO.orange, (c) => (c.moveTo(14, 4), c.lineTo(38, 4), c.lineTo(26, 27))), "an event of the scenario");
   row(shape(OKABE_ITO.vermillion, (c) => c.rect(14, 4, 22, 22)), "a failure");
   row(shape(theme.soft, (c) => c.arc(26, 15, 6, 0, 7)), "an event of the dock");

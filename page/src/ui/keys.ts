@@ -26,7 +26,9 @@ export function keys(state: State, actions: Actions): void {
     s: () => actions.picture(), "?": () => actions.help(), Escape: () => actions.escape(), Home: () => state.seek(state.begin), End: () => state.seek(state.end),
   };
   addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    // Brackets need AltGr or an option key on many keyboards; with AltGr some systems tell of Ctrl and Alt.
+    const typed = event.getModifierState("AltGraph") || (event.altKey && (event.key === "[" || event.key === "]"));
+    if (event.metaKey || ((event.ctrlKey || event.altKey) && !typed)) return;
     const on = event.target as HTMLElement, act = table[event.key];
     const taken = on.tagName === "SELECT" || (on.tagName === "INPUT" && /^(Arrow|Home|End| )/.test(event.key)) || (on.tagName === "BUTTON" && event.key === " ");
     if (!act || taken) return;

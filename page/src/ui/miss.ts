@@ -1,4 +1,5 @@
 // Why a job missed its deadline: its chain of causes, the blocks in its way, its runs.
+import { due } from "../data/jobs";
 import type { Miss, Recording } from "../data/recording";
 import * as words from "../data/words";
 import type { State } from "./state";
@@ -31,6 +32,11 @@ export class MissPanel {
     const k = header.kinds.indexOf(kind);
     for (let i = runs.count - 1; i >= 0; --i) if (runs.kind[i] === k && runs.robot[i] === robot && runs.number[i] === number) return i;
     return -1;
+  }
+
+  /** Of an instant whose miss is told: its deadline, of a job without one its end. */
+  instant(run: number): number {
+    return due(this.recording.runs, run);
   }
 
   show(): void {

@@ -1,12 +1,18 @@
 // The page as one PNG: the dock, the lanes, the plots, under the title.
 import type { Theme } from "./colours";
 
-export async function png(title: string, instant: string, dock: HTMLCanvasElement | null, below: HTMLCanvasElement[], theme: Theme): Promise<Blob> {
-  const dots = Math.min(2, devicePixelRatio), width = Math.max(...below.map((one) => one.width), 320);
+/** A canvas, and the lines that stand beside it on the page. */
+export interface Part {
+  canvas: HTMLCanvasElement;
+  says: string[];
+}
+
+export async function png(title: string, instant: string, dock: HTMLCanvasElement | null, below: Part[], theme: Theme): Promise<Blob> {
+  const dots = Math.min(2, devicePixelRatio), width = Math.max(...below.map(({ canvas }) => canvas.width), 320);
   const head = Math.round(34 * dots), dockHeight = dock ? Math.round((width * dock.height) / dock.width) : 0;
   const canvas = document.createElement("canvas");
   canvas.width = width;
-  canvas.height = head + dockHeight + below.reduce((sum, one) => sum + one.height, 0);
+  canvas.height = head + dockHeight + below.reduce((sum, { canvas }) => sum + canvas.height, 0);
   const context = canvas.getContext("2d")!;
   context.fillStyle = theme.panel;
   context.fillRect(0, 0, canvas.width, canvas.height);
@@ -16,8 +22,11 @@ export async function png(title: string, instant: string, dock: HTMLCanvasElemen
   context.fillText(`${title} — ${instant}`, 10 * dots, head / 2);
   if (dock) context.drawImage(dock, 0, head, width, dockHeight);
   let y = head + dockHeight;
-  for (const one of below) {
+  const line = 14 * dots;
+  context.font = `${11.5 * dots}px system-ui, sans-serif`;
+  for (const { canvas: one, says } of below) {
     context.drawImage(one, 0, y);
+    says.forEach((text, i) => context.fillText(text, 8 * dots, y + one.height / 2 + (i - (says.length - 1) / 2) * line));
     y += one.height;
   }
   return new Promise((done, failed) => canvas.toBlob((blob) => (blob ? done(blob) : failed(new Error("the browser makes no picture"))), "image/png"));

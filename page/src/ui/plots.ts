@@ -3,10 +3,12 @@ import uPlot from "uplot";
 import type { Recording } from "../data/recording";
 import { baseOf, label, marks, stepFor } from "../lanes/axis";
 import { OKABE_ITO, type Theme } from "./colours";
+import type { Part } from "./picture";
 import type { State } from "./state";
 
 interface Plot {
   name: string;
+  says: string[]; // its caption
   series: { name: string; colour: string; dash?: number[]; values: Float64Array }[];
   plot: uPlot;
   host: HTMLElement;
@@ -27,7 +29,10 @@ export class Plots {
   constructor(private readonly host: HTMLElement, private readonly recording: Recording, private readonly state: State, private theme: Theme, private left: number) {
     const column = (name: string): Float64Array | undefined => recording.signals.get(name);
     const error = column("load_error_m");
-    if (error) this.add("load error, mm", [{ name: "load error, largest", colour: "load", values: error.map((v) => v * 1e3) }]);
+    if (error) {
+      const [unit, per] = error.some((v) => v >= 1) ? (["m", 1] as const) : (["mm", 1e3] as const);
+      this.add(`load error, ${unit}`, [{ name: "load error, largest", colour: "load", values: error.map((v) => v * per) }]);
+    }
     const degrees = (name: string): Float64Array => (column(name) ?? new Float64Array(recording.time.length)).map((v) => (v * 180) / Math.PI);
     this.add("sway, degrees", [
       { name: "along the jib", colour: "alpha", values: degrees("sway_alpha_rad") },
@@ -43,11 +48,12 @@ export class Plots {
     const host = document.createElement("figure");
     host.className = "plot";
     const caption = document.createElement("figcaption");
-    caption.textContent = name;
+    const says = [name, ...(series.length > 1 ? series.map((one) => `${one.dash ? "┄" : "—"} ${one.name}`) : [])];
+    caption.append(...says.map((text) => Object.assign(document.createElement("div"), { textContent: text })));
     host.append(caption);
     this.host.append(host);
     const plot = this.make(host, series);
-    this.plots.push({ name, series, plot, host });
+    this.plots.push({ name, says, series, plot, host });
   }
 
   private make(host: HTMLElement, series: Plot["series"]): uPlot {
@@ -58,7 +64,7 @@ export class Plots {
       scales: { x: { time: false, range: () => [this.state.from, this.state.to] }, y: { range: (_, low, high) => roomFor(low, high) } },
       axes: [
         { ...axis, size: 4, values: (_, splits) => splits.map(() => ""), splits: (u) => marks(this.state.from, this.state.to, stepFor(this.state.to - this.state.from, (u.width - this.left - 10) / 95)) },
-        { ...axis, size: this.left, splits: undefined },
+        { ...axis, size: this.left, space: 17 }, // two labels at least
       ],
       series: [{}, ...series.map((one) => ({ stroke: () => this.colour(one.colour), width: 1.5, dash: one.dash, points: { show: false } }))],
     };
@@ -106,7 +112,7 @@ export class Plots {
     return [plot.name, `at ${label(times[i], Math.max(1e-3, step), baseOf(times[i], 1))}`, ...plot.series.map((one) => `${one.name}: ${one.values[i].toFixed(3)}`)];
   }
 
-  get canvases(): HTMLCanvasElement[] {
-    return this.plots.map(({ plot }) => plot.ctx.canvas);
+  get pictures(): Part[] {
+    return this.plots.map(({ plot, says }) => ({ canvas: plot.ctx.canvas, says }));
   }
 }

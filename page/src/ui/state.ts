@@ -18,9 +18,11 @@ export class State {
   private owed = 0; // s of the reader's that have passed since the last step
   private readonly listeners: ((part: Part) => void)[] = [];
 
+  private readonly last: number; // the end of the longest view
+
   constructor(readonly begin: number, readonly end: number) {
     this.now = this.from = begin;
-    this.to = Math.max(end, begin + SHORTEST_VIEW);
+    this.to = this.last = Math.max(end, begin + SHORTEST_VIEW);
     this.still = matchMedia("(prefers-reduced-motion: reduce)").matches;
   }
 
@@ -39,20 +41,27 @@ export class State {
     this.tell("now");
   }
 
+  /** The view that is possible and nearest. Where it touches an end of the run it is that end, without rounding. */
   show(from: number, to: number): void {
-    const whole = this.end - this.begin;
-    const width = Math.min(whole, Math.max(Math.min(SHORTEST_VIEW, whole), to - from));
-    const middle = (from + to) / 2;
-    const start = Math.min(this.end - width, Math.max(this.begin, middle - width / 2));
-    if (start === this.from && start + width === this.to) return;
-    this.from = start;
-    this.to = start + width;
+    const { begin, last } = this, width = this.possible(to - from);
+    let [left, right] = width === to - from ? [from, to] : [(from + to - width) / 2, (from + to + width) / 2];
+    if (width >= last - begin) [left, right] = [begin, last];
+    else if (right >= last) [left, right] = [last - width, last];
+    else if (left <= begin) [left, right] = [begin, begin + width];
+    if (left === this.from && right === this.to) return;
+    this.from = left;
+    this.to = right;
     this.tell("view");
   }
 
   /** `factor` below 1 shows less; `around` stays where it is. */
   zoom(factor: number, around: number): void {
-    this.show(around - (around - this.from) * factor, around + (this.to - around) * factor);
+    const width = this.to - this.from, by = this.possible(width * factor) / width;
+    this.show(around - (around - this.from) * by, around + (this.to - around) * by);
+  }
+
+  private possible(width: number): number {
+    return Math.min(this.last - this.begin, Math.max(SHORTEST_VIEW, width));
   }
 
   pan(by: number): void {

@@ -3,6 +3,9 @@ from typing import Any
 
 from cmrc._core.debug import Debugger
 from cmrc._core.toolchain import Image
+from cmrc.errors import Error
+
+class BoardError(Error, ValueError): ...
 
 class Processor:
     pc: int

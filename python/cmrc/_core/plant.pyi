@@ -6,7 +6,8 @@ from cmrc.errors import Error
 from numpy import float64
 from numpy.typing import NDArray
 
-# Coordinates are seven numbers, joints five, points three; what is given back is always a list.
+# Coordinates are seven numbers, joints five, points three; what is given back is a list. A list among the members of
+# parameters and of a dock's configuration is given back as a tuple of copies, and assigned whole.
 _Numbers: TypeAlias = Sequence[float] | NDArray[float64]
 
 gravity: float
@@ -81,9 +82,18 @@ class CraneParameters:
     portal: Portal
     gear_losses: bool
     stiction: bool
-    lower: list[float]
-    upper: list[float]
-    drives: list[DriveParameters]
+    @property
+    def lower(self) -> tuple[float, ...]: ...
+    @lower.setter
+    def lower(self, value: _Numbers) -> None: ...
+    @property
+    def upper(self) -> tuple[float, ...]: ...
+    @upper.setter
+    def upper(self, value: _Numbers) -> None: ...
+    @property
+    def drives(self) -> tuple[DriveParameters, ...]: ...
+    @drives.setter
+    def drives(self, value: Sequence[DriveParameters]) -> None: ...
 
 class CranePose:
     def __init__(self, s: float, x: float, y: float, z: float, yaw: float) -> None: ...
@@ -132,11 +142,14 @@ class Box:
     z_max: float
 
 class Mover:
-    def __init__(self, radius: float, height: float, path: list[Waypoint], repeats: bool = False) -> None: ...
+    def __init__(self, radius: float, height: float, path: Sequence[Waypoint], repeats: bool = False) -> None: ...
     radius: float
     height: float
-    path: list[Waypoint]
     repeats: bool
+    @property
+    def path(self) -> tuple[Waypoint, ...]: ...
+    @path.setter
+    def path(self, value: Sequence[Waypoint]) -> None: ...
 
 class LandingParameters:
     def __init__(self) -> None: ...
@@ -235,20 +248,35 @@ class ShipMotion:
 class Layout:
     def __init__(self) -> None: ...
     deck: float
-    rows: list[float]
     scan_x0: float
     scan_dx: float
-    containers: list[ContainerPlace]
     container_mass: float
     ship: Box
-    no_go: list[Box]
-    movers: list[Mover]
     spot: Pose
     warehouse: Pose
     warehouse_radius: float
     warehouse_take: float
     slot_spacing: float
-    legs: list[list[LaneSegment]]
+    @property
+    def rows(self) -> tuple[float, ...]: ...
+    @rows.setter
+    def rows(self, value: _Numbers) -> None: ...
+    @property
+    def containers(self) -> tuple[ContainerPlace, ...]: ...
+    @containers.setter
+    def containers(self, value: Sequence[ContainerPlace]) -> None: ...
+    @property
+    def no_go(self) -> tuple[Box, ...]: ...
+    @no_go.setter
+    def no_go(self, value: Sequence[Box]) -> None: ...
+    @property
+    def movers(self) -> tuple[Mover, ...]: ...
+    @movers.setter
+    def movers(self, value: Sequence[Mover]) -> None: ...
+    @property
+    def legs(self) -> tuple[tuple[LaneSegment, ...], ...]: ...
+    @legs.setter
+    def legs(self, value: Sequence[Sequence[LaneSegment]]) -> None: ...
 
 class DockConfig:
     def __init__(self) -> None: ...
@@ -511,10 +539,19 @@ class Crane:
 
 class CraneState:
     def __init__(self) -> None: ...
-    q: list[float]
-    qd: list[float]
-    torque: list[float]
     step: float
+    @property
+    def q(self) -> tuple[float, ...]: ...
+    @q.setter
+    def q(self, value: _Numbers) -> None: ...
+    @property
+    def qd(self) -> tuple[float, ...]: ...
+    @qd.setter
+    def qd(self, value: _Numbers) -> None: ...
+    @property
+    def torque(self) -> tuple[float, ...]: ...
+    @torque.setter
+    def torque(self, value: _Numbers) -> None: ...
 
 class CraneInputs:
     def __init__(self) -> None: ...

@@ -81,14 +81,19 @@ def setting(text: str) -> tuple[str, Setting]:
     key, equals, value = text.partition("=")
     if not equals or not key:
         raise ValueError(f"--set needs KEY=VALUE, not {text!r}")
-    if value in ("true", "false"):
-        return key, value == "true"
+    return key, setting_value(value)
+
+
+def setting_value(text: str) -> Setting:
+    """A value on the command line; the configuration checks it."""
+    if text in ("true", "false"):
+        return text == "true"
     for kind in (lambda text: int(text, 16 if text.startswith("0x") else 10), float):
         try:
-            return key, kind(value)
+            return kind(text)
         except ValueError:
             continue
-    return key, value
+    return text
 
 
 def settings(given: argparse.Namespace) -> dict[str, Setting]:

@@ -4,27 +4,28 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Callable
 from typing import Any
 
 import cmrc
 from cmrc import _core, files, studies
 from cmrc.commands import signals, streams
-from cmrc.commands.common import Commands, check_files, command, numbers, output_name, settings
+from cmrc.commands.common import Commands, check_files, command, numbers, output_name, setting_value, settings
 from cmrc.progress import ProgressLine
-from cmrc.simulation import configured
+from cmrc.simulation import Setting, configured
 
-SETTINGS: tuple[tuple[str, str, type, str, str], ...] = (
-    ("--dsps", "machine.dsps", int, "N", "number of DSPs, 1 to 16 (default 4)"),
-    ("--duration", "run.duration_s", float, "S", "simulated time in s (default 180)"),
-    ("--seed", "run.seed", int, "N", "seed of everything random (default 1)"),
-    ("--turn-order", "run.turn_order", int, "SEED", "shuffle which chip is advanced first; changes nothing"),
+SETTINGS: tuple[tuple[str, str, Callable[[str], Setting], str, str], ...] = (
+    ("--dsps", "machine.dsps", setting_value, "N", "number of DSPs, 1 to 16 (default 4)"),
+    ("--duration", "run.duration_s", setting_value, "S", "simulated time in s (default 180)"),
+    ("--seed", "run.seed", setting_value, "N", "seed of everything random (default 1)"),
+    ("--turn-order", "run.turn_order", setting_value, "SEED", "shuffle which chip is advanced first; changes nothing"),
     ("--programs", "machine.programs", str, "DIR", "assemble the DSP programs from this directory"),
     ("--board", "machine.board", str, "default|FILE.toml", "memories and clock of the boards (docs/boards.md)"),
     ("--topology", "bus.topology", str, "NAME", "which device is on which bus (docs/buses.md)"),
     ("--idle-policy", "machine.idle_policy", str, "NAME", "how a DSP without work waits"),
     ("--eq7", "scheduling.equation", str, "NAME", "reading of equation (7)"),
 )
-"""Settings with an option of their own, the same as for ``emulator``; they come before ``--set``."""
+"""Settings with an option of their own, the same as for ``emulator``; they win over ``--set``."""
 
 
 def add(commands: Commands) -> None:
@@ -68,6 +69,12 @@ def _do_limits(given: argparse.Namespace) -> int:
         None if text is None else numbers(text, option)
         for text, option in ((given.cycles, "--cycles"), (given.dsps_grid, "--dsps-grid"), (given.servo, "--servo"))
     )
+    dsps_of_all = vars(given)["machine.dsps"]
+    if isinstance(dsps_of_all, str) and set(dsps_of_all) & set(":,"):
+        raise ValueError(
+            f"--dsps: {dsps_of_all!r} is a grid, and --dsps is the number of DSPs of every point; --dsps-grid "
+            f"{dsps_of_all} is expected"
+        )
     scans = studies.scans_of(_configured(given), cycles, dsps, servo, given.errors)
     status = 0
     with ProgressLine("cmrc limits") as line, line.beating("no run has ended yet"):
@@ -75,7 +82,12 @@ def _do_limits(given: argparse.Namespace) -> int:
             scans.run(lambda done, points: line.of(done, points, "runs", now=True))
         except KeyboardInterrupt as stop:
             status = signals.status(stop)
-    _show(given, scans.text(), scans.report())
+    try:
+        _show(given, scans.text(), scans.report())
+    except RuntimeError as error:
+        if not status:
+            raise
+        streams.say(f"cmrc limits: {error}")  # the status is the signal's: its terminal may be what has gone
     return status
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import csv
 import io
+import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -142,8 +143,14 @@ def _draw(found: Sweep, metrics: list[str], path: Path) -> None:
 
     figure = Figure(figsize=(8, 5), layout="constrained")
     plot.grid(found, figure.subplots(), metric=metrics[0] if metrics else "misses")
-    with files.writing(path) as out:
-        figure.savefig(out, dpi=120, format=path.suffix[1:].lower())
+    with warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always")
+        with files.writing(path) as out:
+            figure.savefig(out, dpi=120, format=path.suffix[1:].lower())
+    if any("missing from" in str(one.message) for one in warned):
+        streams.say(
+            f"cmrc sweep: {files.printable(str(path))}: the font has not all characters of the names; boxes stand for them"
+        )
 
 
 def _search(commands: Commands) -> None:

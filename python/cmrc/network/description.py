@@ -64,6 +64,11 @@ def shared_memory(name: str, memory: object) -> dict[str, Any]:
     if not isinstance(m.places, Mapping):
         arguments.refuse(f"{name}.places", m.places, "a dictionary of chips and addresses")
     pins = arguments.chips(f"{name}.pins", m.pins, "a dictionary of chips and pins")
+    for chip in pins:
+        if chip not in m.places:
+            raise NetworkError(
+                f"{name}.pins: the memory has no place at chip {chip}; it has places at {', '.join(map(str, m.places))}"
+            )
     return {
         "name": arguments.text(f"{name}.name", m.name),
         "words": arguments.whole(f"{name}.words", m.words, "a number of words"),

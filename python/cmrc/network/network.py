@@ -115,7 +115,7 @@ class Network(OneRun):
             for each in arguments.items("names", names, "a list of names")
         ] or [""] * count
         booted = [
-            arguments.whole(f"boots[{n}]", chip, "the number of a chip")
+            arguments.whole(f"boots[{n}]", chip, f"the number of a chip, 0 to {count - 1},", 0, count - 1)
             for n, chip in enumerate(arguments.items("boots", boots, "a list of the numbers of chips"))
         ]
         if len(name) != count:
@@ -179,24 +179,28 @@ class Network(OneRun):
         self, make: Callable[[], tuple[Any, list[list[Attached]]]], record_words: bool, record_peripherals: bool
     ) -> None:
         self._made = make, record_words, record_peripherals  # for fork
-        self._core, devices = make()
+        self._core, self._devices = make()  # the core refers to the devices weakly
         core = self._core
         core.record_words(arguments.flag("record_words", record_words))
         core.record_peripherals(arguments.flag("record_peripherals", record_peripherals))
         self.chips = [Chip(core.chip(n), core.program(n), n) for n in range(core.chip_count)]
-        for places in devices:
+        for places in self._devices:
             for place in places:
                 place.join(weakref.proxy(self))
 
     def run(self, *, until_us: float | None = None, max_cycles: int = 100_000_000) -> NetworkStop:
         """Executes everything before an instant (from the start of the network, in microseconds), or before
-        ``max_cycles`` of chip 0."""
+        ``max_cycles`` of chip 0, also from the start. Raises ValueError for an instant in the past."""
         if until_us is None:
             limit = (
                 arguments.whole("max_cycles", max_cycles, f"a number of cycles, 0 to {MOST_CYCLES},", 0, MOST_CYCLES)
                 * 10**12
                 // round(self._core.chip(0).hertz)
             )
+            if limit < self.now_ps:
+                raise ValueError(
+                    f"max_cycles: {max_cycles} cycles of chip 0 have passed, the network is at {self.now_ps / 1e6} us; a later instant is expected"
+                )
         else:
             limit = description.instant("until_us", until_us)
             if limit < self.now_ps:
@@ -316,7 +320,7 @@ class Network(OneRun):
         self._schedule("reset", chip, at_us)
 
     def hold(self, chip: int, at_us: float) -> None:
-        """Holds a chip in reset, until ``release``."""
+        """Freezes a chip until ``release``: processor, DMA and timers do nothing, and it keeps its locks."""
         self._schedule("hold", chip, at_us)
 
     def release(self, chip: int, at_us: float) -> None:

@@ -61,7 +61,7 @@ class Agv:
         """The present state (a copy)."""
         x, y, heading, speed, side, yaw_rate, front, rear, force = self._core.y
         return AgvStatus(
-            self._core.time * 1e-12, x, y, heading, speed, side, yaw_rate, front, rear, force, self._core.standing
+            self._core.time / 1e12, x, y, heading, speed, side, yaw_rate, front, rear, force, self._core.standing
         )
 
     def step(self, speed: float, front: float, rear: float, dt: float, turn: float = 0.0) -> None:
@@ -90,7 +90,8 @@ class Agv:
         return self._core.snapshot()
 
     def restore(self, snapshot: AgvSnapshot) -> None:
-        """Goes back to a snapshot of an AGV with the same config."""
+        """Goes back to a snapshot of an AGV with the same config; ``start`` and the load are state, and may differ.
+        Raises ValueError for a snapshot of another vehicle."""
         self._core.restore(instance("snapshot", snapshot, AgvSnapshot, "what Agv.snapshot() gives"))
 
     def energy(self) -> float:

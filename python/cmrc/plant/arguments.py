@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from decimal import Decimal
+from numbers import Real
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cmrc.arguments import number
+from cmrc.arguments import number, shown
 
 
 def assign(target: object, what: str, values: object, *others: str) -> None:
@@ -23,14 +26,28 @@ def assign(target: object, what: str, values: object, *others: str) -> None:
             raise ValueError(f"the {name} of {what} cannot be {value!r}") from None
 
 
-def numbers(what: str, values: object, count: int) -> list[float]:
+def array(values: object) -> NDArray[np.float64] | None:
+    """Numbers as doubles; None for anything else: texts, durations, numbers beyond a double, masked ones."""
     try:
-        array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        array = np.empty(0)
-    if array.shape != (count,):
-        raise ValueError(f"{what} must be {count} numbers, not {values!r}")
-    return [float(value) for value in array]
+        found = np.asarray(values)
+        if np.ma.is_masked(values) or found.dtype.kind not in "biufO":
+            return None
+        if found.dtype == object and not all(map(_is_number, found.flat)):
+            return None
+        return found.astype(np.float64)
+    except (TypeError, ValueError, OverflowError):
+        return None
+
+
+def _is_number(one: object) -> bool:
+    return isinstance(one, (Real, Decimal, np.bool_)) and not isinstance(one, np.timedelta64)
+
+
+def numbers(what: str, values: object, count: int) -> list[float]:
+    found = array(values)
+    if found is None or found.shape != (count,):
+        raise ValueError(f"{what} must be {count} numbers, not {shown(values)}")
+    return [float(value) for value in found]
 
 
 def device_code(what: str, value: float, scale: float, least: int, most: int) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cmrc import _core
-from cmrc.arguments import instance, mapping, number
+from cmrc.arguments import flag, instance, mapping, number
 from cmrc.plant.arguments import assign, numbers
 from cmrc.plant.parts import CraneSnapshot
 
@@ -155,14 +156,16 @@ class Crane:
             [options[name] for name in ("load_mass", "load_inertia", "rated_load", "tolerance")],
             4,
         )
-        if not isinstance(options["order"], int):
-            raise TypeError(f"order must be 3, 4 or 5, not {options['order']!r}")
+        try:
+            order = operator.index(options["order"])
+        except TypeError:
+            raise TypeError(f"order must be 3, 4 or 5, not {options['order']!r}") from None
         self.parameters = parameters
         """The crane's parameters, as checked at the start."""
         self._core = _core.plant.CraneAlone(
             parameters, _core.plant.CranePose(*numbers("home (s, x, y, z, yaw)", options["home"], 5)), load_mass, load_inertia, rated_load,
             options["model"] == "rigid", tolerance,
-            getattr(_core.plant.Method, options["integrator"]), options["order"], bool(options["bookkeeping"]), sensors, wind,
+            getattr(_core.plant.Method, options["integrator"]), order, flag("bookkeeping", options["bookkeeping"]), sensors, wind,
         )  # fmt: skip
         self.maximum_torques: Array = np.array([drive.maximum_torque for drive in drives])
         """Motor torques at which the drives saturate, N m."""
@@ -180,7 +183,7 @@ class Crane:
     def state(self) -> CraneState:
         """The present state (a copy)."""
         c = self._core
-        return CraneState(c.time * 1e-12, np.array(c.q), np.array(c.qd), np.array(c.torque))
+        return CraneState(c.time / 1e12, np.array(c.q), np.array(c.qd), np.array(c.torque))
 
     def reset(
         self,
@@ -201,7 +204,8 @@ class Crane:
         return self._core.snapshot()
 
     def restore(self, snapshot: CraneSnapshot) -> None:
-        """Goes back to a snapshot of a crane with the same config."""
+        """Goes back to a snapshot of a crane with the same config; ``home`` and the load are state, and may differ.
+        Raises ValueError for a snapshot of another crane."""
         self._core.restore(instance("snapshot", snapshot, CraneSnapshot, "what Crane.snapshot() gives"))
 
     def mass_matrix(self) -> Array:
@@ -248,7 +252,8 @@ class Crane:
         deviations from its motion obey dx/dt = A x + B u, y = C x + D u.
 
         Dry friction is smoothed; coordinates that brakes or friction hold have rows and columns of zeros. Differences
-        of fourth order: 1e-6 or better of A's entries. Raises ``ValueError`` in wind.
+        of fourth order: 1e-6 or better of A's entries. Raises ``ValueError`` in wind, and for a snapshot that
+        ``restore`` refuses.
         """
         snapshot = (
             self.snapshot() if state is None else instance("state", state, CraneSnapshot, "a snapshot of a crane")
@@ -282,7 +287,7 @@ class Crane:
     def events(self) -> list[Event]:
         """Events since the start or the last ``reset`` or ``restore``."""
         return [
-            Event(time * 1e-12, kind, JOINTS[joint] if kind in ("limit", "stuck", "slipped") else None)
+            Event(time / 1e12, kind, JOINTS[joint] if kind in ("limit", "stuck", "slipped") else None)
             for time, kind, joint in self._core.events
         ]
 

@@ -115,7 +115,7 @@ class CraneEnv(_Environment):  # type: ignore[misc]
             self._observe(),
             reward,
             there or bool(self.crane.faulted),
-            self.crane._core.time >= self.duration * 1e12,
+            self.crane._core.time >= round(self.duration * 1e12),
             {"way_m": way, "speed_m_s": speed},
         )
 

@@ -5,13 +5,20 @@ from __future__ import annotations
 
 import copyreg
 import os
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import NDArray
 
 from cmrc import _core, arguments
 from cmrc.core_errors import class_in_our_words, in_our_words, reworded
+from cmrc.plant.arguments import array
 
 default_dock = in_our_words("default_dock", _core.plant.default_dock)
-"""``default_dock(agv_count)``: the configuration of docs/plant.md; every value may be changed."""
+"""``default_dock(agv_count)``: the configuration of docs/plant.md; every value may be changed. Its lists (the layout's
+containers, the crane's drives, ...) are given back as tuples of copies: a list is changed by assigning the whole of
+it."""
 gantry_dock = in_our_words("gantry_dock", _core.plant.gantry_dock)
 """``gantry_dock(agv_count)``: the same dock with a ship-to-shore gantry as its crane."""
 gantry_crane = in_our_words("gantry_crane", _core.plant.gantry_crane)
@@ -33,13 +40,30 @@ inverse_kinematics = in_our_words("inverse_kinematics", _core.plant.inverse_kine
 Raises ValueError out of reach."""
 mover_place = in_our_words("mover_place", _core.plant.mover_place)
 """``mover_place(mover, seconds)``: x, y in m and their rates in m/s."""
-wind_speed = in_our_words("wind_speed", _core.plant.wind_speed)
-"""``wind_speed(wind_parameters, seconds)``: m/s, the mean and the seeded gusts, at an instant or an array of them."""
+_wind_speed = in_our_words("wind_speed", _core.plant.wind_speed)
+
+
+@overload
+def wind_speed(wind: WindParameters, seconds: float) -> float: ...
+@overload
+def wind_speed(wind: WindParameters, seconds: Sequence[float] | NDArray[np.float64]) -> NDArray[np.float64]: ...
+def wind_speed(
+    wind: WindParameters, seconds: float | Sequence[float] | NDArray[np.float64]
+) -> float | NDArray[np.float64]:
+    """m/s, the mean and the seeded gusts, at an instant or an array of them."""
+    times = array(seconds)
+    if times is None:
+        arguments.refuse("seconds", seconds, "a number of seconds, or an array of them,")
+    return _wind_speed(wind, times)
+
+
 Dock = _core.plant.Dock
 """The dock with the devices that a controller sees: integer codes, times in picoseconds. ``Scene`` is the same in SI
 units."""
 DockConfig = _core.plant.DockConfig
-"""A dock's configuration."""
+"""A dock's configuration. A list in it, and in its parts, is given back as a tuple of copies, and assigned whole:
+``places = list(config.layout.containers)``, then ``places[0].mass = 20e3``, then ``config.layout.containers =
+places``."""
 CraneParameters = _core.plant.CraneParameters
 DriveParameters = _core.plant.DriveParameters
 Portal = _core.plant.Portal

@@ -42,7 +42,7 @@ class Scene:
     @property
     def time_s(self) -> float:
         """Virtual time."""
-        return self._time * 1e-12
+        return self._time / 1e12
 
     def step(self, torques: Sequence[float] | None, dt: float) -> None:
         """Advances by ``dt`` seconds, 0 to 60. ``torques`` (motor, N m) become the drives' 12-bit codes; None leaves

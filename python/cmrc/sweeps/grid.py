@@ -257,9 +257,7 @@ class _Reader:
 
     def _file(self, config: Any) -> str | None:
         text = _text(config, "fixed.config")
-        if text is None or self.folder is None:
-            return text
-        return str((self.folder / text).absolute())
+        return None if text is None else str((self.folder or Path()).joinpath(text).absolute())
 
     def _events(self, where: str, events: Any) -> list[dict[str, Setting]]:
         if not isinstance(events, list) or any(not isinstance(event, Mapping) for event in events):
@@ -326,9 +324,20 @@ def flat(table: Mapping[str, Any], where: str, ranges: bool, prefix: str = "") -
             yield name, value, f"{where}.{name}"
 
 
+def plain(value: Any) -> Any:
+    """A number of NumPy as Python's."""
+    single = hasattr(value, "item") and not isinstance(value, (str, bytes)) and getattr(value, "ndim", 1) == 0
+    return value.item() if single else value
+
+
+def as_typed(name: str, value: Any) -> Any:
+    """1 is 1.0 where a setting may have a fraction."""
+    whole = schema().get(name, {}).get("type", "integer") == "integer"
+    return value if whole or isinstance(value, bool) or not isinstance(value, int) else float(value)
+
+
 def _scalar(value: Any, where: str) -> Setting:
-    if hasattr(value, "item") and not isinstance(value, (str, bytes)) and getattr(value, "ndim", 1) == 0:
-        value = value.item()  # NumPy's numbers
+    value = plain(value)
     if isinstance(value, os.PathLike):
         value = os.fspath(value)
     if not isinstance(value, (bool, int, float, str)):
@@ -356,9 +365,12 @@ def values_of(key: str, value: Any, where: str, unique: bool = True) -> list[Set
     if not value:
         raise GridError(f"{where}: the list is empty; at least one value is expected")
     values = [_scalar(one, f"{where}[{n}]") for n, one in enumerate(value)]
+    seen = set()
     for n, one in enumerate(values):
-        if unique and any(one == before and type(one) is type(before) for before in values[:n]):
+        typed = isinstance(one, bool), as_typed(key, one)  # True is not 1, and 1 is 1.0
+        if unique and typed in seen:
             raise GridError(f"{where}[{n}]: {one!r} is given twice; each is run once")
+        seen.add(typed)
     return values
 
 

@@ -37,14 +37,14 @@ class Keys:
     def __init__(self) -> None:
         self._digests: dict[tuple[str, ...], str] = {(): ""}  # if no files are named, the build contains everything
 
-    def of(self, config: _core.cmrc.Config) -> str:
+    def of(self, config: _core.cmrc.Config, of_build: str | None = None) -> str:
         """SHA-256 over the canonical full configuration with its events (without turn order, strictness and paths,
-        which change no result), the program and the files that it names, and the build. Raises the error of a missing
-        file."""
+        which change no result), the program and the files that it names, and the build (None: this one). Raises the
+        error of a missing file."""
         inputs = tuple(_core.cmrc.inputs_of(config))
         if inputs not in self._digests:
             self._digests[inputs] = _core.cmrc.inputs_digest(config)
-        parts = [_core.cmrc.run_key(config), self._digests[inputs], build()]
+        parts = [_core.cmrc.run_key(config), self._digests[inputs], of_build or build()]
         return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
 
 

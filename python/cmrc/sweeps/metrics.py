@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import marshal
 import math
+import numbers
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
 
 from cmrc.results.judgement import mean_interval, share_interval
 
@@ -37,13 +41,39 @@ USUAL = ("misses", "f_p_missed", "load_rms", "lag")
 
 def value(report: Mapping[str, Any], metric: Metric) -> float | bool:
     """A metric of a report: a short name, a dotted place (``tasks.pid.response_ps.p99``, ``dsps[0].cycles``), or a
-    function of the report. NaN if nothing was measured. Raises KeyError for a place that no report has."""
+    function of the report. NaN if nothing was measured. Raises KeyError for a place that no report has, TypeError for a
+    function that gives no number."""
     found = metric(report) if callable(metric) else NAMED[metric][1](report) if metric in NAMED else _at(report, metric)
     if found is None:
         return math.nan
     if isinstance(found, (bool, int, float)):
         return found
-    raise KeyError(f"{name_of(metric)}: {type(found).__name__} is no number")
+    if isinstance(found, np.bool_):
+        return bool(found)
+    if isinstance(found, numbers.Real):  # of NumPy, or a fraction
+        return int(found) if isinstance(found, numbers.Integral) else float(found)
+    raise (TypeError if callable(metric) else KeyError)(f"{name_of(metric)}: {type(found).__name__} is no number")
+
+
+def values(report: Mapping[str, Any], of: Sequence[Metric]) -> list[float | bool]:
+    """The metrics of a report. A function gets a copy, so that it cannot change what the others measure."""
+    return [value(marshal.loads(marshal.dumps(dict(report))) if callable(metric) else report, metric) for metric in of]
+
+
+def names_of(of: Sequence[Metric], taken: Collection[str]) -> list[str]:
+    """Names of columns. A text that is given twice is one column; any other name that is taken gets a number."""
+    names: list[str] = []
+    for n, metric in enumerate(of):
+        if isinstance(metric, str) and metric in of[:n]:
+            names.append(names[list(of).index(metric)])
+            continue
+        name = first = name_of(metric)
+        number = 1
+        while name in taken or name in names:
+            number += 1
+            name = f"{first} {number}"
+        names.append(name)
+    return names
 
 
 def name_of(metric: Metric) -> str:

@@ -65,7 +65,7 @@ class Found:
     trials: list[Trial]
     exceptions: list[float] = field(default_factory=list)
     """For a bisection: values that pass beyond the answer, or do not pass before it: there the metric is not
-    monotone."""
+    monotone. Without an answer: the hard end, if it passes."""
     whole_range: bool = False
     """For a bisection: its two ends pass, so it has looked no further."""
     sweep: Sweep | None = None
@@ -80,7 +80,12 @@ class Found:
             for trial in self.trials
         ]
         if self.best is None:
-            return "\n".join([*lines, "", "Nothing was found."]) + "\n"
+            lines += ["", "Nothing was found."]
+            if self.exceptions:
+                lines.append(
+                    f"{self.exceptions[0]:g} passes, and the easy end does not: are from and to the wrong way round?"
+                )
+            return "\n".join(lines) + "\n"
         lines += ["", f"Found: {_place(self.best)}, {self.metric} {self.value:.4g}"]
         if self.whole_range:
             lines.append("The end of the range passes, too: the last value may lie beyond it.")
@@ -114,7 +119,7 @@ def search(
         trier = _Trier(session, grid, asked.metric)
         found = _bisected(trier, asked) if asked.bisect else _optimised(trier, asked)
         _check(found, trier, asked)
-    found.sweep = Sweep(folder, list(trier.runs.values()))
+    found.sweep = Sweep(session.folder.path, list(trier.runs.values()))
     return found
 
 
@@ -127,7 +132,7 @@ class _Asked:
             raise GridError(f"{grid.name}: search: there is no table [search]")
         if grid.axes:
             raise GridError(f"{grid.name}: search: goes with fixed settings and repeats, not with axes")
-        self.table, self.grid = table, grid
+        self.table, self.grid = {key: grids.plain(value) for key, value in table.items()}, grid
         self.bisect = "bisect" in table
         for key in table:
             if key not in COMMON + (BISECT if self.bisect else OPTIMISE):
@@ -213,6 +218,7 @@ class _Asked:
             or not {"from", "to"} <= set(value)
         ):
             raise self.error(where, "a list of values, or from and to (with step or scale), is expected")
+        value = {part: grids.plain(one) for part, one in value.items()}
         log, step = value.get("scale") == "log", value.get("step")
         whole = grids.schema().get(name, {}).get("type") == "integer"
         try:
@@ -291,10 +297,8 @@ def _bisected(trier: _Trier, asked: _Asked) -> Found:
         low, high = sorted((asked.begin, asked.end))
         look([float(round(value)) if asked.whole else value for value in around if low <= value <= high])
     sign = math.copysign(1.0, asked.end - asked.begin)
-    exceptions = (
-        []
-        if good is None
-        else sorted(value for value, passes in passed.items() if passes != (sign * (value - good) <= 0))
+    exceptions = sorted(
+        value for value, passes in passed.items() if passes != (good is not None and sign * (value - good) <= 0)
     )
     best: dict[str, Setting] | None = None if good is None else {asked.key: _as(good, asked.whole)}
     return Found(

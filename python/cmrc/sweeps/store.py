@@ -65,7 +65,7 @@ class Folder:
     """One user at a time may write (``with Folder(path) as folder``); any number may read."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = Path(arguments.path("folder", path, "the folder of a sweep"))
+        self.path = Path(arguments.path("folder", path, "the folder of a sweep")).absolute()  # whatever chdir follows
         self._lock: IO[str] | None = None
 
     def __enter__(self) -> Self:

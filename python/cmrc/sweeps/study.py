@@ -13,7 +13,7 @@ from cmrc import arguments, saved_result, simulation
 from cmrc.sweeps import grid as grids
 from cmrc.sweeps import metrics, store, work
 from cmrc.sweeps.grid import Grid
-from cmrc.sweeps.identity import Run
+from cmrc.sweeps.identity import Keys, Run
 from cmrc.sweeps.metrics import Metric, Spread
 from cmrc.sweeps.runner import Status, place_of
 from cmrc.sweeps.session import Place, Session
@@ -25,9 +25,13 @@ if TYPE_CHECKING:
 
     from cmrc.result import Result
 
+BESIDE = ("seed", "status", "message")
+"""Columns of a table beside the axes and the metrics."""
 LIGHT = tuple(name for name, _ in store.COLUMNS if name != "report")
 APART = (*grids.APART, grids.EVENTS)
 """What a run is made of besides its settings."""
+OF_NO_RUN = frozenset({"profile", "keep_events", "reference", "on_progress"})
+"""Arguments of ``cmrc.run`` with which it is the same run."""
 
 
 class Sweep:
@@ -70,7 +74,7 @@ class Sweep:
         fixed = dict.fromkeys((*named, *(name for one in known.values() for name in one))) if from_files else named
         axes += [name for name in fixed if name not in (*axes, grids.SEED) and _differs(values.values(), name)]
         for run in runs:
-            run["place"] = {name: _as_typed(name, values[run["key"]].get(name)) for name in axes}
+            run["place"] = {name: grids.as_typed(name, values[run["key"]].get(name)) for name in axes}
             if seeded and run["seed"] is None:
                 run["seed"] = values[run["key"]].get(grids.SEED)
         for name in APART:
@@ -96,7 +100,7 @@ class Sweep:
         """What is known of each run without its report: ``place`` (its value on every axis), ``seed``, ``status``
         (done, refused, failed), ``message``, ``settings`` (with preset, config and events), ``hash``, ``build``,
         ``emulator_version``, ``elapsed_s``, ``host``, ``key``."""
-        return [{**run, "place": dict(run["place"]), "settings": dict(run["settings"])} for run in self._runs]
+        return [{**run, "place": dict(run["place"]), "settings": _copied(run["settings"])} for run in self._runs]
 
     @property
     def axes(self) -> list[str]:
@@ -109,8 +113,8 @@ class Sweep:
         return {state: states.count(state) for state in (store.DONE, store.REFUSED, store.FAILED)}
 
     def reports(self) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
-        """Every run that was done, with its report (docs/report.md). Raises SweepError for reports of another
-        schema."""
+        """Every run that was done, with its report (docs/report.md). Raises SweepError for reports of another schema,
+        and where the folder has lost runs."""
         wanted: dict[str, list[dict[str, Any]]] = {}
         for run in self.runs:
             if run["status"] == store.DONE:
@@ -119,8 +123,13 @@ class Sweep:
             if row["key"] not in wanted:
                 continue
             report = self._report(row)
-            for run in wanted[row["key"]]:
+            for run in wanted.pop(row["key"]):
                 yield run, report
+        if wanted:
+            raise SweepError(
+                f"{self.folder.path}: {len(wanted)} of its runs are not there any more; the folder as it was when this "
+                "Sweep was made is expected"
+            )
 
     def _report(self, row: Mapping[str, Any]) -> dict[str, Any]:
         report = self.folder.report(row)
@@ -145,9 +154,22 @@ class Sweep:
 
     def rerun(self, run: Mapping[str, Any], **more: Any) -> Result:
         """Runs one of ``runs`` again, for its signals: the same bit for bit, with the same ``hash``. ``more`` is passed
-        on to ``cmrc.run``: ``keep_events=True``, ``profile=True``, ``on_progress=...``."""
-        settings = dict(arguments.mapping("run", run, "one of Sweep.runs")["settings"])
+        on to ``cmrc.run``: ``keep_events=True``, ``profile=True``, ``on_progress=...``; with settings among them it is
+        another run. Raises SweepError where it would not be the same run: a file that its settings name has been
+        changed, or is another one from this working folder."""
+        of = arguments.mapping("run", run, "one of Sweep.runs")
+        settings = dict(of["settings"])
         apart = {name: settings.pop(name) for name in ("preset", "config", "events") if name in settings}
+        if of.get("status", store.DONE) == store.DONE and "key" in of and more.keys() <= OF_NO_RUN:
+            config = simulation.configured(
+                apart.get("config"), apart.get("preset"), settings, apart.get("events", ()), {}
+            )
+            if Keys().of(config, of.get("build")) != of["key"]:
+                raise SweepError(
+                    f"{self.folder.path}: the run {of['key'][:12]} would not be the same again: a file that its "
+                    "settings name has been changed since, or is another one from this working folder, or this is "
+                    "another version of cmrc"
+                )
         return simulation.run(settings=settings, **apart, **more)
 
     def values(self, metric: Metric) -> dict[str, float | bool]:
@@ -156,15 +178,15 @@ class Sweep:
 
     def _measured(self, of: Sequence[Metric]) -> dict[str, list[float | bool]]:
         """All of them with one reading of the reports."""
-        return {run["key"]: [metrics.value(report, metric) for metric in of] for run, report in self.reports()}
+        return {run["key"]: metrics.values(report, of) for run, report in self.reports()}
 
     def table(self, *of: Metric) -> Table:
-        """One row per run: its axes, ``seed``, ``status``, ``message``, and the metrics; NaN if nothing was
-        measured."""
+        """One row per run: its axes, ``seed``, ``status``, ``message``, and the metrics; NaN if nothing was measured.
+        A metric whose name another column has gets a number (``<lambda> 2``)."""
         asked = of or metrics.USUAL
-        names = [metrics.name_of(metric) for metric in asked]
-        found, nothing = self._measured(asked), [math.nan] * len(names)
         axes = dict.fromkeys(self.axes)
+        names = metrics.names_of(asked, {*axes, *BESIDE})
+        found, nothing = self._measured(asked), [math.nan] * len(names)
         return Table.from_rows(
             {
                 **axes,
@@ -213,7 +235,8 @@ class Sweep:
         axes = self.axes
         heads = [*(name.rpartition(".")[2] for name in axes), "n"]
         heads += [
-            " ".join(filter(None, (metrics.name_of(metric), _bracket(metrics.unit_of(metric))))) for metric in asked
+            " ".join(filter(None, (name, _bracket(metrics.unit_of(metric)))))
+            for name, metric in zip(metrics.names_of(asked, {*axes, "n"}), asked, strict=True)
         ]
         lines = [
             [
@@ -304,18 +327,19 @@ def run_grid(
         execute = work.execute if grid.fork_at_s is None else work.Forked(grid.fork_at_s)
     with Session(folder, place, execute, again_failed, on_progress) as session:
         runs = session.run(grid.points(), grid.fork_at_s)
-    return Sweep(folder, runs)
+    return Sweep(session.folder.path, runs)
+
+
+def _copied(settings: Mapping[str, Any]) -> dict[str, Any]:
+    copy = dict(settings)
+    if grids.EVENTS in copy:
+        copy[grids.EVENTS] = [dict(event) for event in copy[grids.EVENTS]]
+    return copy
 
 
 def _axes(runs: Sequence[Mapping[str, Any]]) -> list[str]:
     places = sorted((run["place"] for run in runs), key=len, reverse=True)  # the order of the grid that varies most
     return list(dict.fromkeys(name for place in places for name in place))
-
-
-def _as_typed(name: str, value: Any) -> Any:
-    """1 is 1.0 where a setting may have a fraction."""
-    whole = grids.schema().get(name, {}).get("type", "integer") == "integer"
-    return value if whole or isinstance(value, bool) or not isinstance(value, int) else float(value)
 
 
 def _differs(runs: Iterable[Mapping[str, Any]], name: str) -> bool:

@@ -1,0 +1,37 @@
+"""An option of the dock's run before a command is refused: no command would obey it."""
+
+import re
+from pathlib import Path
+
+import pytest
+from command_line import emulator
+
+
+def help_of(*command: str) -> str:
+    return emulator(*command, "--help").stdout
+
+
+COMMANDS = re.findall(r"^  ([a-z][a-z-]+) ", help_of().partition("Subcommands:")[2], re.MULTILINE)
+OPTIONS = [
+    (name, value)
+    for name, value in re.findall(r"^  (?:-\w,)?(--[a-z][\w-]*)(?: (\S+))?", help_of(), re.MULTILINE)
+    if name not in ("--help", "--version")
+]
+VALUES = {"--trace-instructions": "0", "--debug": "0"}
+
+
+def test_the_help_lists_them() -> None:
+    assert len(COMMANDS) > 12 and len(OPTIONS) > 25
+    assert ("--strict", "") in OPTIONS and ("--dsps", "INT") in OPTIONS
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_each_is_refused_by_name_with_its_place(command: str, tmp_path: Path) -> None:
+    own = set() if command == "limits" else set(re.findall(r"--[a-z][\w-]*", help_of(command)))
+    for name, value in OPTIONS:
+        given = [] if not value else [VALUES.get(name, "1")]
+        done = emulator(name, *given, command, "x", folder=tmp_path)
+        place = f"emulator {command} {name}" if command == "limits" or name in own else f"emulator {command} without it"
+        assert done.returncode == 2 and done.stdout == "", (name, done)
+        assert done.stderr.startswith(f"emulator: {name}: before a command it has no effect; {place} is expected"), done
+    assert not list(tmp_path.iterdir())
