@@ -158,14 +158,6 @@ def test_bad_rows_are_refused_with_their_place(old: str, new: str, says: str) ->
     assert str(error.value).startswith("my.toml:")
 
 
-def test_more_parameters_than_the_area_holds_are_refused(desk: Path) -> None:
-    """Half of a task's 64 words; the others are its own."""
-    rows = [blocks("toml")[0] + "".join(f"parameter_{i} = {i}\n" for i in range(1, count)) for count in (32, 33)]
-    cmrc.Simulation(cmrc.config(toml=rows[0], name="my.toml"))
-    with pytest.raises(cmrc.ConfigError, match=r"my.toml:.*tasks.parameter_32: .* 33 parameters; at most 32 are exp"):
-        cmrc.Simulation(cmrc.config(toml=rows[1], name="my.toml"))
-
-
 def test_an_unknown_program_is_named(desk: Path) -> None:
     with pytest.raises(cmrc.ConfigError, match="no label kernel_other"):
         cmrc.Simulation(cmrc.config(toml=blocks("toml")[0].replace("kernel_sway_watch", "kernel_other")))

@@ -289,11 +289,6 @@ std::vector<AreaWord> initial_words(const Config& config, const plant::DockConfi
   }
   for (std::size_t i = 0; i < config.tasks.size(); ++i) {
     const auto& parameters = config.tasks[i].parameters;
-    if (parameters.size() > w.parameters_max)
-      refuse(
-          config.tasks[i].origin, fmt::format("tasks.parameter_{}", w.parameters_max),
-          fmt::format("\"{}\" has {} parameters", config.tasks[i].name, parameters.size()),
-          fmt::format("at most {} are expected, parameter_0 to parameter_{}", w.parameters_max, w.parameters_max - 1));
     for (std::size_t k = 0; k < parameters.size(); ++k) {
       const auto* real = std::get_if<double>(&parameters[k]);
       all.push_back({w.us_base + static_cast<Word>(i) * w.us_words + static_cast<Word>(k),

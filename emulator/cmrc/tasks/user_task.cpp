@@ -31,6 +31,8 @@ std::string free_kinds() {
   return fmt::format("{} or one from {} on", text, last + 1);
 }
 
+constexpr std::size_t most_parameters = 32;
+
 /// Takes fields by name, and reports those left over.
 class TaskFields {
  public:
@@ -142,7 +144,7 @@ UserTask user_task(const std::map<std::string, Field>& given, const Origin& wher
     task.dsp = static_cast<unsigned>(fields.integer("dsp", std::nullopt, 0, machine::most_slots - 1));
     task.dsp_origin = given.at("dsp").origin;
   }
-  for (std::size_t i = 0;; ++i) {
+  for (std::size_t i = 0; i < most_parameters; ++i) {
     const Field* field = fields.find(fmt::format("parameter_{}", i));
     if (field == nullptr) break;
     if (!std::holds_alternative<double>(field->value) && !std::holds_alternative<std::int64_t>(field->value)) {

@@ -130,7 +130,6 @@ Words::Words(const std::function<Word(std::string_view)>& symbol) {
       {"SEGMENTS_MAX", &Words::segments_max},
       {"SEGMENT_WORDS", &Words::segment_words},
       {"LEG_WORDS", &Words::leg_words},
-      {"PARAMETERS_MAX", &Words::parameters_max},
   };
   for (const auto& [name, member] : table) this->*member = symbol(name);
   programs.fill(~Word{0});

@@ -19,7 +19,7 @@ struct Words {
       slice_cycles;
   Word flag_waiting, flag_taken, flag_done;
   Word kind_count, kind_user;
-  Word us_base, us_words, parameters_max;
+  Word us_base, us_words;
   Word must_process, may_process, must_subprocess, must_trajectory, must_inverse, must_continue, end_of_leg;
   Word pid_landed, pid_locked, pid_open, pid_starved, pid_settled, pid_ramp_done, pid_began, pid_steady, pid_windy,
       torque_wind, torque_load;
