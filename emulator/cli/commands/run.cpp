@@ -75,8 +75,7 @@ void check(const RunOptions& options, const cmrc::Config& config) {
   const auto slots = std::max(machine.dsps, machine.slots);
   for (const unsigned slot : options.trace_instructions)
     if (slot >= slots)
-      throw InputError(
-          fmt::format("--trace-instructions: there is no DSP {}; 0 to {} are possible", slot, slots - 1));
+      throw InputError(fmt::format("--trace-instructions: there is no DSP {}; 0 to {} are possible", slot, slots - 1));
   if (options.profile && (options.resume || !options.snapshots.empty()))
     throw InputError(
         "--profile: a run with a profile has no snapshots; leave out --profile, or --resume and --snapshot-at");
