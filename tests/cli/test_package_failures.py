@@ -65,7 +65,7 @@ def test_a_sweep_that_finds_no_room_for_its_lock_names_it(folder: Path) -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
 
     found = ended(folder, ["sweep", "grid.toml", "--out", "runs"], preexec_fn=no_room)
-    assert found == (1, "cmrc sweep: runs/lock: cannot be written: File too large")
+    assert found == (1, f"cmrc sweep: {folder}/runs/lock: cannot be written: File too large")
     assert not list((folder / "runs").iterdir())
 
 
@@ -76,7 +76,7 @@ def test_damaged_files_are_refused_in_our_words(folder: Path) -> None:
     (folder / "runs").mkdir()
     (folder / "runs/sweep.json").write_bytes(json.dumps({"format": 1}).encode() + b"\xc9")
     assert ended(folder, ["sweep", "grid.toml", "--out", "runs", "--show"]) == (
-        2, "cmrc sweep: runs/sweep.json: cannot be read: byte 13 is no UTF-8",
+        2, f"cmrc sweep: {folder}/runs/sweep.json: cannot be read: byte 13 is no UTF-8",
     )  # fmt: skip
 
 

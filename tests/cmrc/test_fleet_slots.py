@@ -9,19 +9,19 @@ from cmrc import _core
 from low_rates import AT_ONCE_AND_LOW
 
 cmrc = _core.cmrc
-RADIUS = 8.0
+RADIUS = 12.0
 HALF_TURN = math.pi * RADIUS
-# A short loop from the spot at (22, 8) m: 20 m ahead, a half turn to the warehouse at (42, -8), 21 m back, a half turn,
-# 1 m to the spot.
+# A short loop from the spot at (22, 8) m: 20 m ahead, a half turn to the warehouse at (42, -16), 62 m back, a half turn
+# behind the portal, 42 m to the spot.
 LAYOUT = f"""
 containers = []
 [warehouse]
 x_m = 42.0
-y_m = -8.0
+y_m = -16.0
 heading_deg = 180.0
 [lanes]
 to_warehouse = [[20, 0, 5], [{HALF_TURN}, {-1 / RADIUS}, 3]]
-to_spot = [[21, 0, 5], [{HALF_TURN}, {-1 / RADIUS}, 3], [1, 0, 5]]
+to_spot = [[62, 0, 5], [{HALF_TURN}, {-1 / RADIUS}, 3], [42, 0, 5]]
 """
 # The crane sends off the vehicle that stands in the spot, once; then the crane rests, and nothing else begins.
 PROCESSES = """
@@ -79,7 +79,7 @@ def test_one_that_comes_back_queues_behind_the_one_that_has_moved_up(tmp_path: P
     settings = {
         **AT_ONCE_AND_LOW,
         "dock.agvs": 2,
-        "duration_s": 42,
+        "duration_s": 80,
         "dock.layout": str(layout),
         "signal_decimation": 800,
     }
@@ -90,7 +90,5 @@ def test_one_that_comes_back_queues_behind_the_one_that_has_moved_up(tmp_path: P
     signals = simulation.signals()
     place = [(float(signals[f"agv{agv}_x_m"][-1]), float(signals[f"agv{agv}_y_m"][-1])) for agv in (0, 1)]
     assert place[1] == pytest.approx((22.0, 8.0), abs=0.3)  # it had been in slot 1, and is in the spot
-    # Slot 1 is 18 m before the spot: 1 m of straight lane and 17 m of the turn about (21, 0).
-    angle = 17.0 / RADIUS
-    assert place[0] == pytest.approx((21.0 - RADIUS * math.sin(angle), RADIUS * math.cos(angle)), abs=0.3)
+    assert place[0] == pytest.approx((4.0, 8.0), abs=0.3)  # slot 1, 18 m before the spot
     assert all(abs(float(signals[f"agv{agv}_speed_m_per_s"][-1])) < 0.02 for agv in (0, 1))

@@ -7,7 +7,7 @@ import cmrc._core
 import pytest
 
 NATIVE = sorted(
-    (o for o in gc.get_objects() if inspect.isclass(o) and o.__module__.startswith(cmrc._core.__name__)),
+    (o for o in gc.get_objects() if inspect.isclass(o) and str(o.__module__).startswith(cmrc._core.__name__)),
     key=lambda o: (o.__module__, o.__qualname__),
 )
 CLASSES = [o for o in NATIVE if type(o).__name__ == "pybind11_type"]
