@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "io/stop.hpp"
@@ -64,7 +65,10 @@ Joints joints(const py::object& torques) {
     return py::value_error("five torques are needed (gantry, slew, luff, hoist, rotator), not " +
                            std::string(py::repr(torques)));
   };
-  if (py::hasattr(torques, "harden_mask") && py::module_::import("numpy.ma").attr("is_masked")(torques).cast<bool>())
+  // The usual array has no mask, and need not be asked.
+  const bool usual = std::string_view(Py_TYPE(torques.ptr())->tp_name) == "numpy.ndarray";
+  if (!usual && py::hasattr(torques, "harden_mask") &&
+      py::module_::import("numpy.ma").attr("is_masked")(torques).cast<bool>())
     throw refuse();
   try {
     return torques.cast<Joints>();

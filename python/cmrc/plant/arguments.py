@@ -44,10 +44,12 @@ def _is_number(one: object) -> bool:
 
 
 def numbers(what: str, values: object, count: int) -> list[float]:
-    found = array(values)
+    # An array of doubles, as one that steps a crane gives each time, needs no look at its elements.
+    found = values if type(values) is np.ndarray and values.dtype == np.float64 else array(values)
     if found is None or found.shape != (count,):
         raise ValueError(f"{what} must be {count} numbers, not {shown(values)}")
-    return [float(value) for value in found]
+    numbers: list[float] = found.tolist()
+    return numbers
 
 
 def device_code(what: str, value: float, scale: float, least: int, most: int) -> int:

@@ -41,7 +41,7 @@ def runs(p: Parameters) -> list[Run]:
             {"agvs": agvs, "lane_m": lane},
             {**SLOW, "machine.dsps": p.dsps, "dock.agvs": agvs, "dock.agv_speed_m_s": p.agv_speed_m_s},
             p.duration_s,
-            layout=longer_lane(lane),
+            layout=longer_lane(lane, max(p.agvs)),
         )
         for agvs in p.agvs
         for lane in p.lanes_m

@@ -35,12 +35,13 @@ SLOW: dict[str, Setting] = {
 }
 
 
-def longer_lane(east_m: float) -> str:
+def longer_lane(east_m: float, agvs: int) -> str:
     """The default layout with the turn east of the loading spot so much farther east: the way to the warehouse is
-    twice as much longer."""
+    twice as much longer. The straight before the spot has room for the queue of all AGVs."""
+    straight_m = max(30.0, 18.0 * (agvs - 1))
     return (
         f"[lanes]\nto_warehouse = [[{20 + east_m}, 0, 5], [37.699, -0.08333333, 3], [{32 + east_m}, 0, "
-        f"5]]\nto_spot = [[18.0, 0, 5], [37.699, -0.08333333, 3], [30.0, 0, 5]]\n"
+        f"5]]\nto_spot = [[{straight_m - 12}, 0, 5], [37.699, -0.08333333, 3], [{straight_m}, 0, 5]]\n"
     )
 
 
@@ -81,7 +82,7 @@ def runs(p: Parameters) -> list[Run]:
                 "scheduling.learning_step_max": p.step_max,
             },
             p.duration_s if rule == "proportional" else p.short_s,
-            layout=longer_lane(lane),
+            layout=longer_lane(lane, p.agvs),
         )
         for rule in p.rules
         for lane in (p.lanes_m[:1] if rule == "unit" else p.lanes_m)
