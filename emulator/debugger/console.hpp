@@ -89,8 +89,7 @@ class Console {
   bool unattended_ = false;  ///< the present command is
   bool failed_ = false;      ///< the last command has
   bool goes_on_ = true;
-  bool paused_ =
-      false;  ///< Ctrl-C ended the last command that moved the machine; no further one of its script is executed
+  bool paused_ = false;  ///< Ctrl-C has ended the last command that moved the machine: its script ends, too
 };
 
 }  // namespace debugger
