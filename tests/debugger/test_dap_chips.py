@@ -53,6 +53,17 @@ def word_at(editor: Editor, reference: str) -> int:
     return int(struct.unpack("<I", base64.b64decode(data))[0])
 
 
+def first_instruction(editor: Editor, top: Any) -> Any:
+    """The rows of `disassemble` for the instruction at which a frame stands."""
+    return body(
+        editor,
+        "disassemble",
+        responses.DisassembleResponse,
+        memoryReference=top.instructionPointerReference,
+        instructionCount=1,
+    )["instructions"]
+
+
 def test_a_reference_is_to_the_chip_of_the_frame_that_gave_it(chips: list[str]) -> None:
     with Editor() as editor:
         begun(editor, chips, link=["0.0:1.3"])
@@ -60,13 +71,7 @@ def test_a_reference_is_to_the_chip_of_the_frame_that_gave_it(chips: list[str]) 
         references = []
         for thread, (word, loaded) in enumerate(tables, 1):
             top = editor.top(thread)
-            rows = body(
-                editor,
-                "disassemble",
-                responses.DisassembleResponse,
-                memoryReference=top.instructionPointerReference,
-                instructionCount=1,
-            )["instructions"]
+            rows = first_instruction(editor, top)
             assert re.search(rf"ldi +{int(loaded[:-1], 16)}, *r0", rows[0]["instruction"]), rows
             assert rows[0]["address"] == "0x00300000" and rows[0]["location"]["path"] == chips[thread - 1]
             answer = editor.ask(editor.client.evaluate("[tab]", top.id), responses.EvaluateResponse)
@@ -162,13 +167,7 @@ def test_the_client_may_count_from_zero_and_write_paths_as_uris(tmp_path: Path) 
         editor.stopped()
         top = editor.top()
         assert (top.line, top.column, top.source.path) == (line, 0, uri)
-        rows = body(
-            editor,
-            "disassemble",
-            responses.DisassembleResponse,
-            memoryReference=top.instructionPointerReference,
-            instructionCount=1,
-        )["instructions"]
+        rows = first_instruction(editor, top)
         assert rows[0]["line"] == line and rows[0]["location"]["path"] == uri
         assert "path or uri is expected" in editor.refused("initialize", {"adapterID": "c40", "pathFormat": "dos"})
 
