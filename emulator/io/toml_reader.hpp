@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <ranges>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -88,7 +87,8 @@ class TomlReader {
     if (errors_.empty()) return;
     constexpr std::size_t most = 20;
     std::vector<std::string> lines;
-    for (const auto& [line, what] : errors_ | std::views::take(most)) lines.push_back(what);
+    for (const auto& [line, what] : errors_)
+      if (lines.size() < most) lines.push_back(what);
     if (errors_.size() > most) lines.push_back(fmt::format("{}: {} more errors", file_, errors_.size() - most));
     throw Error(fmt::format("{}", fmt::join(lines, "\n")));
   }

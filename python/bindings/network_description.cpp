@@ -3,7 +3,6 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
-#include <ranges>
 
 #include "machine/networks/network_file.hpp"
 #include "python/bindings/devices.hpp"
@@ -53,9 +52,12 @@ std::unique_ptr<machine::Network> made_network(const py::list& chips,
     for (const auto& [key, value] : cycles) {
       const auto name = key.cast<std::string>();
       const auto found = std::ranges::find(known, name, &std::pair<std::string, int*>::first);
-      if (found == known.end())
-        throw machine::NetworkError(fmt::format("link {}: no such key {}; known are {}", text, name,
-                                                fmt::join(known | std::views::keys, ", ")));
+      if (found == known.end()) {
+        std::vector<std::string> all;
+        for (const auto& row : known) all.push_back(row.first);
+        throw machine::NetworkError(
+            fmt::format("link {}: no such key {}; known are {}", text, name, fmt::join(all, ", ")));
+      }
       *found->second = value.cast<int>();
     }
     d.links.push_back(link);
