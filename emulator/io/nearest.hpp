@@ -11,20 +11,25 @@
 
 namespace io {
 
-/// Number of letters to change, add, leave out, or exchange with the next one.
-inline std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> before_last, last(b.size() + 1), row(b.size() + 1);
+/// Number of letters to change, add, leave out, or exchange with the next one; `most + 1` if it is more than `most`.
+inline std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t most) {
+  if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) > most) return most + 1;
+  std::vector<std::size_t> before_last(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    before_last = std::exchange(last, row);
-    row[0] = i;
+  for (std::size_t i = 1, least_before = 0; i <= a.size(); ++i) {
+    std::swap(before_last, last);
+    std::swap(last, row);
+    std::size_t least = row[0] = i;
     for (std::size_t j = 1; j <= b.size(); ++j) {
       row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] != b[j - 1])});
       if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
         row[j] = std::min(row[j], before_last[j - 2] + 1);
+      least = std::min(least, row[j]);
     }
+    if (std::min(least, least_before) > most) return most + 1;  // each later row comes from these two
+    least_before = least;
   }
-  return row[b.size()];
+  return std::min(row[b.size()], most + 1);
 }
 
 /// The number of letters in which a word may differ from the one that was meant. One letter is near to every letter.
@@ -37,7 +42,7 @@ template <class Words>
 std::string_view nearest(std::string_view given, const Words& words, std::size_t most) {
   std::string_view best;
   for (const std::string_view word : words)
-    if (const std::size_t distance = edit_distance(given, word); distance <= most && !word.empty()) {
+    if (const std::size_t distance = edit_distance(given, word, most); distance <= most && !word.empty()) {
       if (distance == 0) return word;
       most = distance - 1, best = word;
     }

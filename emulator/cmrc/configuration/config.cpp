@@ -33,8 +33,8 @@ std::string right_key(std::string_view key) {
   const std::size_t most = io::most_wrong(leaf(key));
   std::size_t least = std::numeric_limits<std::size_t>::max();
   for (const Key& known : keys()) {
-    const std::size_t whole = io::edit_distance(key, known.name);
-    const std::size_t part = io::edit_distance(leaf(key), leaf(known.name));
+    const std::size_t whole = io::edit_distance(key, known.name, most);
+    const std::size_t part = io::edit_distance(leaf(key), leaf(known.name), most);
     if (std::min(whole, part) > most || std::min(whole, part + 1) >= least) continue;
     least = std::min(whole, part + 1);
     best = known.name;
@@ -71,7 +71,7 @@ std::vector<std::string> table_names() {
   std::size_t least = io::most_wrong(table) + 1;
   for (const std::string_view name : names) {
     const std::size_t first = name.find_first_not_of('['), last = name.find(']');
-    const std::size_t distance = io::edit_distance(table, name.substr(first, last - first));
+    const std::size_t distance = io::edit_distance(table, name.substr(first, last - first), least);
     if (distance < least) least = distance, best = name;
   }
   if (!best.empty()) refuse(origin, table, "no such table", fmt::format("the nearest known table is {}", best));

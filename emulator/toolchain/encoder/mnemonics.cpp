@@ -66,13 +66,8 @@ class Catalogue {
 
   std::string nearest(std::string_view name) const {
     std::string best;
-    std::size_t least = 2;
-    for (const auto& [known, unused] : map_) {
-      if (known.find('|') != std::string::npos) continue;
-      if (known.size() > name.size() + 1 || name.size() > known.size() + 1) continue;
-      const std::size_t distance = io::edit_distance(name, known);
-      if (distance < least) least = distance, best = known;
-    }
+    for (const auto& [known, unused] : map_)
+      if (best.empty() && known.find('|') == std::string::npos && io::edit_distance(name, known, 1) == 1) best = known;
     return best;
   }
 
