@@ -80,12 +80,12 @@ int guarded(const Action& action) {
   }
 }
 
-/// Printed text that was lost makes the command fail.
-int printed(int status) {
+/// A lost output file and lost printed text make the command fail.
+int written(int status) {
+  for (const std::string& lost : io::lost_outputs()) io::print(stderr, "emulator: {}\n", lost);
   const std::string lost = io::flush_output();
-  if (lost.empty()) return status;
-  io::print(stderr, "emulator: standard output: writing failed: {}\n", lost);
-  return status == cli::success ? cli::run_failed : status;
+  if (!lost.empty()) io::print(stderr, "emulator: standard output: writing failed: {}\n", lost);
+  return status == cli::success && !(lost.empty() && io::lost_outputs().empty()) ? cli::run_failed : status;
 }
 
 }  // namespace
@@ -93,7 +93,7 @@ int printed(int status) {
 int main(int argc, char** argv) {
   io::take_closed_streams();
   io::take_signals();
-  return printed(guarded([&] {
+  return written(guarded([&] {
     const std::variant<cli::Request, cli::Help> asked = cli::parse_command_line(argc, argv);
     if (const auto* help = std::get_if<cli::Help>(&asked)) {
       io::print("{}", help->text);

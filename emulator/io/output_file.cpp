@@ -38,6 +38,8 @@ fs::path behind_links(fs::path path) {
 
 constexpr ::mode_t everybody = 0666;  // less the umask
 
+std::vector<std::string> lost;
+
 }  // namespace
 
 /// A stream buffer over a descriptor. After a failure errno is kept for the message.
@@ -169,6 +171,16 @@ void OutputFile::replace_target() {
   if (::rename(beside_->path.c_str(), target_.c_str()) != 0)
     throw std::runtime_error(fmt::format("{}: writing failed: {}", given_.string(), std::strerror(errno)));
   beside_.reset();
+}
+
+const std::vector<std::string>& lost_outputs() { return lost; }
+
+void OutputFile::commit_or_note() {
+  try {
+    commit();
+  } catch (const std::runtime_error& error) {
+    lost.emplace_back(error.what());
+  }
 }
 
 void OutputFile::commit() {

@@ -6,6 +6,7 @@
 #include <ostream>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "io/signals.hpp"
 
@@ -34,6 +35,8 @@ class OutputFile {
   /// \throws std::runtime_error if the disk is full, a reader has closed the pipe, or the file cannot replace its
   /// target
   void commit();
+  /// The same; an error is noted in lost_outputs(), so that the work continues and the other outputs are written.
+  void commit_or_note();
 
  private:
   class Buffer;
@@ -49,5 +52,8 @@ class OutputFile {
   std::unique_ptr<Buffer> buffer_;
   std::ostream stream_;
 };
+
+/// The errors of commit_or_note so far. The program prints them at its end, and fails.
+const std::vector<std::string>& lost_outputs();
 
 }  // namespace io

@@ -98,7 +98,12 @@ class Recording:
     def read(cls, path: str | os.PathLike[str]) -> Recording:
         """Reads the recording of a page. Raises OSError; PageError for a file that is not a page."""
         name = arguments.path("path", path, "the path of a page")
-        text = files.read(name, _LARGEST).decode("utf-8", errors="replace")
+        return cls.of(files.read(name, _LARGEST), name)
+
+    @classmethod
+    def of(cls, page: bytes, name: str) -> Recording:
+        """The recording of a page with this content; ``name`` is for messages. Raises PageError."""
+        text = page.decode("utf-8", errors="replace")
         found = re.search(r'<script type="text/plain" id="recording">([A-Za-z0-9+/=\s]*)</script>', text)
         if found is None:
             raise PageError(f"{name} is not a page of this emulator (cmrc page CONFIG.toml writes one)")

@@ -228,8 +228,13 @@ class Simulation:
     def write_page(self, path: str | os.PathLike[str], title: str | None = None) -> None:
         """Writes the page of a run that has ended and was recorded (``record``): one HTML file. Raises RuntimeError,
         OSError."""
+        content = self.page(title)
+        files.write(arguments.path("path", path, "the path of the page"), content)
+
+    def page(self, title: str | None = None) -> bytes:
+        """The content of that page. Raises RuntimeError."""
         name = f"CMRC: {self.title}" if title is None else arguments.text("title", title, "the title of the page")
-        files.write(arguments.path("path", path, "the path of the page"), self._core.page(name))
+        return self._core.page(name)
 
     @property
     def title(self) -> str:

@@ -93,6 +93,68 @@ def test_a_reader_that_goes_away_costs_only_its_own_output(folder: Path) -> None
     assert "</html>" in (folder / "p.html").read_text()[-100:]
 
 
+TALKS = """        .text
+_start: ldhi 0010h,ar0
+        or 0042h,ar0
+        ldhi 0A000h,ar1
+        ldi 65,r0
+        sti r0,*ar0         ; port 0
+        sti r0,*ar1         ; the console
+        idle
+"""
+WITH_CONSOLE = """[[region]]
+name = "RAM"
+base = 0x300000
+words = 0x10000
+bus = "local"
+[[region]]
+name = "devices"
+kind = "window"
+base = 0xA0000000
+words = 0x10000
+bus = "global"
+[[device]]
+name = "d"
+kind = "console"
+base = 0xA0000000
+"""
+TALKING = """[[chip]]
+program = "talks.asm"
+board = "b.toml"
+[[chip]]
+program = "s.asm"
+[[link]]
+ports = "0.0:1.3"
+"""
+OUTPUTS = {
+    "--dsps 1": ["--report", "--page", "--profile", "--trace", "--perfetto"],
+    "--dsps 2": ["--snapshot-at 0.01:", "--report", "--snapshot-at 0.02:"],
+    "asm s.asm": ["-o", "--listing"],
+    "link s.obj": ["-o", "--map-output"],
+    "exec talks.asm --board b.toml": ["--trace", "--events", "--device-output d="],
+    "exec --network talking.toml": ["--link-trace", "--events", "--perfetto"],
+}
+
+
+@pytest.mark.parametrize(("command", "lost"), [(name, n) for name, all in OUTPUTS.items() for n in range(len(all))])
+def test_an_output_that_is_lost_costs_no_other_one(command: str, lost: int, folder: Path) -> None:
+    for name, text in (("talks.asm", TALKS), ("b.toml", WITH_CONSOLE), ("talking.toml", TALKING)):
+        (folder / name).write_text(text)
+    (folder / f"out{lost}").symlink_to("/dev/full")
+    options = " ".join(
+        f"{option}{'' if option[-1] in ':=' else ' '}out{n}" for n, option in enumerate(OUTPUTS[command])
+    )
+    ended = emulator(folder, *command.split(), *(RUN if "--dsps" in command else []), *options.split(), timeout=60)
+    assert ended.returncode == 1, ended.stderr
+    assert ended.stderr.endswith(f"emulator: out{lost}: writing failed: No space left on device\n")
+    assert sorted(path.name for path in folder.glob("out*")) == [f"out{n}" for n in range(len(OUTPUTS[command]))]
+
+
+def test_a_snapshot_that_cannot_be_written_is_refused_before_the_run(folder: Path) -> None:
+    ended = emulator(folder, "--duration", "80000", "--quiet", "--snapshot-at", "79999:no/s.bin", timeout=20)
+    assert (ended.returncode, ended.stderr) == (2, "emulator: no/s.bin: cannot be written: No such file or directory\n")
+
+
 @pytest.mark.parametrize("what", ["s.asm", "s.obj", "x.out"])
 @pytest.mark.parametrize(
     "command",
@@ -275,7 +337,8 @@ width = 32
     ],
 )
 def test_a_file_that_another_one_names_is_an_input(folder: Path, command: list[str], output: str) -> None:
-    (folder / "b.toml").write_text(BOARD)
+    for name, text in (("talks.asm", TALKS), ("b.toml", WITH_CONSOLE), ("talking.toml", TALKING)):
+        (folder / name).write_text(text)
     (folder / "rom.bin").write_bytes(bytes(64))
     (folder / "n.toml").write_text('[[chip]]\nprogram = "p.out"\nboard = "b.toml"\n[[chip]]\nprogram = "s.asm"\n')
     emulator(folder, "asm", "s.asm", "-o", "p.out")

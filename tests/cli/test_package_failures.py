@@ -47,6 +47,36 @@ def ended(folder: Path, arguments: list[str], **more: object) -> tuple[int, str]
     return done.returncode, lines[-1] if lines else ""
 
 
+@pytest.mark.parametrize("lost", [0, 1, 2])
+@pytest.mark.parametrize("command", ["page base.toml --out --plots", "sweep grid.toml --workers 1 --csv --plot"])
+def test_an_output_that_is_lost_costs_no_other_one(command: str, lost: int, folder: Path) -> None:
+    """The last case loses both, and names both."""
+    pytest.importorskip("matplotlib")
+    names = ["first.html", "second.png"] if command.startswith("page") else ["first.csv", "second.png"]
+    *words, first, second = command.split()
+    full = [name for n, name in enumerate(names) if lost in (n, 2)]
+    for name in full:
+        (folder / name).symlink_to("/dev/full")
+    status, says = ended(folder, [*words, first, names[0], second, names[1]])
+    assert status == 1 and says == f"cmrc {words[0]}: {full[0]}: writing failed: No space left on device"
+    assert all((folder / name).is_file() for name in set(names) - set(full))
+
+
+def test_plots_are_drawn_beside_a_page_that_goes_into_a_pipe(folder: Path) -> None:
+    pytest.importorskip("matplotlib")
+    os.mkfifo(folder / "pipe")
+    with subprocess.Popen(["cat", folder / "pipe"], stdout=subprocess.DEVNULL):
+        assert ended(folder, ["page", "base.toml", "--out", "pipe", "--plots", "p.png"])[0] == 0
+    assert (folder / "p.png").stat().st_size > 1000
+
+
+@pytest.mark.parametrize("command", ["page base.toml --out", "page base.toml --plots", "events base.toml -o"])
+def test_the_name_of_a_folder_is_no_name_of_a_file(command: str, folder: Path) -> None:
+    status, says = ended(folder, [*command.split(), "x/"])
+    assert status == 2 and "'x/' is the name of a folder; the name of a file is expected" in says
+    assert not (folder / "x").exists()
+
+
 @pytest.mark.parametrize("name", OUTPUTS)
 def test_a_full_disk_is_a_failed_write_and_a_bad_name_a_bad_input(name: str, folder: Path) -> None:
     full = "/dev/full: writing failed: No space left on device"

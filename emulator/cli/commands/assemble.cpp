@@ -49,7 +49,7 @@ void check_files(const std::vector<std::string>& read, const std::string& output
   files.writes("-o", output).writes(role, text_path.value_or(""));
 }
 
-/// Writes the object file and the listing; if one fails, none is written.
+/// Writes the object file, and the listing or map if one is wanted.
 void write(toolchain::Object object, int version, const std::string& path, const std::optional<std::string>& text_path,
            const std::string& text) {
   object.version = version;
@@ -58,8 +58,8 @@ void write(toolchain::Object object, int version, const std::string& path, const
   if (text_path) text_output.emplace(*text_path);
   toolchain::write_coff(object, output.stream());
   if (text_output) text_output->stream() << text;
-  output.commit();
-  if (text_output) text_output->commit();
+  output.commit_or_note();
+  if (text_output) text_output->commit_or_note();
 }
 
 void print_warnings(const toolchain::Image& image) {

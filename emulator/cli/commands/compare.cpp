@@ -29,7 +29,7 @@ int compare(const CompareOptions& options) {
   io::print("{}", to_text(comparison));
   if (file) {
     file->stream() << to_json(comparison);
-    file->commit();
+    file->commit_or_note();
   }
   return comparison.interrupted ? signals.status(success) : success;
 }

@@ -50,7 +50,7 @@ int image(const ImageOptions& options) {
   } catch (const std::invalid_argument& error) {
     throw InputError(fmt::format("{}: {}", options.program, error.what()));
   }
-  output.commit();
+  output.commit_or_note();
   return success;
 }
 

@@ -54,8 +54,8 @@ class InstructionFiles {
       files_.push_back(std::move(file));
     }
   }
-  void commit() {
-    for (const auto& file : files_) file->commit();
+  void finish() {
+    for (const auto& file : files_) file->commit_or_note();
   }
 
  private:
@@ -101,16 +101,29 @@ std::string page_title(const RunOptions& options, const cmrc::Config& config) {
                      config.machine.dsps == 1 ? "" : "s", config.run.duration_s);
 }
 
-/// Runs to each snapshot; returns how many were reached.
-std::size_t run_to_snapshots(cmrc::Simulation& simulation, std::span<const SnapshotRequest> requests,
-                             const std::function<bool(const cmrc::Progress&)>& show) {
-  for (std::size_t n = 0; n < requests.size(); ++n) {
-    simulation.run(show, cmrc::Simulation::usual_slice, requests[n].at);
-    if (simulation.time() != requests[n].at) return n;
-    write_snapshot(requests[n].file, simulation.snapshot());
+/// The files of --snapshot-at: a name that cannot be written is refused before the run.
+class SnapshotFiles {
+ public:
+  explicit SnapshotFiles(std::span<const SnapshotRequest> requests) : requests_(requests) {
+    for (const SnapshotRequest& request : requests) files_.push_back(std::make_unique<io::OutputFile>(request.file));
   }
-  return requests.size();
-}
+  /// Runs to each snapshot that is left, until the run ends.
+  void run(cmrc::Simulation& simulation, const std::function<bool(const cmrc::Progress&)>& show) {
+    for (; !left().empty(); ++reached_) {
+      const report::Time at = left().front().at;
+      simulation.run(show, cmrc::Simulation::usual_slice, at);
+      if (simulation.time() != at) return;
+      files_[reached_]->stream() << simulation.snapshot().to_bytes();
+      files_[reached_]->commit_or_note();
+    }
+  }
+  std::span<const SnapshotRequest> left() const { return requests_.subspan(reached_); }
+
+ private:
+  std::span<const SnapshotRequest> requests_;
+  std::vector<std::unique_ptr<io::OutputFile>> files_;
+  std::size_t reached_ = 0;
+};
 
 }  // namespace
 
@@ -139,6 +152,7 @@ int run(const RunOptions& options) {
     throw InputError(fmt::format("--trace-window: it begins at {} s, and the run ends at {} s",
                                  report::seconds(window.from), config.run.duration_s));
 
+  SnapshotFiles snapshot_files(snapshots);
   std::optional<io::OutputFile> report_file;
   if (options.report) report_file.emplace(*options.report);
   std::optional<io::OutputFile> profile_file;
@@ -167,7 +181,6 @@ int run(const RunOptions& options) {
   Attach attach(options);
   bool goes_on = attach.begin(simulation);
   const io::StopBySignal signals;
-  std::size_t written = 0;
   const report::RunReport report = [&] {
     ProgressLine line(report::from_seconds(config.run.duration_s), !options.quiet);
     const auto show = [&](const cmrc::Progress& progress) {
@@ -175,8 +188,8 @@ int run(const RunOptions& options) {
       return goes_on && !attach.wanted();
     };
     for (;;) {
-      written += run_to_snapshots(simulation, std::span(snapshots).subspan(written), show);
-      if (written == snapshots.size() || simulation.ended() || !goes_on) simulation.run(show);
+      snapshot_files.run(simulation, show);
+      if (snapshot_files.left().empty() || simulation.ended() || !goes_on) simulation.run(show);
       if (!goes_on || simulation.ended() || io::stop_asked() || !attach.wanted()) break;
       goes_on = attach.serve(simulation);
     }
@@ -186,16 +199,16 @@ int run(const RunOptions& options) {
   }();
   if (report_file) {
     report_file->stream() << to_json(report);
-    report_file->commit();
+    report_file->commit_or_note();
   }
   if (page_file) {
     const std::string title = page_title(options, config);
     page_file->stream() << page::html(recorder->recording(report, title), title);
-    page_file->commit();
+    page_file->commit_or_note();
   }
-  if (trace_file) trace_file->commit();
-  if (perfetto) perfetto->commit();
-  instructions.commit();
+  if (trace_file) trace_file->commit_or_note();
+  if (perfetto) perfetto->finish();
+  instructions.finish();
   if (!options.quiet) io::print("{}", to_text(report));
   if (options.profile) {
     const report::Profile profile = simulation.profile_report();
@@ -203,17 +216,17 @@ int run(const RunOptions& options) {
       io::print("{}", to_text(profile));
     } else {
       profile_file->stream() << (options.profile->ends_with(".json") ? to_json(profile) : to_text(profile));
-      profile_file->commit();
+      profile_file->commit_or_note();
     }
   }
   if (options.trace_window && window.from > simulation.time())
     io::print(stderr, "--trace-window: {} has no events; the run ended at {} s, before {} s\n", *options.trace,
               report::seconds(simulation.time()), report::seconds(window.from));
   if (simulation.interrupted()) return signals.status(success);
-  for (const SnapshotRequest& missed : std::span(snapshots).subspan(written))
+  for (const SnapshotRequest& missed : snapshot_files.left())
     io::print(stderr, "--snapshot-at: {} is not written; the run ended at {} s, before {} s\n", missed.file,
               report::seconds(simulation.time()), report::seconds(missed.at));
-  return written < snapshots.size() ? run_failed : simulation.exit_status();
+  return snapshot_files.left().empty() ? simulation.exit_status() : run_failed;
 }
 
 }  // namespace cli

@@ -208,9 +208,9 @@ void BoardConsole::run_ended(const std::vector<std::string>& states) {
         output.file->stream() << static_cast<char>(word);
       else
         output.file->stream() << fmt::format("{:08X}\n", word);
-    output.file->commit();
+    output.file->commit_or_note();
   }
-  if (record_) record_->commit();
+  if (record_) record_->commit_or_note();
 }
 
 std::string BoardConsole::called(const std::string& chip, const std::string& device) const {

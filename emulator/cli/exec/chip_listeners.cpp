@@ -98,7 +98,7 @@ c40::TraceSink* ChipListeners::sink() const { return parts_->first; }
 
 void ChipListeners::run_ended() {
   if (parts_->check) parts_->check->run_ended();
-  if (parts_->file) parts_->file->commit();
+  if (parts_->file) parts_->file->commit_or_note();
 }
 
 std::string ChipListeners::checks_text() const {

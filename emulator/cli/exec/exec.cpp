@@ -25,7 +25,7 @@ class EventText : public c40::PeripheralSink {
   void happened(const c40::PeripheralEvent& event) override {
     file_.stream() << event.cycle << ' ' << c40::to_text(event, [this](Address at) { return names_.text(at); }) << '\n';
   }
-  void commit() { file_.commit(); }
+  void finish() { file_.commit_or_note(); }
 
  private:
   io::OutputFile file_;
@@ -84,7 +84,7 @@ int exec(const ExecOptions& options) {
   if (boot && boot->port) connected.feeder.emplace(chip, *boot->port, stream_for(image, *boot));
   const io::StopBySignal signals;
   const Outcome outcome = run(chip, image, until, options, connected);
-  if (events) events->commit();
+  if (events) events->finish();
   listeners.run_ended();
 
   std::vector<Dump> dumps;

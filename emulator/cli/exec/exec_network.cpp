@@ -268,15 +268,15 @@ int exec_network(const ExecOptions& options) {
   watched.run_ended();
   if (link_trace) {
     for (const machine::NetworkEvent& event : network.events()) link_trace->stream() << network.text(event) << '\n';
-    link_trace->commit();
+    link_trace->commit_or_note();
   }
   if (events) {
     for (const std::string& line : network.event_trace()) events->stream() << line << '\n';
-    events->commit();
+    events->commit_or_note();
   }
   if (timeline) {
     draw_network(network, timeline->stream());
-    timeline->commit();
+    timeline->finish();
   }
   front.run_ended({front.empty() ? std::string() : state::save(network)});
   if (options.json) {

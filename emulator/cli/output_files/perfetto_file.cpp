@@ -44,9 +44,9 @@ void PerfettoFile::record(cmrc::Simulation& simulation) {
   recorder_.emplace(simulation, file_.stream(), request_.detail, request_.window);
 }
 
-void PerfettoFile::commit() {
+void PerfettoFile::finish() {
   recorder_->finish();
-  file_.commit();
+  file_.finish();
 }
 
 }  // namespace cli

@@ -28,7 +28,7 @@ class PerfettoFile {
   /// To be called before the run, or after restore().
   void record(cmrc::Simulation& simulation);
   /// Completes the file and puts it in its place. To be called after Simulation::report_so_far().
-  void commit();
+  void finish();
 
  private:
   const PerfettoRequest request_;

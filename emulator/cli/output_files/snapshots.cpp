@@ -8,7 +8,6 @@
 
 #include "cli/arguments/settings.hpp"
 #include "io/input_file.hpp"
-#include "io/output_file.hpp"
 #include "report/event.hpp"
 
 namespace cli {
@@ -47,12 +46,6 @@ cmrc::Snapshot read_snapshot(const std::string& file) {
   } catch (const cmrc::SnapshotError& error) {
     throw InputError(fmt::format("{}: {}", file, error.what()));
   }
-}
-
-void write_snapshot(const std::string& file, const cmrc::Snapshot& snapshot) {
-  io::OutputFile out(file);
-  out.stream() << snapshot.to_bytes();
-  out.commit();
 }
 
 }  // namespace cli

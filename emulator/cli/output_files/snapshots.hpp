@@ -21,6 +21,5 @@ std::vector<SnapshotRequest> snapshot_requests(const RunOptions& options, const 
 
 /// \throws InputError that names the file
 cmrc::Snapshot read_snapshot(const std::string& file);
-void write_snapshot(const std::string& file, const cmrc::Snapshot& snapshot);
 
 }  // namespace cli

@@ -16,10 +16,9 @@ class TimelineFile {
     if (name.ends_with(".gz")) packed_.emplace(file_.stream());
   }
   std::ostream& stream() { return packed_ ? static_cast<std::ostream&>(*packed_) : file_.stream(); }
-  /// \throws std::runtime_error as OutputFile does
-  void commit() {
+  void finish() {
     if (packed_) packed_->finish();
-    file_.commit();
+    file_.commit_or_note();
   }
 
  private:

@@ -126,6 +126,27 @@ def output_name(text: str) -> str:
     return text
 
 
+def output_file(text: str) -> str:
+    """The same of an option that names a file. What ends with a slash can only be a folder."""
+    if output_name(text).endswith("/"):
+        raise argparse.ArgumentTypeError(f"{text!r} is the name of a folder; the name of a file is expected")
+    return text
+
+
+def write_each(name: str, *writes: Callable[[], None]) -> None:
+    """Writes all outputs of a command. One that fails does not lose the others; its error is raised at the end."""
+    failed: list[Exception] = []
+    for write in writes:
+        try:
+            write()
+        except (OSError, RuntimeError) as error:
+            failed.append(error)
+    for other in failed[1:]:
+        streams.say(f"cmrc {name}: {files.printable(_words(other))}")
+    if failed:
+        raise failed[0]
+
+
 OptionalPath = str | Path | None
 FILES_OF_SETTINGS = ("machine.board", "dock.layout", "fixed.config")
 """The last one is the base configuration of a sweep."""

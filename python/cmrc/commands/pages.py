@@ -7,7 +7,17 @@ from pathlib import Path
 
 from cmrc import demo, events, files, page
 from cmrc.commands import streams
-from cmrc.commands.common import Commands, check_files, command, folder, output_name, picture, settings
+from cmrc.commands.common import (
+    Commands,
+    check_files,
+    command,
+    folder,
+    output_file,
+    output_name,
+    picture,
+    settings,
+    write_each,
+)
 from cmrc.progress import ProgressLine
 from cmrc.simulation import Setting, Simulation, configured
 
@@ -23,16 +33,16 @@ def add(commands: Commands) -> None:
             "--out",
             "--html",
             dest="out",
-            type=output_name,
+            type=output_file,
             metavar="PAGE",
             nargs="?",
             help="where the page is written (default: RUN with the ending .html)",
         )
-        parser.add_argument("--plots", type=output_name, metavar="PNG", help="write the plots of cmrc.plot")
+        parser.add_argument("--plots", type=output_file, metavar="PNG", help="write the plots of cmrc.plot")
         _settings(parser)
     parser = command(commands, "events", "the events of a run as a Parquet table (docs/timelines.md)", _events)
     parser.add_argument("run", metavar="RUN", help="an event trace, or a configuration (.toml) to run")
-    parser.add_argument("-o", "--output", type=output_name, metavar="FILE.parquet", required=True, help="the table")
+    parser.add_argument("-o", "--output", type=output_file, metavar="FILE.parquet", required=True, help="the table")
     _settings(parser)
     parser = command(commands, "demo", "what the emulator shows, in five scenes, and a page of them", _demo)
     parser.add_argument(
@@ -96,9 +106,11 @@ def _write(run: Path, out: Path, plots: Path | None, given: dict[str, Setting]) 
     with ProgressLine("cmrc page") as line, line.beating():
         simulation.run(line.of)
         line.reported = "writing the page"
-        simulation.write_page(out, f"{run.stem}: {simulation.title}")
-    if plots is not None:
-        _draw(out, plots)
+        made = simulation.page(f"{run.stem}: {simulation.title}")
+        writes = [lambda: files.write(out, made)]
+        if plots is not None:
+            writes.append(lambda: _draw(page.Recording.of(made, str(out)), plots))
+        write_each("page", *writes)
 
 
 def _plot(run: Path, plots: Path | None, given: argparse.Namespace) -> None:
@@ -113,13 +125,13 @@ def _plot(run: Path, plots: Path | None, given: argparse.Namespace) -> None:
         )
     check_files({"RUN": run}, {"--plots": plots})
     picture("--plots", plots)
-    _draw(run, plots)
+    with ProgressLine("cmrc page") as line, line.beating("drawing the plots"):
+        _draw(page.Recording.read(run), plots)
 
 
-def _draw(run: Path, plots: Path) -> None:
+def _draw(recording: page.Recording, plots: Path) -> None:
     from cmrc import plot
 
-    with ProgressLine("cmrc page") as line, line.beating("drawing the plots"):
-        figure = plot.overview(page.Recording.read(run))
-        with files.writing(plots) as out:
-            figure.savefig(out, dpi=110, format=plots.suffix[1:].lower())
+    figure = plot.overview(recording)
+    with files.writing(plots) as out:
+        figure.savefig(out, dpi=110, format=plots.suffix[1:].lower())

@@ -10,7 +10,16 @@ from typing import Any
 import cmrc
 from cmrc import _core, files, studies
 from cmrc.commands import signals, streams
-from cmrc.commands.common import Commands, check_files, command, numbers, output_name, setting_value, settings
+from cmrc.commands.common import (
+    Commands,
+    check_files,
+    command,
+    numbers,
+    output_file,
+    setting_value,
+    settings,
+    write_each,
+)
 from cmrc.progress import ProgressLine
 from cmrc.simulation import Setting, configured
 
@@ -42,7 +51,7 @@ def _configuration(parser: argparse.ArgumentParser) -> None:
         words = f"{meaning}: {choices[key]}" if choices[key] else meaning
         parser.add_argument(option, dest=key, type=kind, metavar=metavar, help=words)
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="a setting; may be given again")
-    parser.add_argument("--json", type=output_name, metavar="FILE", help="write all of it as JSON")
+    parser.add_argument("--json", type=output_file, metavar="FILE", help="write all of it as JSON")
 
 
 def _configured(given: argparse.Namespace) -> _core.cmrc.Config:
@@ -84,7 +93,7 @@ def _do_limits(given: argparse.Namespace) -> int:
             status = signals.status(stop)
     try:
         _show(given, scans.text(), scans.report())
-    except RuntimeError as error:
+    except (OSError, RuntimeError) as error:
         if not status:
             raise
         streams.say(f"cmrc limits: {error}")  # the status is the signal's: its terminal may be what has gone
@@ -104,19 +113,16 @@ def _do_compare(given: argparse.Namespace) -> int:
 
 
 def _show(given: argparse.Namespace, text: str, report: dict[str, Any]) -> None:
-    """The file first, so that it is there if standard output is closed or full; the text also if the file fails."""
-    try:
-        if given.json is not None:
-            files.write(given.json, json.dumps(report, indent=2) + "\n")
-    finally:
-        streams.show(files.printable_lines(text))
+    shows = lambda: streams.show(files.printable_lines(text))
+    saves = lambda: files.write(given.json, json.dumps(report, indent=2) + "\n")
+    write_each(given.command, *([] if given.json is None else [saves]), shows)
 
 
 def _diff(commands: Commands) -> None:
     parser = command(commands, "diff", "the differences between two results; status 1 if there are any", _do_diff)
     parser.add_argument("left", metavar="A", help="a saved result, or a JSON report")
     parser.add_argument("right", metavar="B", help="another one")
-    parser.add_argument("--json", type=output_name, metavar="FILE", help="write all of it as JSON")
+    parser.add_argument("--json", type=output_file, metavar="FILE", help="write all of it as JSON")
     parser.add_argument("--all", action="store_true", help="show every metric that differs, not the first 40")
 
 

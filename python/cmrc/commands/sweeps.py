@@ -12,7 +12,16 @@ from typing import TYPE_CHECKING, Any
 
 from cmrc import files
 from cmrc.commands import streams
-from cmrc.commands.common import Commands, check_files, check_outside, command, output_name, picture
+from cmrc.commands.common import (
+    Commands,
+    check_files,
+    check_outside,
+    command,
+    output_file,
+    output_name,
+    picture,
+    write_each,
+)
 from cmrc.progress import ProgressLine, shown
 from cmrc.simulation import ConfigError, Setting, configured
 
@@ -63,8 +72,8 @@ def _sweep(commands: Commands) -> None:
     parser.add_argument("file", metavar="FILE.toml", help="the grid (docs/sweeps.md)")
     _where(parser)
     parser.add_argument("--metric", metavar="NAME", action="append", help="a metric of the table; may be given again")
-    parser.add_argument("--csv", type=output_name, metavar="FILE", help="write one row per run")
-    parser.add_argument("--plot", type=output_name, metavar="PICTURE", help="draw the first metric over the grid")
+    parser.add_argument("--csv", type=output_file, metavar="FILE", help="write one row per run")
+    parser.add_argument("--plot", type=output_file, metavar="PICTURE", help="draw the first metric over the grid")
     parser.add_argument("--again-failed", action="store_true", help="run again what failed")
     parser.add_argument("--show", action="store_true", help="run nothing; show what is in the folder")
 
@@ -90,14 +99,12 @@ def _do_sweep(given: argparse.Namespace) -> int:
             found = sweep(grid, folder, again_failed=given.again_failed, on_progress=on_progress, **_place(given))
         line.reported = "reading the reports"
         text = found.text(*metrics)
-        try:
-            if given.csv is not None:
-                files.write(given.csv, _csv(found, metrics))
-            if given.plot is not None:
-                _draw(found, metrics, Path(given.plot))
-        finally:
-            line.clear()
-            streams.show(files.printable_lines(text))
+        writes = []
+        if given.csv is not None:
+            writes.append(lambda: files.write(given.csv, _csv(found, metrics)))
+        if given.plot is not None:
+            writes.append(lambda: _draw(found, metrics, Path(given.plot)))
+        write_each(given.command, *writes, line.clear, lambda: streams.show(files.printable_lines(text)))
     counts = found.counts()
     return 1 if counts["failed"] or not counts["done"] else 0
 
