@@ -1,6 +1,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <csignal>
+
 #include "io/file_roles.hpp"
 #include "io/output_file.hpp"
 #include "io/print.hpp"
@@ -28,6 +30,10 @@ void bind_io(py::module_& core) {
   m.def(
       "printable", [](const py::bytes& text) { return io::printable(static_cast<std::string_view>(text)); },
       py::arg("text"), "What a terminal shows and does not obey: control characters become \\xNN.");
+  m.def(
+      "default_action", [](int number) { std::signal(number, SIG_DFL); }, py::arg("number"),
+      "From now on this signal does to the process what it does by default; Python keeps its handler for a signal that "
+      "has already come.");
   py::class_<io::FileRoles>(m, "FileRoles",
                             "Which files are read and which are written: no output may be an input or another output.")
       .def(py::init<>())

@@ -12,6 +12,7 @@ import os
 import shutil
 import signal
 import subprocess
+import sys
 import termios
 import threading
 from collections.abc import Callable, Iterator
@@ -392,3 +393,28 @@ def test_a_signal_that_is_ignored_at_the_start_stays_ignored(folder: Path, numbe
     running.until(lambda: len(running.came["t"]) > so_far + (1 << 20))  # it continues
     assert running.signal(other) == SIGNALS[other]
     exec_check(running)
+
+
+TWO_AT_ONCE = """
+import os, signal
+from cmrc.commands.signals import raised
+both = [signal.SIGINT, signal.SIGTERM]
+with raised():
+    signal.pthread_sigmask(signal.SIG_BLOCK, both)
+    for number in both:
+        os.kill(os.getpid(), number)
+    try:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, both)
+    except KeyboardInterrupt:
+        pass  # as the code of a library may do
+    while True:
+        pass
+"""
+
+
+def test_two_signals_that_come_together_end_a_command_of_the_package_at_once() -> None:
+    environment = {**os.environ, "PYTHONPATH": str(BUILD / "python")}
+    ended = subprocess.run(
+        [sys.executable, "-c", TWO_AT_ONCE], env=environment, capture_output=True, text=True, check=False, timeout=60
+    )
+    assert (ended.returncode, ended.stderr) == (-signal.SIGTERM, "")

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
+
+from cmrc import _core
 
 NUMBERS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
@@ -40,9 +43,14 @@ def raised() -> Iterator[None]:
         yield
         return
 
+    came = []
+
     def end(number: int, _: FrameType | None) -> None:
+        came.append(number)
         for each in before:
-            signal.signal(each, signal.SIG_DFL)
+            _core.io.default_action(each)
+        if len(came) > 1:  # both had come when Python looked
+            os.kill(os.getpid(), number)
         raise Ended(number)
 
     before = {number: signal.getsignal(number) for number in NUMBERS}
