@@ -9,6 +9,31 @@
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/errors.hpp"
 
+namespace {
+
+volatile std::sig_atomic_t signals_came = 0;
+
+void signal_came(int number) {
+  if (signals_came == 0) {
+    signals_came = 1;
+    PyErr_SetInterruptEx(number);
+  } else {
+    std::signal(number, SIG_DFL);
+    std::raise(number);
+  }
+}
+
+// Python itself looks at its signals one after the other, now and then: the second could be lost with the first.
+void second_signal_ends(const std::vector<int>& numbers) {
+  struct ::sigaction action{};
+  action.sa_handler = signal_came;
+  ::sigfillset(&action.sa_mask);
+  signals_came = 0;
+  for (const int number : numbers) ::sigaction(number, &action, nullptr);
+}
+
+}  // namespace
+
 void bind_io(py::module_& core) {
   auto m = core.def_submodule("io", "Files that appear whole or not at all.");
   python::register_error<io::CannotOpen>(m, "CannotOpen", PyExc_OSError);
@@ -30,10 +55,8 @@ void bind_io(py::module_& core) {
   m.def(
       "printable", [](const py::bytes& text) { return io::printable(static_cast<std::string_view>(text)); },
       py::arg("text"), "What a terminal shows and does not obey: control characters become \\xNN.");
-  m.def(
-      "default_action", [](int number) { std::signal(number, SIG_DFL); }, py::arg("number"),
-      "From now on this signal does to the process what it does by default; Python keeps its handler for a signal that "
-      "has already come.");
+  m.def("second_signal_ends", &second_signal_ends, py::arg("numbers"),
+        "The first of these signals is for Python's handler; the second ends the process, whatever Python does.");
   py::class_<io::FileRoles>(m, "FileRoles",
                             "Which files are read and which are written: no output may be an input or another output.")
       .def(py::init<>())

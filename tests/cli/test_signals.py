@@ -396,13 +396,15 @@ def test_a_signal_that_is_ignored_at_the_start_stays_ignored(folder: Path, numbe
 
 
 TWO_AT_ONCE = """
-import os, signal
+import signal
 from cmrc.commands.signals import raised
 both = [signal.SIGINT, signal.SIGTERM]
+for number in both:
+    signal.signal(number, signal.SIG_DFL)  # in a job in the background SIGINT is ignored
 with raised():
     signal.pthread_sigmask(signal.SIG_BLOCK, both)
     for number in both:
-        os.kill(os.getpid(), number)
+        signal.raise_signal(number)
     try:
         signal.pthread_sigmask(signal.SIG_UNBLOCK, both)
     except KeyboardInterrupt:

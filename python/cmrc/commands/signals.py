@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import threading
 from collections.abc import Iterator
@@ -43,20 +42,14 @@ def raised() -> Iterator[None]:
         yield
         return
 
-    came = []
-
     def end(number: int, _: FrameType | None) -> None:
-        came.append(number)
-        for each in before:
-            _core.io.default_action(each)
-        if len(came) > 1:  # both had come when Python looked
-            os.kill(os.getpid(), number)
         raise Ended(number)
 
     before = {number: signal.getsignal(number) for number in NUMBERS}
     before = {number: handler for number, handler in before.items() if handler is not signal.SIG_IGN}
     for number in before:
         signal.signal(number, end)
+    _core.io.second_signal_ends(list(before))
     try:
         yield
     finally:
