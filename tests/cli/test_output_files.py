@@ -334,15 +334,21 @@ width = 32
         ([*RUN, "--programs", "programs", "--report"], "programs/include/areas.inc"),
         ([*RUN, "--programs", "programs", "--trace"], "programs/not_there_yet"),
         (["compare", *SHORT, "--programs", "programs", "--json"], "programs/dsp.asm"),
+        *(([*RUN, "--programs", "programs", "--report"], name) for name in ("outside.inc", "outside.asm")),
+        *((["compare", *SHORT, "--programs", "programs", "--json"], name) for name in ("outside.inc", "outside.asm")),
     ],
 )
 def test_a_file_that_another_one_names_is_an_input(folder: Path, command: list[str], output: str) -> None:
-    for name, text in (("talks.asm", TALKS), ("b.toml", WITH_CONSOLE), ("talking.toml", TALKING)):
-        (folder / name).write_text(text)
+    (folder / "b.toml").write_text(BOARD)
     (folder / "rom.bin").write_bytes(bytes(64))
     (folder / "n.toml").write_text('[[chip]]\nprogram = "p.out"\nboard = "b.toml"\n[[chip]]\nprogram = "s.asm"\n')
     emulator(folder, "asm", "s.asm", "-o", "p.out")
     shutil.copytree(ROOT / "c40_programs", folder / "programs")
+    (folder / "outside.inc").write_text("")
+    dsp = folder / "programs" / "dsp.asm"
+    dsp.rename(folder / "outside.asm")
+    dsp.symlink_to("../outside.asm")
+    dsp.write_text('        .include "../outside.inc"\n' + dsp.read_text())
     before = (folder / output).read_bytes() if (folder / output).exists() else None
     result = emulator(folder, *command, output, timeout=60)
     assert result.returncode == 2 and "another name is expected" in result.stderr, result.stderr

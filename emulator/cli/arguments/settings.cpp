@@ -1,11 +1,13 @@
 #include "cli/arguments/settings.hpp"
-#include "report/event.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
+
+#include "cmrc/programs/dsp_image.hpp"
+#include "report/event.hpp"
 
 namespace cli {
 namespace {
@@ -75,6 +77,9 @@ io::FileRoles files_read(const RunOptions& options, const cmrc::Config& config) 
   files.reads("--config", options.config.value_or(""));
   if (config.machine.board != "default") files.reads("machine.board", config.machine.board);
   files.reads("dock.layout", config.dock.layout).reads_folder("machine.programs", config.machine.programs);
+  // A source may include files from outside the folder, or be a link that leads there.
+  if (!config.machine.programs.empty())
+    for (const std::string& source : cmrc::assembled_program(config).files_read) files.reads("a DSP program", source);
   return files;
 }
 
