@@ -355,6 +355,19 @@ def test_a_file_that_another_one_names_is_an_input(folder: Path, command: list[s
     assert ((folder / output).read_bytes() if (folder / output).exists() else None) == before
 
 
+@pytest.mark.parametrize("option", ["--console-input -", "--console-input live", "--device-input d=-"])
+def test_standard_input_may_be_a_file_that_is_no_output(folder: Path, option: str) -> None:
+    for name, text in (("talks.asm", TALKS), ("b.toml", WITH_CONSOLE), ("typed", "hello")):
+        (folder / name).write_text(text)
+    command = ["exec", "talks.asm", "--board", "b.toml", *option.split(), "--trace"]
+    for output, status in (("typed", 2), ("new", 0)):
+        with (folder / "typed").open() as typed:
+            ended = emulator(folder, *command, output, stdin=typed, timeout=60)
+        assert ended.returncode == status, ended.stderr
+        assert (folder / "typed").read_text() == "hello"
+    assert (folder / "new").exists()
+
+
 @pytest.mark.parametrize("first", ["one", "target"])
 def test_two_links_to_a_file_that_is_not_there_are_one_output(folder: Path, first: str) -> None:
     (folder / "one").symlink_to("target")
