@@ -74,6 +74,19 @@ def test_an_output_that_is_an_input_is_refused(
     assert contents(folder) == before
 
 
+@pytest.mark.parametrize("command", [["sweep", "own_grid.toml", "--csv"], ["limits", "--config", "own.toml", "--json"]])
+def test_what_a_program_includes_is_an_input(
+    command: list[str], folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("outside.inc").write_text("")
+    dsp = Path("programs/dsp.asm")
+    dsp.write_text('        .include "../outside.inc"\n' + dsp.read_text())
+    Path("own.toml").write_text('[run]\nduration_s = 0.021\n[machine]\nprograms = "programs"\n')
+    Path("own_grid.toml").write_text('[fixed]\nconfig = "own.toml"\n[axes]\ndsps = [1]\n')
+    assert main([*command, "outside.inc"]) == 2
+    assert "another name is expected" in capsys.readouterr().err
+
+
 def test_no_output_lies_in_the_folder_of_the_programs(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     Path("own.toml").write_text('[run]\nduration_s = 0.021\n[machine]\nprograms = "programs"\n')
     for command in (["limits", "--config", "own.toml", "--dsps-grid", "1", "--json"], ["page", "own.toml", "--out"]):
