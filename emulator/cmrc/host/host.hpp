@@ -178,7 +178,7 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   void landing_decided(bool again) override;
   void landing_again() override { processes_.landing_again(); }
   void ask_again(const Task& lost) override;
-  void stop_work(const Task& lost) override;
+  bool stop_work(const Task& lost) override;
   void resume_work(const Task& lost) override;
   void stop_servo(bool stopped) override {
     torque_.stopped = pid_.stopped = stopped, torque_.waits = pid_.waits = false;
@@ -216,6 +216,8 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   /// \param on servoing is on; ticks without servoing are not counted
   void refresh_servo(Servo& servo, bool on);
   void load_servo(Servo& servo);
+  /// The task with this program; null: another program.
+  Servo* servo_of(Word kind) { return kind == pid_.task.kind ? &pid_ : kind == torque_.task.kind ? &torque_ : nullptr; }
   void drop_tick(Servo& servo);
   /// The task is released at nominal ticks: servoing is on. If an error has stopped it, its ticks are dropped.
   bool released(const Servo& servo) const;

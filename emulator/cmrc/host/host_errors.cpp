@@ -35,21 +35,21 @@ void Host::landing_decided(bool again) {
 }
 
 void Host::ask_again(const Task& lost) {
-  if (lost.kind == words_.program(JobKind::torque_compensation) || lost.kind == words_.program(JobKind::pid))
-    (lost.kind == words_.program(JobKind::pid) ? pid_ : torque_).waits = false;
+  if (Servo* servo = servo_of(lost.kind))
+    servo->waits = false;
   else if (user_tasks_.owns(lost))
     user_tasks_.ended(lost);
   else
     processes_.dropped(lost);
 }
 
-void Host::stop_work(const Task& lost) {
+bool Host::stop_work(const Task& lost) {
   std::string what;
-  if (lost.kind == words_.program(JobKind::torque_compensation) || lost.kind == words_.program(JobKind::pid)) {
-    Servo& servo = lost.kind == words_.program(JobKind::pid) ? pid_ : torque_;
-    servo.stopped = true, servo.waits = false;
-    what = fmt::format("sub-process {} ({}); the drives brake", servo.subprocess,
-                       config_.processes.find_subprocess(servo.subprocess)->name);
+  Servo* const servo = servo_of(lost.kind);
+  if (servo != nullptr) {
+    servo->stopped = true, servo->waits = false;
+    what = fmt::format("sub-process {} ({}); the drives brake", servo->subprocess,
+                       config_.processes.find_subprocess(servo->subprocess)->name);
   } else if (user_tasks_.owns(lost)) {
     user_tasks_.stop(lost);
     what = "the task";
@@ -59,11 +59,12 @@ void Host::stop_work(const Task& lost) {
   listener_.failure({now_, std::nullopt, "stopped",
                      fmt::format("a block of kind {} was given up {} times in a row; stopped: {}",
                                  ledger_.name(job_kind(lost.kind, words_)), drops_[{lost.kind, lost.robot}], what)});
+  return servo != nullptr;
 }
 
 void Host::resume_work(const Task& lost) {
   drops_.erase({lost.kind, lost.robot});
-  if (lost.kind == words_.program(JobKind::torque_compensation) || lost.kind == words_.program(JobKind::pid))
+  if (servo_of(lost.kind) != nullptr)
     stop_servo(false);
   else if (user_tasks_.owns(lost))
     user_tasks_.resume(lost);

@@ -116,7 +116,10 @@ void Errors::decided(const Task& block, Word result, Time now, HostServices& ser
 // No DSP has decided: the drives' time-out brakes.
 void Errors::undecided(const Task& block, Time) {
   const ErrorEntry& entry = entries_.at(block.error - 1);
-  if (entry.origin == ErrorOrigin::block) return hands_.stop_work(entry.lost);
+  if (entry.origin == ErrorOrigin::block) {
+    hands_.stop_work(entry.lost);
+    return;
+  }
   if (entry.origin == ErrorOrigin::landing) return hands_.landing_decided(false);
   hands_.stop_servo(true);
   hands_.hold_crane(true);
@@ -132,9 +135,7 @@ void Errors::carry_out(ErrorEntry& entry, Time now, HostServices& services) {
   switch (entry.response) {
     case Response::stop:
       if (entry.origin == ErrorOrigin::block) {
-        hands_.stop_work(entry.lost);
-        if (entry.lost.kind == words_.program(JobKind::torque_compensation) ||
-            entry.lost.kind == words_.program(JobKind::pid)) {
+        if (hands_.stop_work(entry.lost)) {
           servo_stopped_ = true;
           hands_.hold_crane(true);
           go_to_rate(0, 0);
