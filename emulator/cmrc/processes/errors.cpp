@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cmrc/tasks/importance.hpp"
+#include "state/visitor.hpp"
 
 namespace cmrc {
 namespace {
@@ -257,6 +258,21 @@ void Errors::clear(Time now, HostServices& services) {
   drives_changed_ = true;
   go_on_at_.reset();
   go_to_rate(1, config_.go_on_s);
+}
+
+void Errors::list_state(state::Visitor& list) {
+  list("entries", entries_);
+  list("path", path_);
+  list("wanted", wanted_);
+  list("drives", drives_);
+  list("drives_changed", drives_changed_);
+  list("known", known_);
+  list("sensor", sensor_);
+  list("sway_after", sway_after_);
+  list("late_after", late_after_);
+  list("servo_stopped", servo_stopped_);
+  list("timeouts", timeouts_);
+  list("go_on_at", go_on_at_);
 }
 
 }  // namespace cmrc

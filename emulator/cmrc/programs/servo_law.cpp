@@ -7,6 +7,7 @@
 
 #include "cmrc/tasks/ti_float.hpp"
 #include "plant/numerics/math.hpp"
+#include "state/visitor.hpp"
 
 namespace cmrc {
 namespace {
@@ -249,6 +250,15 @@ void ControlBlock::refresh(HostServices& services) {
   services.write(words_.cr_base + words_.cr_control, ++generation_);
   services.control(generation_, changed);
   seen_ = false;
+}
+
+void ControlBlock::list_state(state::Visitor& list) {
+  list("now", now_);
+  list("wanted", wanted_);
+  list("generation", generation_);
+  list("rests", rests_);
+  list("seen", seen_);
+  if (list.loads()) compare();
 }
 
 }  // namespace cmrc
