@@ -5,7 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "cmrc/run/setup.hpp"
+#include "cmrc/configuration/nominal_dock.hpp"
+#include "cmrc/configuration/nominal_machine.hpp"
 #include "plant/dock/sensors.hpp"
 
 namespace cmrc {

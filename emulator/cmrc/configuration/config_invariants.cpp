@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "cmrc/configuration/machine_topology.hpp"
-#include "cmrc/programs/servo_law.hpp"
+#include "cmrc/configuration/servo_law.hpp"
 #include "cmrc/tasks/task_list.hpp"
 #include "machine/dsps/slot_links.hpp"
 #include "machine/networks/net.hpp"

@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "cmrc/measures/milestone.hpp"
+#include "cmrc/tasks/milestone.hpp"
 #include "cmrc/tasks/task_list.hpp"
 #include "cmrc/tasks/words.hpp"
 #include "report/event.hpp"

@@ -1,4 +1,5 @@
-// Makes the report from the parts of a run.
+#include "cmrc/run/make_report.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -6,7 +7,6 @@
 #include "c40/chip/chip.hpp"
 #include "cmrc/measures/error_log.hpp"
 #include "cmrc/measures/measures.hpp"
-#include "cmrc/run/setup.hpp"
 #include "plant/numerics/math.hpp"
 #include "report/event.hpp"
 

@@ -1,4 +1,4 @@
-#include "cmrc/tasks/user_tasks.hpp"
+#include "cmrc/processes/user_tasks.hpp"
 
 #include "state/visitor.hpp"
 
