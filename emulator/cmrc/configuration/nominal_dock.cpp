@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "plant/parameters/basics.hpp"
 #include "plant/parameters/check.hpp"
 #include "plant/parameters/layout_file.hpp"
 
@@ -39,6 +41,10 @@ void stack_more(plant::Layout& layout) {
 }
 
 }  // namespace
+
+double drive_delay_latches(const Config& config) {
+  return config.dock.drive_delay_us / std::chrono::duration<double, std::micro>(plant::latch_period).count();
+}
 
 plant::DockConfig nominal_dock_of(const Config& config) {
   const int agvs = static_cast<int>(config.dock.agvs);
@@ -71,7 +77,7 @@ plant::DockConfig nominal_dock_of(const Config& config) {
   dock.wind.direction = config.dock.wind_direction_deg * std::numbers::pi / 180.0;
   dock.wind.seed = dock.sensors.seed;
   dock.drive_timeout = config.dock.drive_timeout_ms * 1e-3;
-  dock.drive_delay = static_cast<int>(std::lround(config.dock.drive_delay_us / 125));
+  dock.drive_delay = static_cast<int>(std::lround(drive_delay_latches(config)));
   dock.signal_decimation = static_cast<int>(config.report.signal_decimation);
   dock.signal_rows_max = static_cast<int>(config.report.signal_rows_max);
   return dock;
