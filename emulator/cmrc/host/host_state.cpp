@@ -4,15 +4,6 @@
 
 namespace cmrc {
 
-void Host::Servo::list_state(state::Visitor& list) {
-  list("next", next);
-  list("out", out);
-  list("block", block);
-  list("last_t", last_t);
-  list("stopped", stopped);
-  list("waits", waits);
-}
-
 void Host::list_state(state::Visitor& list) {
   // The keys that may change during a run.
   for (const Key& key : keys()) {
@@ -28,8 +19,7 @@ void Host::list_state(state::Visitor& list) {
   list("errors", errors_);
   list("control", control_);
   list("cycles", cycles_);
-  list("torque", torque_);
-  list("pid", pid_);
+  servo_.list_state(list);
   list("servoing_from", servoing_from_);
   list("first_refresh", first_refresh_);
   list("step", step_);
