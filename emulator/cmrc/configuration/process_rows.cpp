@@ -1,4 +1,4 @@
-#include "cmrc/processes/process_rows.hpp"
+#include "cmrc/configuration/process_rows.hpp"
 
 #include <fmt/format.h>
 
