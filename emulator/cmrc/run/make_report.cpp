@@ -8,6 +8,7 @@
 #include "cmrc/measures/error_log.hpp"
 #include "cmrc/measures/measures.hpp"
 #include "cmrc/run/setup.hpp"
+#include "machine/networks/net.hpp"
 #include "plant/numerics/math.hpp"
 #include "report/event.hpp"
 
