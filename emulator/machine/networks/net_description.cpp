@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "io/nearest.hpp"
+#include "isa/ascii.hpp"
 
 namespace machine {
 
@@ -15,25 +16,12 @@ using c40::Pin;
 
 namespace {
 
-std::string_view trimmed(std::string_view text) {
-  while (text.starts_with(' ')) text.remove_prefix(1);
-  while (text.ends_with(' ')) text.remove_suffix(1);
-  return text;
-}
-
-std::vector<std::string_view> split(std::string_view text, char at) {
-  std::vector<std::string_view> parts;
-  for (std::size_t from = 0;;) {
-    const std::size_t to = text.find(at, from);
-    parts.push_back(trimmed(text.substr(from, to - from)));
-    if (to == std::string_view::npos) return parts;
-    from = to + 1;
-  }
-}
+constexpr std::string_view blank = " ";
 
 std::vector<ChipPin> parse_pins(std::string_view text, char between, const std::vector<std::string>& chips) {
   std::vector<ChipPin> pins;
-  for (const std::string_view one : split(text, between)) pins.push_back(parse_pin(one, chips));
+  for (const std::string_view one : ascii::split(text, between))
+    pins.push_back(parse_pin(ascii::trimmed(one, blank), chips));
   return pins;
 }
 
@@ -67,14 +55,14 @@ NetDescription parse_net(std::string_view text, const std::vector<std::string>& 
   NetDescription net;
   std::string_view rest = text;
   if (const std::size_t colon = rest.find(':'); colon != std::string_view::npos) {
-    net.name = trimmed(rest.substr(0, colon));
+    net.name = ascii::trimmed(rest.substr(0, colon), blank);
     rest.remove_prefix(colon + 1);
   }
   const std::size_t arrow = rest.find('>');
   if (arrow == std::string_view::npos || rest.find('>', arrow + 1) != std::string_view::npos)
     throw std::invalid_argument(
         fmt::format("\"{}\" is not a net; DRIVER>RECEIVER is expected, as 0.TCLK0>1.IIOF1", text));
-  const std::string_view from = trimmed(rest.substr(0, arrow));
+  const std::string_view from = ascii::trimmed(rest.substr(0, arrow), blank);
   net.open_drain = from.find('&') != std::string_view::npos;
   if (!from.empty()) net.drivers = parse_pins(from, net.open_drain ? '&' : '+', chips);
   net.receivers = parse_pins(rest.substr(arrow + 1), '+', chips);
@@ -121,11 +109,11 @@ void check(const std::vector<NetDescription>& nets, std::size_t chips) {
 
 std::vector<NetDescription> parse_slot_nets(std::string_view text, std::size_t slots) {
   std::vector<NetDescription> nets;
-  if (trimmed(text).empty()) return nets;
+  if (ascii::trimmed(text, blank).empty()) return nets;
   std::vector<std::string> names;
   for (std::size_t slot = 0; slot < slots; ++slot) names.push_back(fmt::format("{}", slot));
-  for (const std::string_view one : split(text, ',')) {
-    nets.push_back(parse_net(one, names));
+  for (const std::string_view one : ascii::split(text, ',')) {
+    nets.push_back(parse_net(ascii::trimmed(one, blank), names));
     if (nets.back().name.empty()) nets.back().name = fmt::format("{}", nets.size() - 1);
   }
   check_slot_nets(nets, slots);
