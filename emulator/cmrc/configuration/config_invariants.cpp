@@ -15,7 +15,7 @@
 #include "cmrc/configuration/servo_law.hpp"
 #include "cmrc/tasks/task_list.hpp"
 #include "machine/dsps/slot_links.hpp"
-#include "machine/networks/net.hpp"
+#include "machine/networks/net_description.hpp"
 #include "plant/scene/wind.hpp"
 
 namespace cmrc {
