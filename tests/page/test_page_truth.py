@@ -174,30 +174,31 @@ def test_a_link_shows_the_same_in_a_page_that_is_open_already(
 ) -> None:
     jobs, pid = run[1].jobs, last_runs(run[1], "pid")
     name = next(f"pid:0:{jobs['number'][i]}" for i in pid if jobs["missed"][i])
-    links = [
-        "#t=0.1&from=0.09&to=0.11",
-        "#t=0.2",
-        f"#miss={name}",
-        "",
-        "#from=0.1&to=0.2",
-        "#miss=pid:0:999999",
-    ]
+    nothing: list[Any] = [None, False, ""]
+    shows: dict[str, list[Any]] = {
+        "#t=0.1&from=0.09&to=0.11": [0.1, 0.09, 0.11, *nothing],
+        "#t=0.2": [0.2, 0, 0.4, *nothing],
+        "": [0, 0, 0.4, *nothing],
+        "#from=0.1&to=0.2": [0, 0.1, 0.2, *nothing],
+    }
+    stretch, *_ = shows
+    miss, unknown = f"#miss={name}", "#miss=pid:0:999999"
 
     def shown(tab: Tab) -> list[Any]:
         seen = [tab.state("now"), tab.state("from"), tab.state("to"), tab.page.evaluate("page.missName()")]
         return [*seen, tab.page.locator("#miss").is_visible(), tab.page.locator("#note").inner_text()]
 
-    fresh = {}
-    for link in links:
+    other.load(run[0], stretch)
+    assert shown(other) == shows[stretch]
+    for link in (miss, unknown):
         other.load(run[0], link)
-        fresh[link] = shown(other)
-    assert fresh["#t=0.2"][:4] == [0.2, 0, 0.4, None] and fresh[f"#miss={name}"][3] == name
-    assert "pid:0:999999" in fresh["#miss=pid:0:999999"][5] and not fresh[f"#miss={name}"][5]
+        shows[link] = shown(other)
+    assert shows[miss][3:] == [name, True, ""] and "pid:0:999999" in shows[unknown][5]
     before = list(tab.problems)
-    for link in [*links, links[2], links[5], links[0], links[1], links[0]]:
+    for link in [*shows, miss, unknown, stretch, "#t=0.2", stretch]:
         tab.page.evaluate("link => { location.hash = link; }", link)
         tab.settle()
-        assert shown(tab) == fresh[link], link
+        assert shown(tab) == shows[link], link
     # Back, to places whose address the page has rewritten in the meantime.
     tab.page.evaluate("page.state.choose(-1); page.state.whole(); page.state.seek(0.25)")
     tab.wait_until("location.hash === '#t=0.25'")
