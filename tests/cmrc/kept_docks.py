@@ -17,7 +17,8 @@ from typing import Any
 import dock_checks
 import random_docks
 from digests import digest
-from random_docks import Dock, Generator, files_of_users
+from files_of_docks import files_of_users
+from random_docks import Dock, Generator
 
 FILE = Path(__file__).parent / "data" / "kept_docks.json"
 PLACES = ("machine.programs", "machine.board", "dock.layout")  # kept from the folder of files_of_users on

@@ -7,6 +7,7 @@ import cmrc
 import numpy as np
 import pytest
 from cmrc import _core
+from low_rates import LOW_RATES
 
 core = _core.cmrc
 
@@ -15,8 +16,8 @@ def test_joints_turn_as_fast_as_the_refusal_says(tmp_path: Path) -> None:
     """With drives that trip earlier the way is refused; with the usual ones it is driven."""
     file = tmp_path / "layout.toml"
     file.write_text("[[containers]]\nx_m = -12.7\ny_m = 24.0\n", encoding="utf-8")
-    settings = {"dock.layout": str(file), "report.reference": "none"}
-    result = cmrc.run(dsps=4, duration_s=75.0, settings=settings)
+    settings = {**LOW_RATES, "dock.layout": str(file)}
+    result = cmrc.run(duration_s=75.0, settings=settings)
     assert result.report["failures"] == []
     drives = core.dock_of(core.config()).crane.drives
     for joint, signal, number in (("slew", "psi", 1), ("rotate", "kappa", 4)):

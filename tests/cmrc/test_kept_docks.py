@@ -8,7 +8,7 @@ from pathlib import Path
 
 import kept_docks
 import pytest
-import random_docks
+from files_of_docks import files_of_users
 
 DOCKS = kept_docks.kept()
 PER_FILE = 12
@@ -16,7 +16,7 @@ PER_FILE = 12
 
 @pytest.fixture(scope="module")
 def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return random_docks.files_of_users(tmp_path_factory.mktemp("programs"))
+    return files_of_users(tmp_path_factory.mktemp("programs"))
 
 
 @pytest.mark.golden

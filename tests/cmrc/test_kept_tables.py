@@ -61,18 +61,21 @@ def test_a_table_is_as_it_is_kept(golden: Callable[[str, str], None], name: str)
     golden(name, MADE[name]())
 
 
-NUMBERS = [key for key in core.config_keys() if key["type"] in ("integer", "number")]
-
-
-@pytest.mark.parametrize("key", NUMBERS, ids=lambda key: str(key["name"]))
-def test_a_number_beyond_an_end_of_its_range_is_refused(key: dict[str, Any]) -> None:
-    whole = key["type"] == "integer"
-    for end, step in ((key["minimum"], -1), (key["maximum"], 1)):
-        if abs(end) == float("inf"):
-            continue
-        beyond = int(end) + step if whole else end + step * max(1e-9, abs(end) * 1e-9)
-        with pytest.raises(ValueError, match=r"out of range"):
-            core.config(settings={key["name"]: beyond})
+def test_a_number_beyond_an_end_of_its_range_is_refused() -> None:
+    numbers = [key for key in core.config_keys() if key["type"] in ("integer", "number")]
+    assert len(numbers) > 400
+    for key in numbers:
+        name, whole = key["name"], key["type"] == "integer"
+        for end, step in ((key["minimum"], -1), (key["maximum"], 1)):
+            if abs(end) == float("inf"):
+                continue
+            beyond = int(end) + step if whole else end + step * max(1e-9, abs(end) * 1e-9)
+            said = "it is taken"
+            try:
+                core.config(settings={name: beyond})
+            except ValueError as error:
+                said = str(error)
+            assert name in said and "out of range" in said, (name, beyond, said)
 
 
 REACHED = [

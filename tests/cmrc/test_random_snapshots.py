@@ -17,6 +17,7 @@ import dock_checks
 import pytest
 import random_docks
 from cmrc import _core
+from files_of_docks import files_of_users
 from locations import BUILD
 from random_docks import Dock, Generator
 
@@ -27,7 +28,7 @@ Report = dict[str, Any]
 
 @pytest.fixture(scope="module")
 def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return random_docks.files_of_users(tmp_path_factory.mktemp("programs"))
+    return files_of_users(tmp_path_factory.mktemp("programs"))
 
 
 def outcome(simulation: Any) -> Report:

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 from cmrc import _core
-from random_docks import Dock, files_of_users
+from files_of_docks import files_of_users
+from random_docks import Dock
 
 EVENTS = (
     {"at_s": 0.000875, "action": "freeze", "dsp": 7},

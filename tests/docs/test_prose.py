@@ -8,7 +8,7 @@ import io
 import re
 import subprocess
 import tokenize
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import pytest
@@ -72,24 +72,27 @@ def one_word(line: str) -> bool:
     return not re.search(r"\S\s", re.sub(r"!?\[[^\]]*\]\([^)]*\)|`[^`]*`", "x", line.strip()))
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
-def test_lines_have_a_width(page: Path) -> None:
-    text = page.read_text(encoding="utf-8")
-    wide = [
-        f"{page.name}:{n}: {len(line)} columns" for n, line in prose(text) if len(line) > WIDTH and not one_word(line)
+def test_lines_have_a_width() -> None:
+    assert not [
+        f"{page.relative_to(ROOT)}:{n}: {len(line)} columns"
+        for page in PAGES
+        for n, line in prose(page.read_text(encoding="utf-8"))
+        if len(line) > WIDTH and not one_word(line)
     ]
-    assert not wide
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
-def test_words_are_the_usual_ones(page: Path) -> None:
-    text = page.read_text(encoding="utf-8")
-    found = [
-        f"{page.name}:{text.count(chr(10), 0, match.start()) + 1}: {match[0]!r}; write: {instead}"
+def unusual(files: Iterable[Path]) -> list[str]:
+    return [
+        f"{file.relative_to(ROOT)}:{text.count(chr(10), 0, match.start()) + 1}: {match[0]!r}; write: {instead}"
+        for file in files
+        for text in [file.read_text(encoding="utf-8")]
         for pattern, instead in PLAIN.items()
         for match in re.finditer(pattern, text, re.IGNORECASE)
     ]
-    assert not found
+
+
+def test_words_are_the_usual_ones() -> None:
+    assert not unusual(PAGES)
 
 
 def sources() -> list[Path]:
@@ -155,23 +158,17 @@ def prose_lines(text: str) -> set[int]:
 
 
 def test_words_of_python_are_the_usual_ones() -> None:
-    files = [file for file in python_files() if file != Path(__file__)]
-    assert not [
-        f"{file.relative_to(ROOT)}:{text.count(chr(10), 0, match.start()) + 1}: {match[0]!r}; write: {instead}"
-        for file in files
-        for text in [file.read_text(encoding="utf-8")]
-        for pattern, instead in PLAIN.items()
-        for match in re.finditer(pattern, text, re.IGNORECASE)
-    ]
+    assert not unusual(file for file in python_files() if file != Path(__file__))
 
 
-@pytest.mark.parametrize("file", python_files(), ids=lambda file: str(file.relative_to(ROOT)))
-def test_comments_and_docstrings_have_a_width(file: Path) -> None:
-    text = file.read_text(encoding="utf-8")
-    lines = text.split("\n")
-    assert not [
-        f"{file.name}:{n}: {len(lines[n - 1])} columns" for n in sorted(prose_lines(text)) if len(lines[n - 1]) > WIDTH
-    ]
+def test_comments_and_docstrings_have_a_width() -> None:
+    found = []
+    for file in python_files():
+        text = file.read_text(encoding="utf-8")
+        wide = {n: len(line) for n, line in enumerate(text.split("\n"), 1) if len(line) > WIDTH}
+        if wide:
+            found += [f"{file.relative_to(ROOT)}:{n}: {wide[n]} columns" for n in sorted(prose_lines(text) & set(wide))]
+    assert not found
 
 
 def test_what_is_prose_in_python() -> None:

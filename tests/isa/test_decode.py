@@ -33,9 +33,12 @@ def test_there_are_596_verified_encodings() -> None:
     assert len(ENCODINGS) == 596
 
 
-@pytest.mark.parametrize(("address", "word", "text"), ENCODINGS, ids=[f"{a:03x}" for a, _, _ in ENCODINGS])
-def test_words_of_the_gnu_tools_disassemble_to_their_source(address: int, word: int, text: str) -> None:
-    assert normal_form(isa.disassemble(word, address)) == normal_form(text)
+def test_words_of_the_gnu_tools_disassemble_to_their_source() -> None:
+    assert not {
+        f"{address:03x}: {word:08x}": (ours, text)
+        for address, word, text in ENCODINGS
+        if normal_form(ours := isa.disassemble(word, address)) != normal_form(text)
+    }
 
 
 @pytest.mark.parametrize(

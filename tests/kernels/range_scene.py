@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -20,12 +21,18 @@ class Disc:
     vy: float = 0.0
 
 
-@dataclass
+@dataclass(frozen=True)
 class Wall:
     ax: float
     ay: float
     bx: float
     by: float
+
+    @cached_property
+    def points(self) -> np.ndarray:
+        """Points of the wall, at most 0.1 m apart, as discs without a radius."""
+        n = max(2, int(math.hypot(self.bx - self.ax, self.by - self.ay) / 0.1))
+        return np.linspace((self.ax, self.ay, 0.0), (self.bx, self.by, 0.0), n + 1)
 
 
 @dataclass
@@ -72,11 +79,8 @@ class Scene:
     def clearance(self, x: float, y: float, heading: float, length: float = 14.8, width: float = 3.0) -> float:
         """Distance of the vehicle's rectangle from the nearest disc or wall's end; negative inside."""
         c, s = math.cos(heading), math.sin(heading)
-        points = [np.array([[d.x, d.y, d.radius] for d in self.discs]).reshape(-1, 3)]
-        for w in self.walls:
-            n = max(2, int(math.hypot(w.bx - w.ax, w.by - w.ay) / 0.1))
-            points.append(np.linspace((w.ax, w.ay, 0.0), (w.bx, w.by, 0.0), n + 1))
-        px, py, r = np.concatenate(points).T
+        discs = np.array([[d.x, d.y, d.radius] for d in self.discs]).reshape(-1, 3)
+        px, py, r = np.concatenate([discs, *(wall.points for wall in self.walls)]).T
         u, v = c * (px - x) + s * (py - y), c * (py - y) - s * (px - x)
         ox, oy = np.abs(u) - length / 2, np.abs(v) - width / 2
         outside = np.hypot(np.maximum(ox, 0), np.maximum(oy, 0))

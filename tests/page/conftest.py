@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browser import SOFTWARE, Tab, chromium, driver, opened
+from browser import SCREEN, SOFTWARE, Tab, chromium, driver, opened
 from cmrc.page import Recording
 from page_runs import BUSY, HOSTILE, KILLED, recorded
 
@@ -36,10 +36,25 @@ def shared(browser: Any, run: tuple[Path, Recording]) -> Iterator[Tab]:
 
 @pytest.fixture
 def tab(shared: Tab) -> Tab:
-    """The page as it was opened."""
+    """The page of ``run`` as it was opened. A test leaves what this does not put back as it has found it."""
+    shared.page.set_viewport_size(SCREEN)
     shared.page.evaluate(
         "page.state.choose(-1); page.state.play(false); page.state.setSpeed(1); page.state.whole(); page.state.seek(0)"
     )
     shared.page.mouse.move(2, 2)
     shared.settle()
     return shared
+
+
+@pytest.fixture(scope="module")
+def empty(browser: Any) -> Iterator[Tab]:
+    tab = Tab(browser)
+    yield tab
+    tab.context.close()
+
+
+@pytest.fixture
+def other(empty: Tab) -> Tab:
+    """A tab that loads pages, one after another."""
+    empty.page.set_viewport_size(SCREEN)
+    return empty

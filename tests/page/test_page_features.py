@@ -1,4 +1,4 @@
-"""What the page shows besides lanes and misses: the dock's parts, plots, legend, colours, touch."""
+"""What the page shows besides lanes and misses: the dock's parts, plots, legend, colours."""
 
 import re
 from pathlib import Path
@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import Tab, opened
+from browser import Tab
 from cmrc.page import Recording
 from page_runs import recorded
 
@@ -53,16 +53,16 @@ def test_each_layer_of_the_dock_is_drawn_and_can_be_left_out(tab: Tab, option: s
     layer(tab, option, key)
 
 
-def test_the_planned_path_is_drawn_from_its_first_point_on(browser: Any, tmp_path: Path) -> None:
+def test_the_planned_path_is_drawn_from_its_first_point_on(other: Tab, tmp_path: Path) -> None:
     path = tmp_path / "path.html"
     _, recording = recorded({"machine.dsps": 2, "duration_s": 6.0, "report.reference": "none"}, [], path)
     planned = recording.signals["planned_x_m"]
     first = int(np.flatnonzero(~np.isnan(planned))[0])
     assert 0 < first < 10 and planned[first] == pytest.approx(recording.signals["payload_x_m"][0], abs=0.01)
     assert np.isnan(recording.signals["agv0_planned_x_m"]).all()  # the vehicle does not move
-    with opened(browser, path) as tab:
-        tab.page.evaluate("page.state.seek(4); page.dock.turn(1.3, 0.2, 0.6)")  # at first it is looked along
-        layer(tab, "path", "l")
+    other.load(path)
+    other.page.evaluate("page.state.seek(4); page.dock.turn(1.3, 0.2, 0.6)")  # at first it is looked along
+    layer(other, "path", "l")
 
 
 def test_the_ghost_and_the_load_stand_where_the_recording_has_them(tab: Tab, run: tuple[Path, Recording]) -> None:
@@ -78,36 +78,36 @@ def test_the_ghost_and_the_load_stand_where_the_recording_has_them(tab: Tab, run
         assert ghost[i] == pytest.approx(load[i] + signals[f"ghost_{axis}_m"][row], abs=1e-3)
 
 
-def test_the_load_leans_as_it_is_tilted(browser: Any, run: tuple[Path, Recording]) -> None:
-    with opened(browser, run[0]) as tab:
-        tab.page.evaluate("page.state.seek(0.2)")
-        shoot(tab, "level")
-        tab.page.evaluate("page.recording.signals.get('payload_up_x').fill(0.17)")
-        shoot(tab, "tilted")
-        up = tab.page.evaluate(
-            "(({x, y, z, w}) => [2 * (x * z + w * y), 2 * (y * z - w * x)])(page.dock.crane.load.quaternion)"
-        )
-        assert up[0] == pytest.approx(0.17, abs=1e-3) and dots_that_differ(tab, "level", "tilted") > 20
+def test_the_load_leans_as_it_is_tilted(tab: Tab) -> None:
+    tab.page.evaluate("page.state.seek(0.2)")
+    shoot(tab, "level")
+    tab.page.evaluate("window.up = page.recording.signals.get('payload_up_x'); window.kept = up.slice(); up.fill(0.17)")
+    shoot(tab, "tilted")
+    up = tab.page.evaluate(
+        "(({x, y, z, w}) => [2 * (x * z + w * y), 2 * (y * z - w * x)])(page.dock.crane.load.quaternion)"
+    )
+    tab.page.evaluate("window.up.set(window.kept)")
+    assert up[0] == pytest.approx(0.17, abs=1e-3) and dots_that_differ(tab, "level", "tilted") > 20
 
 
-def test_a_ship_that_moves_is_seen_to_move(browser: Any, tmp_path: Path) -> None:
+def test_a_ship_that_moves_is_seen_to_move(other: Tab, tmp_path: Path) -> None:
     path = tmp_path / "ship.html"
     _, recording = recorded(
         {"machine.dsps": 1, "duration_s": 0.3, "dock.ship_motion": 5.0, "report.reference": "none"}, [], path
     )
-    with opened(browser, path) as tab:
-        places = []
-        for time in (0.0, 0.3):
-            tab.page.evaluate("t => page.state.seek(t)", time)
-            shoot(tab, str(time))
-            places.append(tab.page.evaluate("(({x, y, z}) => [x, y, z])(page.dock.ground.ship.position)"))
-        moved = [recording.signals[f"ship_{axis}_m"] for axis in "xyz"]
-        for i, column in enumerate(moved):
-            assert places[1][i] - places[0][i] == pytest.approx(column[-1] - column[0], abs=1e-3)
-        assert dots_that_differ(tab, "0.0", "0.3") > 20
-        # Without an ideal run there is neither its ghost nor an error, and the page says so.
-        assert tab.page.evaluate("page.dock.ghost.visible") is False and tab.page.locator(".u-wrap").count() == 1
-        assert "ideal run" not in tab.page.locator("#facts").inner_text() and tab.problems == []
+    other.load(path)
+    places = []
+    for time in (0.0, 0.3):
+        other.page.evaluate("t => page.state.seek(t)", time)
+        shoot(other, str(time))
+        places.append(other.page.evaluate("(({x, y, z}) => [x, y, z])(page.dock.ground.ship.position)"))
+    moved = [recording.signals[f"ship_{axis}_m"] for axis in "xyz"]
+    for i, column in enumerate(moved):
+        assert places[1][i] - places[0][i] == pytest.approx(column[-1] - column[0], abs=1e-3)
+    assert dots_that_differ(other, "0.0", "0.3") > 20
+    # Without an ideal run there is neither its ghost nor an error, and the page says so.
+    assert other.page.evaluate("page.dock.ghost.visible") is False and other.page.locator(".u-wrap").count() == 1
+    assert "ideal run" not in other.page.locator("#facts").inner_text() and other.problems == []
 
 
 def test_deadlines_that_were_met_are_shown_one_by_one(tab: Tab, run: tuple[Path, Recording]) -> None:
@@ -186,60 +186,31 @@ def test_speeds_go_from_a_thousandth_to_a_hundred(tab: Tab) -> None:
     tab.page.evaluate("page.state.play(false)")
 
 
-def test_two_fingers_zoom_the_lanes(browser: Any, run: tuple[Path, Recording]) -> None:
-    with opened(browser, run[0], viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True) as tab:
-        x, y = tab.lane("DSP 1", 0.2)
-        session = tab.context.new_cdp_session(tab.page)
-
-        def touch(kind: str, *places: float) -> None:
-            points = [{"x": at, "y": y, "id": n} for n, at in enumerate(places)]
-            session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
-
-        touch("touchStart", x - 20)
-        touch("touchStart", x - 20, x + 20)
-        for by in (30, 45, 60, 80):
-            touch("touchMove", x - by, x + by)
-        touch("touchEnd")
-        tab.settle()
-        width = tab.state("to") - tab.state("from")
-        assert 0.05 < width < 0.2 and tab.state("from") < 0.2 < tab.state("to")
+def test_a_projector_shows_it_all_at_once(tab: Tab) -> None:
+    tab.resize(1920, 1080)
+    bottoms = [top + height for _, top, _, height in map(tab.place, ("#dock", "#bar", "#time"))]
+    assert bottoms == sorted(bottoms) and bottoms[-1] <= 1081
+    assert tab.place("#dock")[3] >= 300
+    assert tab.page.evaluate("document.documentElement.scrollWidth") == 1920
+    assert tab.page.evaluate("(e => e.scrollHeight - e.clientHeight)(document.getElementById('time'))") <= 1
 
 
-def test_a_projector_shows_it_all_at_once(browser: Any, run: tuple[Path, Recording]) -> None:
-    with opened(browser, run[0], viewport={"width": 1920, "height": 1080}) as tab:
-        bottoms = [top + height for _, top, _, height in map(tab.place, ("#dock", "#bar", "#time"))]
-        assert bottoms == sorted(bottoms) and bottoms[-1] <= 1081
-        assert tab.place("#dock")[3] >= 300
-        assert tab.page.evaluate("document.documentElement.scrollWidth") == 1920
-        assert tab.page.evaluate("(e => e.scrollHeight - e.clientHeight)(document.getElementById('time'))") <= 1
-
-
-def test_a_name_without_end_from_right_to_left_leaves_the_page_whole(browser: Any, tmp_path: Path) -> None:
+def test_a_name_without_end_from_right_to_left_leaves_the_page_whole(other: Tab, tmp_path: Path) -> None:
     path = tmp_path / "long.html"
     title = "\u202eמנוף \u2066عربة " + "אבג" * 400 + '<img src=x onerror="alert(1)">' + "x" * 4000
     recorded({"machine.dsps": 1, "duration_s": 0.05, "report.reference": "none"}, [], path, title)
-    for size in ({"width": 1280, "height": 800}, {"width": 390, "height": 844}):
-        with opened(browser, path, viewport=size) as tab:
-            assert tab.problems == [] and tab.asked == [path.as_uri()]
-            assert tab.page.evaluate("document.documentElement.scrollWidth") == size["width"]
-            for selector in ("#keys", "#picture", "#play", "#facts"):
-                left, _, width, height = tab.place(selector)
-                assert left >= 0 and left + width <= size["width"] + 1 and height > 10, selector
-            assert "4 deadlines missed" in tab.page.locator("#facts").inner_text()
-            assert tab.place("#facts")[2] > 150 and tab.place("#next")[3] < 40
-            for shown in (tab.page.locator("#title").inner_text(), tab.page.title()):
-                assert "\u202e" not in shown and "\u2066" not in shown and "מנוף" in shown and "<img" in shown
-
-
-def test_a_reader_who_wants_little_motion_sees_steps(browser: Any, run: tuple[Path, Recording]) -> None:
-    with opened(browser, run[0], reduced_motion="reduce") as tab:
-        tab.page.evaluate("page.state.setSpeed(0.1); page.state.play(true)")
-        places = tab.page.evaluate(
-            "[0.2, 0.2, 0.2, 0.2, 0.2].map(s => { page.state.advance(s); return page.state.now; })"
-        )
-        tab.page.evaluate("page.state.play(false)")
-        assert len(set(places)) < 5  # it does not glide
-        assert places[-1] > 0
+    other.load(path)
+    assert other.asked == [path.as_uri()]
+    for wide, high in ((1280, 800), (390, 844)):
+        other.resize(wide, high)
+        assert other.problems == [] and other.page.evaluate("document.documentElement.scrollWidth") == wide
+        for selector in ("#keys", "#picture", "#play", "#facts"):
+            left, _, width, height = other.place(selector)
+            assert left >= 0 and left + width <= wide + 1 and height > 10, selector
+        assert "4 deadlines missed" in other.page.locator("#facts").inner_text()
+        assert other.place("#facts")[2] > 150 and other.place("#next")[3] < 40
+        for shown in (other.page.locator("#title").inner_text(), other.page.title()):
+            assert "\u202e" not in shown and "\u2066" not in shown and "מנוף" in shown and "<img" in shown
 
 
 def test_the_picture_becomes_coarser_where_frames_are_slow(tab: Tab) -> None:
@@ -257,20 +228,20 @@ def test_the_picture_becomes_coarser_where_frames_are_slow(tab: Tab) -> None:
     assert scales == [pytest.approx(0.35), 1]
 
 
-def test_webgl_that_is_taken_away_comes_back(browser: Any, run: tuple[Path, Recording]) -> None:
-    with opened(browser, run[0]) as tab:
-        shoot(tab, "before")
-        tab.page.evaluate(
-            "window.lost = page.dock.renderer.getContext().getExtension('WEBGL_lose_context'); lost.loseContext()"
-        )
-        tab.wait_until("!document.getElementById('wait').hidden")
-        tab.page.mouse.click(*tab.lane("DSP 0", 0.2))
-        assert tab.state("now") == pytest.approx(0.2, abs=0.002)
-        tab.page.evaluate("page.state.seek(0); lost.restoreContext()")
-        tab.wait_until("document.getElementById('wait').hidden")
-        tab.settle(5)
-        shoot(tab, "after")
-        assert dots_that_differ(tab, "before", "after") < 200
+def test_webgl_that_is_taken_away_comes_back(other: Tab, run: tuple[Path, Recording]) -> None:
+    other.load(run[0])
+    shoot(other, "before")
+    other.page.evaluate(
+        "window.lost = page.dock.renderer.getContext().getExtension('WEBGL_lose_context'); lost.loseContext()"
+    )
+    other.wait_until("!document.getElementById('wait').hidden")
+    other.page.mouse.click(*other.lane("DSP 0", 0.2))
+    assert other.state("now") == pytest.approx(0.2, abs=0.002)
+    other.page.evaluate("page.state.seek(0); lost.restoreContext()")
+    other.wait_until("document.getElementById('wait').hidden")
+    other.settle(5)
+    shoot(other, "after")
+    assert dots_that_differ(other, "before", "after") < 200
 
 
 # Machado, Oliveira and Fernandes (2009), severity 1: what linear RGB looks like without L, M or S cones.

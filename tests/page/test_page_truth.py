@@ -9,7 +9,7 @@ from typing import Any
 import cmrc
 import numpy as np
 import pytest
-from browser import Tab, opened
+from browser import Tab
 from cmrc.page import Recording
 from page_runs import BUSY, recorded
 
@@ -75,32 +75,32 @@ def test_the_end_of_a_job_is_seen_however_far_its_deadline_is(tab: Tab, run: tup
         assert f"job {jobs['number'][i]}" in tab.hint() and "in time" in tab.hint()
 
 
-def test_met_is_said_of_deadlines_that_were_met_only(browser: Any, tmp_path: Path) -> None:
+def test_met_is_said_of_deadlines_that_were_met_only(other: Tab, tmp_path: Path) -> None:
     settings = {**BUSY, "machine.dsps": 6, "scheduling.agv_phase": "staggered", "duration_s": 0.2}
     _, recording = recorded(settings, [], tmp_path / "end.html")
     jobs, outcomes = recording.jobs, ["met", "late", "unfinished", "never started", "lost", "dropped"]
     told: Counter[str] = Counter()
-    with opened(browser, tmp_path / "end.html") as tab:
-        for kind in recording.header["kinds"]:
-            rows = last_runs(recording, kind)
-            at = {i: float(jobs["deadline_s"][i]) for i in rows}
-            if not rows or any(np.isnan(time) for time in at.values()):
+    other.load(tmp_path / "end.html")
+    for kind in recording.header["kinds"]:
+        rows = last_runs(recording, kind)
+        at = {i: float(jobs["deadline_s"][i]) for i in rows}
+        if not rows or any(np.isnan(time) for time in at.values()):
+            continue
+        for time, reach in ((0.1999, 0.00773), (0.1003, 0.0377)):
+            near = [i for i in rows if abs(at[i] - time) <= 2 * reach]
+            if len(near) < 3 or any(jobs["missed"][i] and abs(at[i] - time) <= 3 * reach for i in rows):
                 continue
-            for time, reach in ((0.1999, 0.00773), (0.1003, 0.0377)):
-                near = [i for i in rows if abs(at[i] - time) <= 2 * reach]
-                if len(near) < 3 or any(jobs["missed"][i] and abs(at[i] - time) <= 3 * reach for i in rows):
-                    continue
-                name, said = tab.page.evaluate(
-                    "([name, time, reach]) => page.lanes.rows.find(row => row.name === name).explain(time, reach)",
-                    [kind.replace("_", " "), time, reach],
-                )
-                counts = Counter(outcomes[jobs["outcome"][i]] for i in near)
-                told += counts
-                if set(counts) == {"met"}:
-                    assert said == f"{len(near)} deadlines under the pointer, all met"
-                    continue
-                assert name == kind and "all met" not in said and said.startswith(f"{len(near)} jobs")
-                assert all(f"{count} {what}" in said for what, count in counts.items()), (kind, said, counts)
+            name, said = other.page.evaluate(
+                "([name, time, reach]) => page.lanes.rows.find(row => row.name === name).explain(time, reach)",
+                [kind.replace("_", " "), time, reach],
+            )
+            counts = Counter(outcomes[jobs["outcome"][i]] for i in near)
+            told += counts
+            if set(counts) == {"met"}:
+                assert said == f"{len(near)} deadlines under the pointer, all met"
+                continue
+            assert name == kind and "all met" not in said and said.startswith(f"{len(near)} jobs")
+            assert all(f"{count} {what}" in said for what, count in counts.items()), (kind, said, counts)
     assert set(told) == {"met", "unfinished"}
 
 
@@ -119,22 +119,26 @@ def test_the_end_of_a_job_that_met_no_deadline_has_a_mark_of_its_own(tab: Tab, r
     tab.page.keyboard.press("?")
 
 
-def test_the_band_of_met_deadlines_can_be_seen(browser: Any, run: tuple[Path, Recording]) -> None:
+def test_the_band_of_met_deadlines_can_be_seen(tab: Tab) -> None:
     """At least 3 : 1 on its ground (WCAG 2.2, 1.4.11)."""
 
     def luminance(colour: Any) -> float:
         part = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in np.array(colour) / 255]
         return float(np.dot(part, [0.2126, 0.7152, 0.0722]))
 
-    for theme in ("light", "dark"):
-        with opened(browser, run[0], color_scheme=theme) as tab:
-            colours = pixels(tab, "torque compensation", 0.1, 0, 80, 3).reshape(-1, 3)
-            text = tab.page.evaluate("page.theme.panel")
-            ground = tuple(int(text[i : i + 2], 16) for i in (1, 3, 5))
-            on, seen = luminance(ground), Counter(map(tuple, colours.tolist()))
-            [(band, _)] = Counter({one: n for one, n in seen.items() if one not in (ground, VERMILLION)}).most_common(1)
-            low, high = sorted((on, luminance(band)))
-            assert (high + 0.05) / (low + 0.05) >= 3, (theme, band)
+    themes = set()
+    for _ in range(2):
+        tab.page.keyboard.press("d")
+        tab.settle()
+        themes.add(theme := tab.page.evaluate("document.documentElement.dataset.theme"))
+        colours = pixels(tab, "torque compensation", 0.1, 0, 80, 3).reshape(-1, 3)
+        text = tab.page.evaluate("page.theme.panel")
+        ground = tuple(int(text[i : i + 2], 16) for i in (1, 3, 5))
+        on, seen = luminance(ground), Counter(map(tuple, colours.tolist()))
+        [(band, _)] = Counter({one: n for one, n in seen.items() if one not in (ground, VERMILLION)}).most_common(1)
+        low, high = sorted((on, luminance(band)))
+        assert (high + 0.05) / (low + 0.05) >= 3, (theme, band)
+    assert themes == {"light", "dark"}
 
 
 def test_at_the_end_of_the_run_the_view_zooms_into_the_end(tab: Tab) -> None:
@@ -165,59 +169,63 @@ def test_a_view_that_touches_an_end_is_that_end(tab: Tab, length: float) -> None
     assert len(ends) == 18 and all(ends), ends
 
 
-def test_a_link_shows_the_same_in_a_page_that_is_open_already(browser: Any, run: tuple[Path, Recording]) -> None:
+def test_a_link_shows_the_same_in_a_page_that_is_open_already(
+    tab: Tab, other: Tab, run: tuple[Path, Recording]
+) -> None:
     jobs, pid = run[1].jobs, last_runs(run[1], "pid")
     name = next(f"pid:0:{jobs['number'][i]}" for i in pid if jobs["missed"][i])
-    links = [
-        "#t=0.1&from=0.09&to=0.11",
-        "#t=0.2",
-        f"#miss={name}",
-        "#t=0.3",
-        "",
-        "#from=0.1&to=0.2",
-        "#miss=pid:0:999999",
-    ]
+    nothing: list[Any] = [None, False, ""]
+    shows: dict[str, list[Any]] = {
+        "#t=0.1&from=0.09&to=0.11": [0.1, 0.09, 0.11, *nothing],
+        "#t=0.2": [0.2, 0, 0.4, *nothing],
+        "": [0, 0, 0.4, *nothing],
+        "#from=0.1&to=0.2": [0, 0.1, 0.2, *nothing],
+    }
+    stretch, *_ = shows
+    miss, unknown = f"#miss={name}", "#miss=pid:0:999999"
 
     def shown(tab: Tab) -> list[Any]:
         seen = [tab.state("now"), tab.state("from"), tab.state("to"), tab.page.evaluate("page.missName()")]
         return [*seen, tab.page.locator("#miss").is_visible(), tab.page.locator("#note").inner_text()]
 
-    fresh = {}
-    for link in links:
-        with opened(browser, run[0], link) as tab:
-            fresh[link] = shown(tab)
-    assert fresh["#t=0.2"][:4] == [0.2, 0, 0.4, None] and fresh[f"#miss={name}"][3] == name
-    assert "pid:0:999999" in fresh["#miss=pid:0:999999"][5] and not fresh[f"#miss={name}"][5]
-    with opened(browser, run[0], links[0]) as tab:
-        for link in [*links, links[2], links[6], links[0], links[1], links[0]]:
-            tab.page.evaluate("link => { location.hash = link; }", link)
-            tab.settle()
-            assert shown(tab) == fresh[link], link
-        # Back, to places whose address the page has rewritten in the meantime.
-        tab.page.evaluate("page.state.choose(-1); page.state.whole(); page.state.seek(0.25)")
-        tab.wait_until("location.hash === '#t=0.25'")
-        tab.page.evaluate("location.hash = '#t=0.31'")
+    other.load(run[0], stretch)
+    assert shown(other) == shows[stretch]
+    for link in (miss, unknown):
+        other.load(run[0], link)
+        shows[link] = shown(other)
+    assert shows[miss][3:] == [name, True, ""] and "pid:0:999999" in shows[unknown][5]
+    before = list(tab.problems)
+    for link in [*shows, miss, unknown, stretch, "#t=0.2", stretch]:
+        tab.page.evaluate("link => { location.hash = link; }", link)
         tab.settle()
-        tab.page.go_back()
-        tab.settle()
-        assert tab.state("now") == 0.25
-        tab.page.keyboard.press("Escape")
-        assert tab.page.locator("#note").is_hidden() and tab.problems == []
+        assert shown(tab) == shows[link], link
+    # Back, to places whose address the page has rewritten in the meantime.
+    tab.page.evaluate("page.state.choose(-1); page.state.whole(); page.state.seek(0.25)")
+    tab.wait_until("location.hash === '#t=0.25'")
+    tab.page.evaluate("location.hash = '#t=0.31'")
+    tab.settle()
+    tab.page.go_back()
+    tab.settle()
+    assert tab.state("now") == 0.25
+    tab.page.keyboard.press("Escape")
+    assert tab.page.locator("#note").is_hidden() and tab.problems == before
 
 
-def test_e_goes_to_the_next_event_of_whatever_kind(browser: Any, run: tuple[Path, Recording]) -> None:
-    with opened(browser, run[0]) as tab:
-        tab.page.evaluate(
-            """for (const at of [0.05, 0.3]) page.moments.push({ at, what: "a dot", bad: false, scripted: false });
-               page.moments.sort((a, b) => a.at - b.at)"""
-        )
-        times = sorted({round(time, 9) for time in tab.page.evaluate("page.moments.map(moment => moment.at)")})
-        assert len(times) >= 3
-        visited = []
-        for _ in times:
-            tab.page.keyboard.press("e")
-            visited.append(round(tab.state("now"), 9))
-        assert visited == times
+def test_e_goes_to_the_next_event_of_whatever_kind(tab: Tab) -> None:
+    tab.page.evaluate(
+        """for (const at of [0.05, 0.3]) page.moments.push({ at, what: "a dot", bad: false, scripted: false });
+           page.moments.sort((a, b) => a.at - b.at)"""
+    )
+    times = sorted({round(time, 9) for time in tab.page.evaluate("page.moments.map(moment => moment.at)")})
+    assert len(times) >= 3
+    visited = []
+    for _ in times:
+        tab.page.keyboard.press("e")
+        visited.append(round(tab.state("now"), 9))
+    tab.page.evaluate(
+        "page.moments.splice(0, page.moments.length, ...page.moments.filter(moment => moment.what !== 'a dot'))"
+    )
+    assert visited == times
 
 
 def test_each_miss_is_reached_though_the_panel_is_closed_between(tab: Tab) -> None:
@@ -234,19 +242,19 @@ def test_each_miss_is_reached_though_the_panel_is_closed_between(tab: Tab) -> No
     assert tab.page.evaluate("page.missName()") == names[10]
 
 
-def test_a_run_that_ended_early_says_so_and_of_what_time_its_numbers_are(browser: Any, tmp_path: Path) -> None:
+def test_a_run_that_ended_early_says_so_and_of_what_time_its_numbers_are(other: Tab, tmp_path: Path) -> None:
     settings = {**BUSY, "machine.dsps": 1, "run.after_stop_s": 0.1, "duration_s": 1.5}
     _, recording = recorded(settings, [{"at_s": 0.05, "action": "fail", "dsp": 0}], tmp_path / "early.html")
     report = recording.report
     assert report["stop_reason"] == "no_dsp_left"
-    with opened(browser, tmp_path / "early.html") as tab:
-        facts = tab.page.locator("#facts").inner_text()
-        assert facts.startswith(f"ended at {report['simulated_s']:.6g} s of 1.5 s: no DSP was left")
-        begin, end = report["errors"]["window_s"]
-        assert (f"from {begin:g} s to {end:g} s" in facts) == (end > recording.header["to_s"])
+    other.load(tmp_path / "early.html")
+    facts = other.page.locator("#facts").inner_text()
+    assert facts.startswith(f"ended at {report['simulated_s']:.6g} s of 1.5 s: no DSP was left")
+    begin, end = report["errors"]["window_s"]
+    assert (f"from {begin:g} s to {end:g} s" in facts) == (end > recording.header["to_s"])
 
 
-def test_a_page_from_a_snapshot_on_says_how_many_of_the_misses_it_has(browser: Any, tmp_path: Path) -> None:
+def test_a_page_from_a_snapshot_on_says_how_many_of_the_misses_it_has(other: Tab, tmp_path: Path) -> None:
     first = cmrc.Simulation(settings=BUSY)
     first.run_until(0.2)
     rest = cmrc.Simulation.resume(first.snapshot())
@@ -257,45 +265,45 @@ def test_a_page_from_a_snapshot_on_says_how_many_of_the_misses_it_has(browser: A
     whole = sum(task["misses"] for task in recording.report["tasks"].values())
     shown = sum(int(recording.jobs["missed"][i]) for i in recording.last_runs())
     assert 0 < shown < whole
-    with opened(browser, tmp_path / "rest.html") as tab:
-        facts = tab.page.locator("#facts").inner_text()
-        assert facts.startswith(f"{whole} deadlines missed, {shown} of them on this page")
-        assert "from 0.02 s to 0.4 s" in facts
+    other.load(tmp_path / "rest.html")
+    facts = other.page.locator("#facts").inner_text()
+    assert facts.startswith(f"{whole} deadlines missed, {shown} of them on this page")
+    assert "from 0.02 s to 0.4 s" in facts
 
 
-def test_names_and_scales_can_be_read_on_a_narrow_screen(browser: Any, run: tuple[Path, Recording]) -> None:
+def test_names_and_scales_can_be_read_on_a_narrow_screen(tab: Tab) -> None:
     for width in (320, 400, 1280):
-        with opened(browser, run[0], viewport={"width": width, "height": 850}) as tab:
-            names = tab.page.evaluate(
-                """() => { const { lanes } = page, context = lanes.canvas.getContext("2d");
-                  context.font = "11.5px system-ui, sans-serif";
-                  return lanes.rows.map(row => lanes.nameOf(context, row, lanes.left - 12)); }"""
-            )
-            assert len(set(names)) == len(names)
-            assert [bool(re.search(r"[AB] to \d+ %$", name)) for name in names[-2:]] == [True, True]
-            whole = tab.page.evaluate("page.lanes.rows.map(row => row.name)")
-            cut = next((i for i, name in enumerate(names) if "…" in name), None)
-            assert (cut is None) == (width == 1280)
-            if cut is not None:  # the whole name is there on demand
-                x, y = tab.lane(whole[cut], 0.0)
-                tab.page.mouse.move(x - 30, y)
-                assert tab.hint() == whole[cut]
-            labels = tab.page.evaluate("page.plots.plots.map(one => one.plot.axes[1]._splits)")
-            assert len(labels) == 2 and all(len(of) >= 2 for of in labels), labels
-            left, top, wide, high = tab.place("#clock")
-            for button in ("#nearer", "#farther", "#whole", "#play"):
-                x, y, w, h = tab.place(button)
-                assert x >= left + wide or x + w <= left or y >= top + high or y + h <= top, (width, button)
+        tab.resize(width, 850)
+        names = tab.page.evaluate(
+            """() => { const { lanes } = page, context = lanes.canvas.getContext("2d");
+              context.font = "11.5px system-ui, sans-serif";
+              return lanes.rows.map(row => lanes.nameOf(context, row, lanes.left - 12)); }"""
+        )
+        assert len(set(names)) == len(names)
+        assert [bool(re.search(r"[AB] to \d+ %$", name)) for name in names[-2:]] == [True, True]
+        whole = tab.page.evaluate("page.lanes.rows.map(row => row.name)")
+        cut = next((i for i, name in enumerate(names) if "…" in name), None)
+        assert (cut is None) == (width == 1280)
+        if cut is not None:  # the whole name is there on demand
+            x, y = tab.lane(whole[cut], 0.0)
+            tab.page.mouse.move(x - 30, y)
+            assert tab.hint() == whole[cut]
+        labels = tab.page.evaluate("page.plots.plots.map(one => one.plot.axes[1]._splits)")
+        assert len(labels) == 2 and all(len(of) >= 2 for of in labels), labels
+        left, top, wide, high = tab.place("#clock")
+        for button in ("#nearer", "#farther", "#whole", "#play"):
+            x, y, w, h = tab.place(button)
+            assert x >= left + wide or x + w <= left or y >= top + high or y + h <= top, (width, button)
 
 
 @pytest.mark.parametrize("length", ["0.04", "0.25"])
-def test_clock_and_head_have_the_digits_that_their_numbers_need(browser: Any, tmp_path: Path, length: str) -> None:
+def test_clock_and_head_have_the_digits_that_their_numbers_need(other: Tab, tmp_path: Path, length: str) -> None:
     _, recording = recorded({"machine.dsps": 4, "duration_s": float(length)}, [], tmp_path / "short.html")
     rms = recording.report["errors"]["load_m"]["rms"]
     assert 0 < rms < 1e-3
-    with opened(browser, tmp_path / "short.html") as tab:
-        assert tab.page.locator("#clock").inner_text().endswith(f" of {length} s")
-        assert f"load {float(f'{rms * 1e6:.3g}'):g} µm RMS" in tab.page.locator("#facts").inner_text()
+    other.load(tmp_path / "short.html")
+    assert other.page.locator("#clock").inner_text().endswith(f" of {length} s")
+    assert f"load {float(f'{rms * 1e6:.3g}'):g} µm RMS" in other.page.locator("#facts").inner_text()
 
 
 def test_the_picture_names_its_plots(tab: Tab, tmp_path: Path) -> None:
@@ -379,10 +387,11 @@ def test_without_javascript_the_page_says_what_is_missing(browser: Any, run: tup
         context.close()
 
 
-def test_bars_of_a_chain_are_seen_in_forced_colours(browser: Any, run: tuple[Path, Recording]) -> None:
-    with opened(browser, run[0], forced_colors="active") as tab:
-        tab.page.keyboard.press("n")
-        colours = tab.page.evaluate(
-            "[...document.querySelectorAll('#miss .part:not(.sum) .bar')].map(bar => getComputedStyle(bar).backgroundColor)"
-        )
-        assert colours and set(colours) <= {"rgb(213, 94, 0)", "rgb(86, 180, 233)"}
+def test_bars_of_a_chain_are_seen_in_forced_colours(tab: Tab) -> None:
+    tab.page.emulate_media(forced_colors="active")
+    tab.page.keyboard.press("n")
+    colours = tab.page.evaluate(
+        "[...document.querySelectorAll('#miss .part:not(.sum) .bar')].map(bar => getComputedStyle(bar).backgroundColor)"
+    )
+    tab.page.emulate_media(forced_colors="none")
+    assert colours and set(colours) <= {"rgb(213, 94, 0)", "rgb(86, 180, 233)"}

@@ -277,7 +277,7 @@ def test_a_vehicle_does_not_collide_with_what_is_set_on_it(height):
     config.crane.sway_damping = 0.4
     config.layout.containers = [plant.ContainerPlace(22, 13, 0, 0, 8e3)]
     dock = plant.Dock(config)
-    crane = Crane(dock)
+    crane = Crane(dock, period_ms=10)
     crane.hold(0.3)
     crane.move(crane.pose(22, 13, 2.51), 3.0)
     crane.hold(0.8)
@@ -318,7 +318,7 @@ def test_the_locks_do_not_open_over_what_a_vehicle_carries():
     config.layout.containers = [plant.ContainerPlace(22, y, z, 0, 8e3) for y, z in ((8, 1.6), (13, 0))]
     config.home = plant.CranePose(0.0, 22.0, 8.0, 4.191 + 0.3, 0.0)
     dock = plant.Dock(config)
-    crane = Crane(dock)
+    crane = Crane(dock, period_ms=10)
     crane.hold(0.2)
     crane.move(crane.pose(22.0, 8.0, 4.191 - 0.08), 3.0)
     crane.hold(0.5)
@@ -350,7 +350,7 @@ def test_a_load_that_tips_over_an_edge_comes_to_rest_on_the_ground():
     config.layout.containers = [plant.ContainerPlace(18, -6, 0, 0, 8e3), plant.ContainerPlace(26, -12, 0, 0, 8e3)]
     config.home = plant.CranePose(0, 18, -6, 2.591 + 0.25, 0)
     dock = plant.Dock(config)
-    crane = Crane(dock)
+    crane = Crane(dock, period_ms=10)
     crane.hold(0.5)
     crane.move(crane.pose(18, -6, 2.511), 3.0)
     crane.hold(0.8)

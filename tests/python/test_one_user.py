@@ -1,5 +1,6 @@
 """A Simulation is used by one thread at a time; from inside a callback it may be read, and nothing else."""
 
+import functools
 import threading
 from collections.abc import Callable
 from typing import Any
@@ -33,6 +34,7 @@ CHANGES: dict[str, Callable[[cmrc.Simulation], Any]] = {
 ALL = {**READS, **CHANGES}
 
 
+@functools.cache
 def plain_hash() -> str:
     return cmrc.run(**SHORT).hash
 

@@ -5,12 +5,19 @@ from __future__ import annotations
 
 import dataclasses
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import pytest
 from cmrc.results import __main__ as command
-from cmrc.results import cost, dsps, ends, failures, fleet, hotplug, importance, judgement, learning, page
+from cmrc.results import cost, ends, judgement, page
+from cmrc.results.claim import Claim
+from cmrc.results.cost import Cost
+from cmrc.results.dsps import Dsps
+from cmrc.results.failures import Failures
+from cmrc.results.fleet import Fleet
+from cmrc.results.hotplug import Hotplug
+from cmrc.results.importance import Importance
+from cmrc.results.learning import Learning
 from cmrc.results.runs import Laboratory, Run
 from locations import ROOT
 
@@ -18,9 +25,9 @@ Rows = list[dict[str, Any]]
 
 
 @pytest.mark.parametrize("claim", command.CLAIMS, ids=lambda claim: claim.NAME)
-def test_every_experiment_runs_in_small(claim: ModuleType, tmp_path: Path) -> None:
+def test_every_experiment_runs_in_small(claim: type[Claim], tmp_path: Path) -> None:
     said: list[str] = []
-    section = command.examine(claim, claim.QUICK, Laboratory(jobs=1, progress=said.append), tmp_path, "results")
+    section = command.examine(claim.quick(), Laboratory(jobs=1, progress=said.append), tmp_path, "results")
     assert section.startswith(f"## {claim.NUMBER}. {claim.TITLE}\n\n**")
     assert "| " in section and f"--claim {claim.NUMBER}" in section
     assert "runs" in "".join(said)
@@ -51,7 +58,7 @@ def rate_rows(best: dict[int, float], grid: tuple[float, ...], **more: float) ->
 
 
 GRID = (1000.0, 2000.0, 4000.0, 8000.0)
-ADDING = dsps.Parameters(dsps=(1, 2, 4), rate_dsps=(1, 2, 4), servo_hz=GRID)
+ADDING = Dsps(dsps=(1, 2, 4), rate_dsps=(1, 2, 4), servo_hz=GRID)
 
 
 @pytest.mark.parametrize(
@@ -65,13 +72,13 @@ ADDING = dsps.Parameters(dsps=(1, 2, 4), rate_dsps=(1, 2, 4), servo_hz=GRID)
     ],
 )
 def test_adding_dsps(missed: dict[int, float], word: str) -> None:
-    assert dsps.verdict(ADDING, load_rows(missed) + rate_rows({1: 2000, 2: 4000, 4: 4000}, GRID)).word == word
+    assert ADDING.verdict(load_rows(missed) + rate_rows({1: 2000, 2: 4000, 4: 4000}, GRID)).word == word
 
 
 def test_a_plateau_and_what_ends_it_are_reported() -> None:
-    p = dsps.Parameters(dsps=(1, 3, 4, 5))
+    p = Dsps(dsps=(1, 3, 4, 5))
     rows = load_rows({1: 98.0, 3: 68.5, 4: 68.5, 5: 0.0}) + load_rows({1: 98.0, 3: 20.0, 4: 0.0, 5: 0.0}, "staggered")
-    judged = dsps.verdict(p, rows + load_rows({1: 98.0, 3: 68.5, 4: 0.0, 5: 0.0}, "together-cap", avoidance=25.0))
+    judged = p.verdict(rows + load_rows({1: 98.0, 3: 68.5, 4: 0.0, 5: 0.0}, "together-cap", avoidance=25.0))
     assert judged.word == "holds" and "none with 5 or more" in judged.why
     assert "4 (staggered)" in judged.why
     assert "4 (at most 3 at a time; 25 % of the avoidance blocks are late then)" in judged.why
@@ -90,7 +97,7 @@ def test_a_plateau_and_what_ends_it_are_reported() -> None:
 )
 def test_what_ends_the_gain_of_more_dsps_is_named(measured: dict[str, float], named: str) -> None:
     rows = load_rows({1: 9.0, 2: 0.0, 4: 0.0}) + rate_rows({1: 2000, 2: 4000, 4: 4000}, GRID, **measured)
-    limit = dsps.verdict(ADDING, rows).limit
+    limit = ADDING.verdict(rows).limit
     assert named in limit and "2 kHz with 1, 4 kHz with 2 DSPs" in limit
 
 
@@ -105,7 +112,7 @@ def test_what_waits_for_identify_is_never_left_out() -> None:
     for row in rows[:2]:
         row["behind_identify"] = 1  # up to 2 kHz it is all that one DSP misses
     assert ends.highest_rate(rows, 1) is None
-    limit = dsps.verdict(ADDING, load_rows({1: 9.0, 2: 0.0, 4: 0.0}) + rows).limit
+    limit = ADDING.verdict(load_rows({1: 9.0, 2: 0.0, 4: 0.0}) + rows).limit
     assert (
         "1 DSP misses some jobs at every f_p of the grid: up to 2 kHz those that wait for identify, and no other"
         in limit
@@ -143,13 +150,13 @@ def trial(dsps_left: int = 1, **more: Any) -> dict[str, Any]:
 
 
 def test_failures() -> None:
-    p = failures.Parameters()
-    assert failures.verdict(p, [trial()] * 5).word == "holds"
-    assert failures.verdict(p, [trial()] * 5 + [trial(lost=1)]).word == "fails"
-    assert failures.verdict(p, [trial()] * 5 + [trial(violations=1)]).word == "fails"
-    assert failures.verdict(p, [trial(recomputed=0)] * 5).word == "not tested"
+    p = Failures()
+    assert p.verdict([trial()] * 5).word == "holds"
+    assert p.verdict([trial()] * 5 + [trial(lost=1)]).word == "fails"
+    assert p.verdict([trial()] * 5 + [trial(violations=1)]).word == "fails"
+    assert p.verdict([trial(recomputed=0)] * 5).word == "not tested"
     # No demand on the only DSP, but its failure is reported.
-    alone = failures.verdict(p, [trial(), trial(0, stopped=True, braked=True, lost=1), trial(0)])
+    alone = p.verdict([trial(), trial(0, stopped=True, braked=True, lost=1), trial(0)])
     assert alone.word == "holds" and "1 ended the work, and 1 of these left the crane braked" in alone.limit
 
 
@@ -166,13 +173,13 @@ def plug(before: float, after: float, claims: int = 9, n: int = 1, **more: Any) 
 
 
 def test_hotplug() -> None:
-    p = hotplug.Parameters()
-    assert hotplug.verdict(p, [plug(50.0, 0.0)] * 3).word == "holds"
-    assert hotplug.verdict(p, [plug(50.0, 45.0)] * 3).word == "holds in part"
-    assert hotplug.verdict(p, [plug(50.0, 0.0), plug(50.0, 50.0, claims=0)]).word == "fails"
-    assert hotplug.verdict(p, [plug(50.0, 0.0), plug(50.0, 0.0, violations=1)]).word == "fails"
-    assert hotplug.verdict(p, [plug(0.0, 0.0)]).word == "not tested"
-    assert "Where 4 DSPs already do" in hotplug.verdict(p, [plug(50.0, 0.0), plug(0.0, 0.0, claims=0, n=4)]).limit
+    p = Hotplug()
+    assert p.verdict([plug(50.0, 0.0)] * 3).word == "holds"
+    assert p.verdict([plug(50.0, 45.0)] * 3).word == "holds in part"
+    assert p.verdict([plug(50.0, 0.0), plug(50.0, 50.0, claims=0)]).word == "fails"
+    assert p.verdict([plug(50.0, 0.0), plug(50.0, 0.0, violations=1)]).word == "fails"
+    assert p.verdict([plug(0.0, 0.0)]).word == "not tested"
+    assert "Where 4 DSPs already do" in p.verdict([plug(50.0, 0.0), plug(0.0, 0.0, claims=0, n=4)]).limit
 
 
 def gap(ratio: int, servo: float, planning: float = 0.0, equation: str = "restored") -> dict[str, Any]:
@@ -205,7 +212,7 @@ def starving(a: int, agv: float, servo_hz: float = 5000) -> dict[str, Any]:
     ],
 )
 def test_importance(rows: Rows, word: str) -> None:
-    assert importance.verdict(importance.Parameters(crowded_hz=(5000,)), rows).word == word
+    assert Importance(crowded_hz=(5000.0,)).verdict(rows).word == word
 
 
 def cycles(rule: str, t_w: list[float], t_v: float = 0.0, T_g: tuple[float, ...] = (100.0,)) -> Rows:
@@ -239,12 +246,12 @@ LONG = [60.0] * 8
     ],
 )
 def test_learning(rows: Rows, word: str) -> None:
-    assert learning.verdict(learning.Parameters(last=3), rows).word == word
+    assert Learning(last=3).verdict(rows).word == word
 
 
 def test_learning_by_one_is_reported() -> None:
     rows = cycles("off", LONG) + cycles("proportional", [60, 60, 40, 20, 3, 1, 0, 0]) + cycles("unit", [58.0] * 8)
-    assert "Changing N̂_a by 1 per cycle, as printed, leaves 58 s" in learning.verdict(learning.Parameters(), rows).limit
+    assert "Changing N̂_a by 1 per cycle, as printed, leaves 58 s" in Learning().verdict(rows).limit
 
 
 def box(agvs: int, t_v: float | None, t_w: float = 0.0) -> dict[str, Any]:
@@ -262,7 +269,7 @@ def box(agvs: int, t_v: float | None, t_w: float = 0.0) -> dict[str, Any]:
     ],
 )
 def test_fleet(rows: Rows, word: str) -> None:
-    assert fleet.verdict(fleet.Parameters(), rows).word == word
+    assert Fleet().verdict(rows).word == word
 
 
 def lost(family: str, share: float, gap: float, path: float, f_t: float = 0.0, lag: float = 0.0) -> dict[str, Any]:
@@ -292,7 +299,7 @@ def lost(family: str, share: float, gap: float, path: float, f_t: float = 0.0, l
     ],
 )
 def test_cost(rows: Rows, word: str) -> None:
-    assert cost.verdict(cost.Parameters(), rows).word == word
+    assert Cost().verdict(rows).word == word
 
 
 def test_a_pause_of_the_host_loses_as_many_samples_as_it_says() -> None:
@@ -344,7 +351,7 @@ def test_help_explains_every_parameter(capsys: pytest.CaptureFixture[str]) -> No
         command.main(["--help"])
     judged = " ".join(capsys.readouterr().out.split())
     for claim in command.CLAIMS:
-        for one in dataclasses.fields(claim.Parameters):
+        for one in dataclasses.fields(claim):
             assert f"--{one.name.replace('_', '-')}" in judged and " ".join(one.metadata["help"].split()) in judged, (
                 claim.NAME,
                 one.name,
@@ -353,9 +360,9 @@ def test_help_explains_every_parameter(capsys: pytest.CaptureFixture[str]) -> No
 
 @pytest.mark.campaign
 @pytest.mark.parametrize("claim", command.CLAIMS, ids=lambda claim: claim.NAME)
-def test_the_page_says_what_its_command_prints(claim: ModuleType, tmp_path: Path) -> None:
+def test_the_page_says_what_its_command_prints(claim: type[Claim], tmp_path: Path) -> None:
     written = (ROOT / "docs" / "results.md").read_text(encoding="utf-8")
-    now = command.examine(claim, claim.Parameters(), Laboratory(jobs=2), tmp_path, "results")
+    now = command.examine(claim(), Laboratory(jobs=2), tmp_path, "results")
     first, last = page.marks(claim.NUMBER)
     assert written[written.index(first) + len(first) + 1 : written.index(last)].rstrip() == now.rstrip()
     [plot] = tmp_path.glob("*.svg")

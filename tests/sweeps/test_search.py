@@ -9,7 +9,7 @@ import pytest
 from cmrc.sweeps import GridError, SweepError, grid, sweep
 from cmrc.sweeps import search as function
 from cmrc.sweeps.metrics import spread
-from cmrc.sweeps.search import Trial, _Asked, _bisected, _check, _optimised
+from cmrc.sweeps.search import Trial, asked_of
 
 pytest.importorskip("optuna")
 FIXED = {"duration_s": 0.03, "report.reference": "none"}
@@ -38,9 +38,9 @@ class Formula:
 
 def bisected(of: Any, **table: Any) -> tuple[Any, Formula]:
     trier = Formula(of, {"search": {"bisect": "cycle_time_factor", "from": 1.0, "to": 4.0, "tolerance": 0.01, **table}})
-    asked = _Asked(trier.grid)
-    found = _bisected(trier, asked)  # type: ignore[arg-type]
-    _check(found, trier, asked)  # type: ignore[arg-type]
+    asked = asked_of(trier.grid)
+    found = asked.find(trier)  # type: ignore[arg-type]
+    asked.check(found, trier)  # type: ignore[arg-type]
     return found, trier
 
 
@@ -91,10 +91,10 @@ def test_the_answer_is_run_with_seeds_that_the_search_has_not_seen() -> None:
 
     trier = Formula(of, {"repeats": {"seeds": 3, "phases": True}, "search": {
         "bisect": "cycle_time_factor", "from": 1.0, "to": 4.0, "tolerance": 0.01, "check_seeds": 4}})  # fmt: skip
-    asked = _Asked(trier.grid)
-    found = _bisected(trier, asked)  # type: ignore[arg-type]
+    asked = asked_of(trier.grid)
+    found = asked.find(trier)  # type: ignore[arg-type]
     assert set(seen) == {1, 2, 3}
-    _check(found, trier, asked)  # type: ignore[arg-type]
+    asked.check(found, trier)  # type: ignore[arg-type]
     assert set(seen) == {1, 2, 3, 4, 5, 6, 7} and found.checked.n == 4
     assert found.check_passed is False and "DOES NOT PASS" in found.text()
 
@@ -109,7 +109,7 @@ def test_an_optimum_is_found_and_two_searches_make_the_same_runs() -> None:
     tries = []
     for _ in range(2):
         trier = Formula(of, table)
-        found = _optimised(trier, _Asked(trier.grid))  # type: ignore[arg-type]
+        found = asked_of(trier.grid).find(trier)  # type: ignore[arg-type]
         assert found.best["machine.idle_policy"] == "pause" and abs(found.best["machine.cycle_time_factor"] - 2.2) < 0.3
         assert all(len(batch) <= 5 for batch in trier.batches)
         tries.append(trier.batches)
@@ -191,4 +191,4 @@ def test_the_ends_may_be_of_numpy() -> None:
 
 def test_a_choice_that_is_given_twice_is_refused() -> None:
     with pytest.raises(GridError, match="1.0 is given twice"):
-        _Asked(grid.made({"search": {"space": {"dsps": [1, 1.0, 2]}}}))
+        asked_of(grid.made({"search": {"space": {"dsps": [1, 1.0, 2]}}}))

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from cmrc.sweeps import grid, metrics, store
-from cmrc.sweeps.search import _Asked
+from cmrc.sweeps.search import asked_of
 from locations import ROOT
 
 PAGE = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
@@ -19,7 +19,7 @@ def test_every_grid_of_the_page_is_one(text: str, tmp_path: Path) -> None:
     if made.search:
         if "space" in made.search:
             pytest.importorskip("optuna")
-        _Asked(made)
+        asked_of(made)
     else:
         if made.futures:
             assert len(list(made.points())) == 2 * 3 and made.fork_at_s == 0.5

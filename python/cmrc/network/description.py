@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
 
 from cmrc import _core, arguments
 from cmrc.devices import PINS, Attached, attached
 from cmrc.network.records import SharedMemory
 from cmrc.programs import Path, Program, assemble_file, read_coff
 
+Checked = TypeVar("Checked")
 NetworkError = _core.network.NetworkError
 NetworkError.__doc__ = (
     """Raised for an impossible network: a ValueError that names chip, port or link, and what would be right."""
@@ -23,6 +24,19 @@ def program(given: Program | Path) -> Program:
         return given
     arguments.path("programs", given, "a program, as cmrc.c40.assemble gives it, or the path of a source or COFF file")
     return assemble_file(given) if str(given).endswith((".asm", ".s", ".S")) else read_coff(given)
+
+
+def programs(given: Any, topology: str | None) -> list[Program]:
+    """The program of each chip: one for all chips of the topology, or one for each."""
+    alone = isinstance(given, (str, os.PathLike, Program))
+    each = [given] if alone else arguments.items("programs", given, "a program or a list of programs")
+    images = [program(one) for one in each]
+    if not images:
+        raise NetworkError("programs: there is none; a program, or one for each chip, is expected")
+    if topology is None:
+        return images
+    count = int(_core.network.chips_of(arguments.text("topology", topology, 'a topology ("ring:4")')))
+    return images * count if len(images) == 1 else images
 
 
 def address(program: Program, where: int | str | None) -> int | None:
@@ -110,9 +124,50 @@ def devices(given: object, count: int) -> list[list[Attached]]:
     return own
 
 
-def chips_of(topology: str) -> int:
-    """The number of chips of a topology."""
-    return int(_core.network.chips_of(topology))
+def each(name: str, given: object, right: str, checked: Callable[[str, Any], Checked]) -> list[Checked]:
+    """Each of a list in its checked form."""
+    return [checked(f"{name}[{n}]", one) for n, one in enumerate(arguments.items(name, given, right))]
+
+
+def net(name: str, given: object) -> str:
+    return arguments.text(name, given, 'a net as "0.TCLK0>1.IIOF1"')
+
+
+def chips(
+    images: list[Program], boards: object, clocks_mhz: object, names: object, until: int | str | None, boots: object
+) -> list[dict[str, Any]]:
+    """The chips, without their devices."""
+    count = len(images)
+    board = [
+        arguments.path("boards", one, '"default", "flat" or the path of a board file')
+        for one in each_chip(boards, count, "boards")
+    ]
+    clock = [
+        None if one is None else arguments.number("clocks_mhz", one, "a number of MHz")
+        for one in each_chip(clocks_mhz, count, "clocks_mhz")
+    ]
+    name = [
+        arguments.text("names", one, "the name of a chip") for one in arguments.items("names", names, "a list of names")
+    ] or [""] * count
+    booted = each(
+        "boots",
+        boots,
+        "a list of the numbers of chips",
+        lambda place, chip: arguments.whole(place, chip, f"the number of a chip, 0 to {count - 1},", 0, count - 1),
+    )
+    if len(name) != count:
+        raise NetworkError(f"{len(name)} names for {count} chips")
+    return [
+        {
+            "program": image,
+            "board": board[n],
+            "clock_mhz": clock[n],
+            "name": name[n],
+            "until": address(image, until),
+            "boot": n in booted,
+        }
+        for n, image in enumerate(images)
+    ]
 
 
 def each_chip(given: Any, count: int, what: str) -> list[Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import weakref
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, overload
@@ -12,7 +11,6 @@ from cmrc.chip_state import AccessesToNothing, ChipState
 from cmrc.debug import Debugger
 from cmrc.devices import Attached, Device, Front, OneRun, attached, copied, refuse_call_that_acts
 from cmrc.network import description
-from cmrc.network.description import NetworkError
 from cmrc.network.records import Event, Link, Net, NetworkStop, PeripheralEvent, SharedMemory, Traffic
 from cmrc.programs import Path, Program
 from cmrc.snapshots import ChipSnapshot
@@ -87,64 +85,13 @@ class Network(OneRun):
         record_words: bool = False,
         record_peripherals: bool = False,
     ) -> None:
-        given = (
-            [programs]
-            if isinstance(programs, (str, os.PathLike, Program))
-            else arguments.items("programs", programs, "a program or a list of programs")
-        )
-        images = [description.program(program) for program in given]
-        if not images:
-            raise NetworkError("programs: there is none; a program, or one for each chip, is expected")
-        count = len(images)
-        if topology is not None:
-            chips_of_it = description.chips_of(arguments.text("topology", topology, 'a topology ("ring:4")'))
-            count = chips_of_it if count == 1 else count
-        images = images * count if len(images) == 1 else images
-        if len(images) != count:
-            raise NetworkError(f"{len(images)} programs for {count} chips")
-        board = [
-            arguments.path("boards", each, '"default", "flat" or the path of a board file')
-            for each in description.each_chip(boards, count, "boards")
-        ]
-        clock = [
-            None if each is None else arguments.number("clocks_mhz", each, "a number of MHz")
-            for each in description.each_chip(clocks_mhz, count, "clocks_mhz")
-        ]
-        name = [
-            arguments.text("names", each, "the name of a chip")
-            for each in arguments.items("names", names, "a list of names")
-        ] or [""] * count
-        booted = [
-            arguments.whole(f"boots[{n}]", chip, f"the number of a chip, 0 to {count - 1},", 0, count - 1)
-            for n, chip in enumerate(arguments.items("boots", boots, "a list of the numbers of chips"))
-        ]
-        if len(name) != count:
-            raise NetworkError(f"{len(name)} names for {count} chips")
-        chips: list[dict[str, Any]] = [
-            {
-                "program": image,
-                "board": board[n],
-                "clock_mhz": clock[n],
-                "name": name[n],
-                "until": description.address(image, until),
-                "boot": n in booted,
-            }
-            for n, image in enumerate(images)
-        ]
-        wires = [
-            description.link(f"links[{n}]", link)
-            for n, link in enumerate(arguments.items("links", links, "a list of links"))
-        ]
-        shared = [
-            description.shared_memory(f"memories[{n}]", memory)
-            for n, memory in enumerate(arguments.items("memories", memories, "a list of SharedMemory"))
-        ]
-        joined = [
-            arguments.text(f"nets[{n}]", net, 'a net as "0.TCLK0>1.IIOF1"')
-            for n, net in enumerate(arguments.items("nets", nets, "a list of nets"))
-        ]
+        images = description.programs(programs, topology)
+        chips = description.chips(images, boards, clocks_mhz, names, until, boots)
+        wires = description.each("links", links, "a list of links", description.link)
+        shared = description.each("memories", memories, "a list of SharedMemory", description.shared_memory)
+        joined = description.each("nets", nets, "a list of nets", description.net)
         order = arguments.whole("turn_order", turn_order, "a seed", 0, 2**64 - 1)
-        own = description.devices(devices, count)
+        own = description.devices(devices, len(images))
 
         def make() -> tuple[Any, list[list[Attached]]]:
             nonlocal own

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from cmrc.results.judgement import SERVO, Row
+from cmrc.results.judgement import SERVO, Row, of
 from cmrc.results.runs import Report
 
 
@@ -24,15 +24,11 @@ def behind_identify(report: Report) -> int:
     return sum(waited(miss) for miss in missed.values())
 
 
-def of(all_rows: Sequence[Row], part: str, **label: object) -> list[Row]:
-    return [row for row in all_rows if row["part"] == part and all(row[key] == value for key, value in label.items())]
-
-
 def highest_rate(all_rows: Sequence[Row], dsps: int, but_identify: bool = False) -> float | None:
     """The largest f_p of the grid up to which every point passes without a miss; ``but_identify``: leaving out what
     waited for identify."""
     best = None
-    for row in sorted(of(all_rows, "rate", dsps=dsps), key=lambda row: float(row["servo_hz"])):
+    for row in sorted(of(all_rows, part="rate", dsps=dsps), key=lambda row: float(row["servo_hz"])):
         if row["misses"] - (row["behind_identify"] if but_identify else 0):
             break
         best = float(row["servo_hz"])
@@ -40,7 +36,7 @@ def highest_rate(all_rows: Sequence[Row], dsps: int, but_identify: bool = False)
 
 
 def first_failure(all_rows: Sequence[Row], dsps: int) -> Row | None:
-    failing = [row for row in of(all_rows, "rate", dsps=dsps) if row["misses"]]
+    failing = [row for row in of(all_rows, part="rate", dsps=dsps) if row["misses"]]
     return min(failing, key=lambda row: float(row["servo_hz"])) if failing else None
 
 
@@ -64,7 +60,7 @@ def cause(row: Row) -> str:
 
 def rate_limits(dsps: Sequence[int], all_rows: Sequence[Row]) -> str:
     """The highest f_p that these numbers of DSPs serve without a miss, and what ends it."""
-    if not of(all_rows, "rate"):
+    if not of(all_rows, part="rate"):
         return ""
     best = {n: highest_rate(all_rows, n) for n in dsps}
     known = {n: f for n, f in best.items() if f is not None}
@@ -96,8 +92,8 @@ def rate_limits(dsps: Sequence[int], all_rows: Sequence[Row]) -> str:
 def shared_limits(all_rows: Sequence[Row]) -> str:
     """From where on bus A and the list are the limit."""
     text = ""
-    for policy in dict.fromkeys(row["policy"] for row in of(all_rows, "policy")):
-        full = [row for row in of(all_rows, "policy", policy=policy) if row["bus_a"] > 95]
+    for policy in dict.fromkeys(row["policy"] for row in of(all_rows, part="policy")):
+        full = [row for row in of(all_rows, part="policy", policy=policy) if row["bus_a"] > 95]
         if full:
             worst = max(full, key=lambda row: int(row["dsps"]))
             text += (
@@ -105,15 +101,15 @@ def shared_limits(all_rows: Sequence[Row]) -> str:
                 f"{worst['dsps']} a refresh takes {worst['refresh_us']:.0f} µs and"
                 f" the PID's answer {worst['pid_us']:.0f} µs: there more DSPs make it worse."
             )
-    late = [row for row in of(all_rows, "refresh") if row["skipped"] > 1]
+    late = [row for row in of(all_rows, part="refresh") if row["skipped"] > 1]
     if late:
         first = min(late, key=lambda row: float(row["refresh_hz"]))
         text += (
             f" The list is the limit from f_s = {first['refresh_hz'] / 1000:g} kHz on: {first['skipped']:.0f} % "
             f"of the refreshes find the one before still under way."
         )
-    elif of(all_rows, "refresh"):
-        most = max(of(all_rows, "refresh"), key=lambda row: float(row["refresh_hz"]))
+    elif of(all_rows, part="refresh"):
+        most = max(of(all_rows, part="refresh"), key=lambda row: float(row["refresh_hz"]))
         text += (
             f" The list is no limit up to f_s = {most['refresh_hz'] / 1000:g} kHz, where a refresh takes "
             f"{most['host']:.0f} % of its interval."

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -29,6 +29,11 @@ class Verdict:
 
     def __str__(self) -> str:
         return f"**{self.word.capitalize()}.** {self.why} {self.limit}".strip()
+
+
+def of(rows: Sequence[Row], **label: object) -> list[Row]:
+    """The rows with these values."""
+    return [row for row in rows if all(row.get(key) == value for key, value in label.items())]
 
 
 def counted(report: Mapping[str, Any], kinds: Iterable[str] | None = None, of: str = "misses") -> int:
@@ -57,6 +62,12 @@ def mean_interval(values: Sequence[float], seed: int = 1, draws: int = 2000) -> 
     return float(data.mean()), float(low), float(high)
 
 
+def mean(rows: Sequence[Row], key: str) -> float:
+    """Over the rows that have it; 0 of none."""
+    known = [row[key] for row in rows if row.get(key) is not None]
+    return float(np.mean(known)) if known else 0.0
+
+
 def with_interval(values: Sequence[float], digits: int = 2) -> str:
     """``12.3 [11.0, 13.6]``; the number alone where the interval has no width in these digits; a dash of nothing."""
     mean, low, high = mean_interval(values)
@@ -65,11 +76,6 @@ def with_interval(values: Sequence[float], digits: int = 2) -> str:
     if f"{low:.{digits}f}" == f"{high:.{digits}f}":
         return f"{mean:.{digits}f}"
     return f"{mean:.{digits}f} [{low:.{digits}f}, {high:.{digits}f}]"
-
-
-def parameter(default: Any, meaning: str) -> Any:
-    """A field of a claim's ``Parameters``: its default, and what ``--help`` says of it."""
-    return field(default=default, metadata={"help": meaning})
 
 
 def missed_share(report: Mapping[str, Any], rate: str) -> float | None:

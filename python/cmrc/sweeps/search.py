@@ -5,9 +5,10 @@ from __future__ import annotations
 
 import math
 import os
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 from cmrc import arguments
 from cmrc.extras import needed
@@ -113,18 +114,26 @@ def search(
     seeds that the search has not used. Raises GridError, SweepError, ImportError.
     """
     grid = grid_of(spec)
-    asked = _Asked(grid)
+    asked = asked_of(grid)
     arguments.function("on_progress", on_progress, "a function of a Status or None")
     with Session(folder, Place(address, workers, security), work.execute, on_progress=on_progress) as session:
         trier = _Trier(session, grid, asked.metric)
-        found = _bisected(trier, asked) if asked.bisect else _optimised(trier, asked)
-        _check(found, trier, asked)
+        found = asked.find(trier)
+        asked.check(found, trier)
     found.sweep = Sweep(session.folder.path, list(trier.runs.values()))
     return found
 
 
-class _Asked:
+def asked_of(grid: Grid) -> _Search:
+    """The search that the table [search] asks for. Raises GridError."""
+    return _Bisection(grid) if "bisect" in grid.search else _Optimisation(grid)
+
+
+class _Search(ABC):
     """The table [search], checked. Raises GridError."""
+
+    keys: ClassVar[tuple[str, ...]]
+    """The keys of this kind of search."""
 
     def __init__(self, grid: Grid) -> None:
         self.name, table = grid.name, grid.search
@@ -133,17 +142,28 @@ class _Asked:
         if grid.axes:
             raise GridError(f"{grid.name}: search: goes with fixed settings and repeats, not with axes")
         self.table, self.grid = {key: grids.plain(value) for key, value in table.items()}, grid
-        self.bisect = "bisect" in table
         for key in table:
-            if key not in COMMON + (BISECT if self.bisect else OPTIMISE):
+            if key not in COMMON + self.keys:
                 raise self.error(key, f"unknown; {', '.join(COMMON + BISECT)}, or {', '.join(OPTIMISE)} are known")
         self.metric = str(table.get("metric", "misses"))
         self.batch = self._whole("batch", 8, 1)
         self.check_seeds = self._whole("check_seeds", 5 if grid.seeds else 0, 0)
-        if self.bisect:
-            self._bisection()
-        else:
-            self._optimisation()
+
+    @abstractmethod
+    def find(self, trier: _Trier) -> Found:
+        """Runs the search."""
+
+    def check(self, found: Found, trier: _Trier) -> None:
+        """Runs the answer with the seeds after those of the search."""
+        if found.best is None or self.check_seeds == 0:
+            return
+        first = max(self.grid.seeds, default=int(self.grid.fixed.get(SEED, 1))) + 1
+        [trial] = trier.values([found.best], range(first, first + self.check_seeds))
+        found.checked, found.check_passed = trial.spread, self.passes(trial)
+
+    def passes(self, trial: Trial) -> bool | None:
+        """None where nothing is to be passed."""
+        return None
 
     def error(self, key: str, says: str) -> GridError:
         return GridError(f"{self.name}: search.{key}: {says}")
@@ -164,7 +184,25 @@ class _Asked:
         if isinstance(value, bool) or not (isinstance(value, int) or (isinstance(value, float) and value.is_integer())):
             raise self.error(where, f"{value!r} cannot be used; {key} is a whole number")
 
-    def _bisection(self) -> None:
+    def _setting(self, key: Any, where: str) -> str:
+        if not isinstance(key, str):
+            raise self.error(where, "the name of a setting is expected")
+        try:
+            name = grids.full_name(key, key)
+        except GridError as error:
+            raise self.error(where, str(error)) from None
+        if name in self.grid.fixed:
+            raise self.error(where, f"{name} is fixed, too; one place is expected")
+        return name
+
+
+class _Bisection(_Search):
+    """The last value that passes, on the way from the easy end to the hard one."""
+
+    keys = BISECT
+
+    def __init__(self, grid: Grid) -> None:
+        super().__init__(grid)
         self.key = self._setting(self.table["bisect"], "bisect")
         self.whole = grids.schema().get(self.key, {}).get("type") == "integer"
         self.begin, self.end = self._number("from", None), self._number("to", None)
@@ -178,18 +216,70 @@ class _Asked:
         self.at_most = self._number("at_most", 0.0)
         self.neighbours = self._whole("neighbours", 2, 0)
 
-    def _setting(self, key: Any, where: str) -> str:
-        if not isinstance(key, str):
-            raise self.error(where, "the name of a setting is expected")
-        try:
-            name = grids.full_name(key, key)
-        except GridError as error:
-            raise self.error(where, str(error)) from None
-        if name in self.grid.fixed:
-            raise self.error(where, f"{name} is fixed, too; one place is expected")
-        return name
+    def passes(self, trial: Trial) -> bool:
+        return trial.passes(self.at_most)
 
-    def _optimisation(self) -> None:
+    def find(self, trier: _Trier) -> Found:
+        """Divides an interval into ``batch`` + 1 parts at a time, between the last value that passes and the first that
+        does not."""
+        tried: dict[float, Trial] = {}
+
+        def look(values: Sequence[float]) -> None:
+            fresh = [value for value in dict.fromkeys(values) if value not in tried]
+            tried.update(zip(fresh, trier.try_all([self._place(value) for value in fresh]), strict=True))
+
+        def passes(value: float) -> bool:
+            return self.passes(tried[value])
+
+        look([self.begin, self.end])
+        good, bad = (self.begin if passes(self.begin) else None), self.end
+        whole_range = good is not None and passes(bad)
+        if whole_range:
+            good = bad
+        elif good is not None:
+            while abs(bad - good) > self.tolerance and (inner := self._between(good, bad)):
+                look(inner)
+                passing = next((n for n, value in enumerate(inner) if not passes(value)), len(inner))
+                good, bad = [good, *inner][passing], [*inner, bad][passing]
+            look(self._around(good, bad))
+        sign = math.copysign(1.0, self.end - self.begin)
+        exceptions = sorted(
+            value for value in tried if passes(value) != (good is not None and sign * (value - good) <= 0)
+        )
+        return Found(
+            self.metric,
+            None if good is None else self._place(good),
+            math.nan if good is None else tried[good].worst,
+            metrics.spread([]),
+            None,
+            trier.trials,
+            exceptions,
+            whole_range,
+        )
+
+    def _between(self, good: float, bad: float) -> list[float]:
+        values = [good + (bad - good) * n / (self.batch + 1) for n in range(1, self.batch + 1)]
+        values = [float(round(value)) if self.whole else float(f"{value:.12g}") for value in values]
+        return [value for value in dict.fromkeys(values) if value not in (good, bad)]
+
+    def _around(self, good: float, bad: float) -> list[float]:
+        """Values on both sides of the answer, in steps of the tolerance."""
+        step = math.copysign(self.tolerance, self.end - self.begin)
+        around = [at + n * step * way for n in range(1, self.neighbours + 1) for at, way in ((good, -1), (bad, 1))]
+        low, high = sorted((self.begin, self.end))
+        return [float(round(value)) if self.whole else value for value in around if low <= value <= high]
+
+    def _place(self, value: float) -> dict[str, Setting]:
+        return {self.key: round(value) if self.whole else value}
+
+
+class _Optimisation(_Search):
+    """The best place of a space, found by optuna."""
+
+    keys = OPTIMISE
+
+    def __init__(self, grid: Grid) -> None:
+        super().__init__(grid)
         if self.table.get("goal", "minimise") not in ("minimise", "maximise"):
             raise self.error("goal", '"minimise" or "maximise" is expected')
         self.maximise = self.table.get("goal") == "maximise"
@@ -230,6 +320,37 @@ class _Asked:
         except (ValueError, TypeError) as error:
             raise self.error(where, str(error)) from None
 
+    def find(self, trier: _Trier) -> Found:
+        optuna = needed("optuna", "search", "cmrc.search")
+        optuna.logging.set_verbosity(optuna.logging.WARNING)
+        study = optuna.create_study(
+            direction="maximize" if self.maximise else "minimize", sampler=optuna.samplers.TPESampler(seed=self.seed)
+        )
+        known: dict[str, Trial] = {}
+        for begun in range(0, self.trials, self.batch):
+            batch = [study.ask(self.space) for _ in range(min(self.batch, self.trials - begun))]
+            fresh = {repr(sorted(trial.params.items())): trial.params for trial in batch}
+            fresh = {name: place for name, place in fresh.items() if name not in known}
+            if fresh:
+                known |= dict(zip(fresh, trier.try_all(list(fresh.values())), strict=True))
+            for trial in batch:
+                tried = known[repr(sorted(trial.params.items()))]
+                if tried.counts:
+                    study.tell(trial, tried.spread.mean)
+                else:
+                    study.tell(trial, state=optuna.trial.TrialState.FAIL)
+        measured = [trial for trial in known.values() if trial.counts]
+        sign = -1.0 if self.maximise else 1.0
+        best = min(measured, key=lambda trial: sign * trial.spread.mean, default=None)
+        return Found(
+            self.metric,
+            None if best is None else best.place,
+            math.nan if best is None else best.spread.mean,
+            metrics.spread([]),
+            None,
+            trier.trials,
+        )
+
 
 class _Trier:
     """Runs places with all seeds, one batch at a time."""
@@ -260,111 +381,6 @@ class _Trier:
         trials = self.values(places, self.grid.seeds)
         self.trials += trials
         return trials
-
-
-def _bisected(trier: _Trier, asked: _Asked) -> Found:
-    """Divides an interval into ``batch`` + 1 parts at a time, between the last value that passes and the first that
-    does not."""
-    passed: dict[float, bool] = {}
-    worst: dict[float, float] = {}
-
-    def look(values: Sequence[float]) -> None:
-        fresh = [value for value in dict.fromkeys(values) if value not in passed]
-        for value, trial in zip(
-            fresh, trier.try_all([{asked.key: _as(value, asked.whole)} for value in fresh]), strict=True
-        ):
-            worst[value] = trial.worst
-            passed[value] = trial.passes(asked.at_most)
-
-    look([asked.begin, asked.end])
-    good: float | None = asked.begin if passed[asked.begin] else None
-    bad = asked.end
-    whole_range = good is not None and passed[bad]
-    if whole_range:
-        good = bad
-    elif good is not None:
-        while abs(bad - good) > asked.tolerance:
-            inner = _between(good, bad, asked.batch, asked.whole)
-            if not inner:
-                break
-            look(inner)
-            first_bad = next((value for value in inner if not passed[value]), bad)
-            before = [value for value in inner if abs(value - good) < abs(first_bad - good)]
-            good, bad = (before[-1] if before else good), first_bad
-        steps = range(1, asked.neighbours + 1)
-        sign = math.copysign(1.0, asked.end - asked.begin)
-        around = [at + sign * n * asked.tolerance * way for n in steps for at, way in ((good, -1), (bad, 1))]
-        low, high = sorted((asked.begin, asked.end))
-        look([float(round(value)) if asked.whole else value for value in around if low <= value <= high])
-    sign = math.copysign(1.0, asked.end - asked.begin)
-    exceptions = sorted(
-        value for value, passes in passed.items() if passes != (good is not None and sign * (value - good) <= 0)
-    )
-    best: dict[str, Setting] | None = None if good is None else {asked.key: _as(good, asked.whole)}
-    return Found(
-        asked.metric,
-        best,
-        math.nan if good is None else worst[good],
-        metrics.spread([]),
-        None,
-        trier.trials,
-        exceptions,
-        whole_range,
-    )
-
-
-def _between(good: float, bad: float, count: int, whole: bool) -> list[float]:
-    values = [good + (bad - good) * n / (count + 1) for n in range(1, count + 1)]
-    if whole:
-        values = [float(round(value)) for value in values]
-    return [value for value in dict.fromkeys(float(f"{value:.12g}") for value in values) if value not in (good, bad)]
-
-
-def _as(value: float, whole: bool) -> Setting:
-    return round(value) if whole else value
-
-
-def _optimised(trier: _Trier, asked: _Asked) -> Found:
-    optuna = needed("optuna", "search", "cmrc.search")
-    optuna.logging.set_verbosity(optuna.logging.WARNING)
-    study = optuna.create_study(
-        direction="maximize" if asked.maximise else "minimize", sampler=optuna.samplers.TPESampler(seed=asked.seed)
-    )
-    known: dict[str, Trial] = {}
-    for begun in range(0, asked.trials, asked.batch):
-        batch = [study.ask(asked.space) for _ in range(min(asked.batch, asked.trials - begun))]
-        fresh = {repr(sorted(trial.params.items())): trial.params for trial in batch}
-        fresh = {name: place for name, place in fresh.items() if name not in known}
-        if fresh:
-            known |= dict(zip(fresh, trier.try_all(list(fresh.values())), strict=True))
-        for trial in batch:
-            tried = known[repr(sorted(trial.params.items()))]
-            if tried.counts:
-                study.tell(trial, tried.spread.mean)
-            else:
-                study.tell(trial, state=optuna.trial.TrialState.FAIL)
-    measured = [trial for trial in known.values() if trial.counts]
-    sign = -1.0 if asked.maximise else 1.0
-    best = min(measured, key=lambda trial: sign * trial.spread.mean, default=None)
-    return Found(
-        asked.metric,
-        None if best is None else best.place,
-        math.nan if best is None else best.spread.mean,
-        metrics.spread([]),
-        None,
-        trier.trials,
-    )
-
-
-def _check(found: Found, trier: _Trier, asked: _Asked) -> None:
-    """Runs the answer with the seeds after those of the search."""
-    if found.best is None or asked.check_seeds == 0:
-        return
-    first = max(asked.grid.seeds, default=int(asked.grid.fixed.get(SEED, 1))) + 1
-    [trial] = trier.values([found.best], range(first, first + asked.check_seeds))
-    found.checked = trial.spread
-    if asked.bisect:
-        found.check_passed = trial.passes(asked.at_most)
 
 
 def _place(place: Mapping[str, Setting]) -> str:

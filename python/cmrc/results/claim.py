@@ -1,0 +1,54 @@
+"""What each claim is: an experiment on the emulator, and what is read from its runs."""
+
+from __future__ import annotations
+
+import dataclasses
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from cmrc.results.judgement import Row, Verdict
+from cmrc.results.runs import Reports, Run
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def parameter(default: Any, meaning: str, quick: Any = None) -> Any:
+    """A field of a claim: its default, what ``--help`` says of it, and its value with ``--quick``, if that differs."""
+    metadata = {"help": meaning, "quick": default if quick is None else quick}
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+@dataclasses.dataclass(frozen=True)
+class Claim(ABC):
+    """One claim. Its fields are what a user may change, each made by ``parameter``."""
+
+    NUMBER: ClassVar[int]
+    NAME: ClassVar[str]
+    TITLE: ClassVar[str]
+
+    @classmethod
+    def quick(cls) -> Claim:
+        """A shrunken experiment, which shows nothing but that it runs."""
+        return cls(**{one.name: one.metadata["quick"] for one in dataclasses.fields(cls)})
+
+    @abstractmethod
+    def runs(self) -> list[Run]:
+        """The runs to make."""
+
+    @abstractmethod
+    def rows(self, done: Sequence[tuple[Run, Reports]]) -> list[Row]:
+        """The numbers, from the reports of the runs."""
+
+    @abstractmethod
+    def verdict(self, all_rows: Sequence[Row]) -> Verdict:
+        """The judgement, from the rows alone."""
+
+    @abstractmethod
+    def section(self, all_rows: Sequence[Row]) -> str:
+        """What was run, and tables."""
+
+    @abstractmethod
+    def draw(self, all_rows: Sequence[Row], figure: Figure) -> None:
+        """The plot."""
