@@ -43,7 +43,7 @@ void Program::place(std::vector<Diagnostic>& diagnostics) {
     if (section->address % section->alignment != 0)
       complain(fmt::format("the section '{}' at {:x}h must be aligned to {} words", section->name, section->address,
                            section->alignment));
-    if (section->blocked && !in_one_page(section->address, section->size))
+    if (section->blocked && is_split(section->address, section->size))
       complain(fmt::format("the section '{}' ({} words at {:x}h) must lie in one page of 64 K words", section->name,
                            section->size, section->address));
   }

@@ -149,11 +149,13 @@ class Linker {
 
   void check_small_model() {
     const OutputSection& bss = *placement_.find(".bss");
-    if (!bss.rather_in_one_page || in_one_page(bss.address, bss.size)) return;
-    warnings_.push_back(
-        fmt::format("{}: warning: .bss ({} words at {:08X}h) lies in two pages of 64 K words; a program of the small "
-                    "model reaches only the first. The memory map may give another place",
-                    linked_program, bss.size, bss.address));
+    const std::uint64_t in = pages(bss.address, bss.size);
+    if (!bss.rather_in_one_page || in <= 1) return;
+    warnings_.push_back(fmt::format(
+        "{}: warning: .bss ({} words at {:08X}h) lies in {} pages of 64 K words; a program of the small model reaches "
+        "only the first{}",
+        linked_program, bss.size, bss.address, in == 2 ? "two" : std::to_string(in),
+        is_split(bss.address, bss.size) ? ". The memory map may give another place" : ", one of the big model all"));
   }
 
   /// How far an object's section was moved.
