@@ -57,6 +57,7 @@ void bind_processor(py::module_& m) {
             struct Owner {
               py::object processor;
               toolchain::Image program;
+              ~Owner() { processor.cast<Processor&>().forget_ends(program); }
             };
             auto owner = std::make_shared<Owner>(self, program);
             auto& p = self.cast<Processor&>();

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "machine/chips/boot.hpp"
+#include "machine/chips/program_end.hpp"
 #include "machine/networks/network.hpp"
 #include "python/bindings/chip_inspection.hpp"
 #include "python/bindings/ctrl_c.hpp"
@@ -138,6 +139,11 @@ void Processor::remove_breakpoint(c40::Address address) {
   if (until_ != address) chip.remove_breakpoint(address);
 }
 
+void Processor::forget_ends(const toolchain::Image& program) {
+  for (const c40::Address end : machine::program_ends(program))
+    if (!is_own_breakpoint(end)) chip.remove_breakpoint(end);
+}
+
 py::list Processor::trace(Cycles max_cycles) {
   Recorder recorder;
   stop_at(std::nullopt);
@@ -205,6 +211,7 @@ c40::StopInfo Processor::run_for(Cycles cycles) {
     c40::StopInfo stop;
     do stop = chip.run_until(around->limit(std::min(limit, chip.cycle() + slice)));
     while (((stop.reason == c40::StopInfo::Reason::limit && chip.cycle() < limit) ||
+            (stop.reason == c40::StopInfo::Reason::breakpoint && !is_own_breakpoint(chip.pc())) ||  // a debugger's
             (stop.reason == c40::StopInfo::Reason::external_access && answered(stop.access))) &&
            !io::stop_asked());
     return stop;

@@ -26,6 +26,8 @@ class Processor : public c40::PeripheralSink {
   py::dict run(c40::Cycles max_cycles, std::optional<c40::Address> until);
   void add_breakpoint(c40::Address address);
   void remove_breakpoint(c40::Address address);
+  /// Removes those that a debugger has added at the ends of the program.
+  void forget_ends(const toolchain::Image& program);
   py::list trace(c40::Cycles max_cycles);
 
   py::dict step();
@@ -55,6 +57,7 @@ class Processor : public c40::PeripheralSink {
   /// A change of breakpoints makes the chip forget its blocks: a caller that calls one routine after the other, each to
   /// the same return address, keeps them.
   void stop_at(std::optional<c40::Address> until);
+  bool is_own_breakpoint(c40::Address address) const { return breakpoints_.contains(address) || until_ == address; }
   /// By a device, or as an access to nothing.
   bool answered(const c40::ExternalAccess& access) { return around->serve(access) || ignored.serve(chip, access); }
   /// In slices, so that Ctrl-C is heard.

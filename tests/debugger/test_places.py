@@ -2,10 +2,12 @@
 who has called."""
 
 import re
+from itertools import islice
 from pathlib import Path
 
 import pytest
 from cmrc import c40
+from cmrc.debug import DebugError, Debugger
 from cmrc.network import Network
 from command_line import emulator
 
@@ -59,11 +61,90 @@ def test_where_until_ends_the_run_too(tmp_path: Path) -> None:
     assert shown.index("breakpoint: 1") < shown.index("over: ")
 
 
-def test_every_front_end_says_the_same_of_it() -> None:
-    for debugger in (Network([c40.assemble(ENDS)]).debug(), c40.Processor(c40.assemble(ENDS)).debug()):
+def front_ends(source: str) -> tuple[Debugger, Debugger]:
+    return Network([c40.assemble(source)]).debug(), c40.Processor(c40.assemble(source)).debug()
+
+
+@pytest.mark.parametrize("ignore", [0, 1])
+@pytest.mark.parametrize("first", ["nop", "or 2000h,st", "ldi 1,iie"], ids=["plain", "GIE", "without GIE"])
+@pytest.mark.parametrize("last", ["b done", "idle", "br done"])
+def test_every_front_end_comes_to_the_same_end(first: str, last: str, ignore: int) -> None:
+    seen = []
+    for debugger in front_ends(ENDS.replace("nop", first, 1).replace("b done", last)):
+        debugger.break_at("done", ignore=ignore)
+        stops = [(stop.time_ps, stop.reason, len(stop.hits)) for stop in islice(debugger.run(), 5)]
+        ends = [(debugger.go().reason, debugger.time_s, debugger.value("cycle"), debugger.value("pc")) for _ in "12"]
+        assert len(stops) == 1 - ignore and ends[0] == ends[1] and ends[0][0] == "over"
+        seen.append((stops, ends))
+    assert seen[0] == seen[1]
+
+
+def test_the_end_is_found_again_after_going_back() -> None:
+    for debugger in front_ends(ENDS):
+        end = debugger.go()
+        for instant in (0.0, end.time_s / 2, end.time_s):
+            debugger.go_to(instant)
+            assert debugger.go(1e-3) == end
+        number = debugger.break_at("done")
+        debugger.go_to(end.time_s / 2)
+        assert [stop.hits[0].number for stop in islice(debugger.run(), 5)] == [number]
+
+
+def test_a_branch_to_itself_that_an_interrupt_leaves_is_no_end() -> None:
+    """The timer's interrupt returns behind the branch."""
+    source = """
+        .text
+start:  ldp     stack
+        ldi     @stack,sp
+        ldi     @vectors,r0
+        ldpe    r0,ivtp
+        ldi     @timer,ar0
+        ldi     100,r0
+        sti     r0,*+ar0(8)
+        ldi     03C1h,r0
+        sti     r0,*ar0
+        ldi     1,iie
+        or      2000h,st
+wait:   b       wait
+done:   b       done
+served: pop     r0
+        addi    1,r0
+        push    r0
+        ldi     0,iie
+        andn    2000h,st
+        retsu
+stack:  .word   2FF900h
+timer:  .word   100020h
+vectors: .word  table
+        .align  200h
+table:  .space  2
+        .word   served
+"""
+    for debugger in front_ends(source):
         debugger.break_at("done")
-        stop = debugger.go()
-        assert (stop.reason, len(stop.hits)) == ("breakpoint", 1)
+        (stop,) = islice(debugger.run(), 5)
+        assert stop.reason == "breakpoint" and stop.time_s > 100 * 50e-9
+        debugger.go_to(1e-6)
+        debugger.break_at("wait")
+        assert len(list(islice(debugger.run(), 5))) == 5
+
+
+def test_a_processor_runs_by_itself_as_without_its_debugger() -> None:
+    program = c40.assemble(ENDS)
+    processor, alone = c40.Processor(program), c40.Processor(program)
+    debugger = processor.debug()
+    debugger.go()
+    debugger.close()
+    alone.run(3 * 4)
+    debugger = processor.debug()
+    debugger.go()
+    for run in ({"max_cycles": 100}, {"max_cycles": 100, "until": "done"}):
+        assert processor.run(**run).reason == alone.run(**run).reason
+    debugger.close()
+    assert processor.run(100).reason == "limit"
+    processor.reset()
+    processor.pc = "start"
+    assert processor.run(100, until="done").reason == "until"
 
 
 # ---- a change by hand at the end ----
@@ -99,6 +180,91 @@ def test_a_change_that_ends_nothing_leaves_the_end_where_it_is(tmp_path: Path) -
     shown = by_commands(tmp_path, "continue", "set r5 = 7", "continue", "print cycle", arguments=("ends.asm",))
     unchanged = by_commands(tmp_path, "continue", "print cycle", arguments=("ends.asm",))
     assert shown.splitlines()[-1] == unchanged.splitlines()[-1]
+
+
+WAITS = """
+        .text
+start:  ldhi    10h,ar0
+        or      41h,ar0         ; input FIFO of port 0
+        nop
+wait:   ldi     *ar0,r0
+        nop
+good:   addi    1,r5
+done:   b       done
+"""
+
+
+@pytest.mark.parametrize("place", ["good", "done", "wait", "pc"])
+def test_a_changed_pc_takes_a_wait_for_a_port_away(place: str, tmp_path: Path) -> None:
+    write(tmp_path, waits_asm=WAITS)
+    commands = ("continue", "assert pc == wait", f"set pc = {place}", "continue", "goto 1 ms", "print pc - done")
+    shown = by_commands(tmp_path, *commands, arguments=("waits.asm",))
+    last = re.findall("^over: .*", shown, re.MULTILINE)[-1]
+    waits = place in ("wait", "pc")
+    assert ("at PC 00300003h (wait" in last) == waits and ("branches to itself" in last) != waits
+    for debugger in front_ends(WAITS):
+        debugger.go()
+        debugger.set_register("pc", place)
+        assert debugger.go().reason == "over"
+        assert debugger.value("pc - wait" if waits else "pc - done") == 0
+        assert debugger.value("r5") == (place == "good")
+
+
+def test_it_is_taken_away_in_the_middle_of_a_run_too() -> None:
+    """Chip 1 sends a word that chip 0 does not wait for any more; it is left in the FIFO."""
+    sends = c40.assemble(
+        "        .text\nstart:  ldhi 10h,ar0\n        or 72h,ar0\n        ldi 999,rc\n        rptb to\n"
+        "to:     nop\n        sti r0,*ar0\nend:    b end\n"
+    )
+    network = Network([c40.assemble(WAITS), sends], links=["0.0:1.3"])
+    debugger = network.debug()
+    debugger.go_to(20e-6)
+    assert debugger.value("pc - wait", chip=0) == 0 and debugger.value("pc - to", chip=1) == 0
+    debugger.set_register("pc", "good", chip=0)
+    debugger.break_at("done", chip=0)
+    stop = debugger.go(1e-3)
+    assert stop.reason == "breakpoint" and 20e-6 < stop.time_s < 21e-6
+    assert debugger.go(1e-3).reason == "over"
+    assert debugger.value("pc - done", chip=0) == 0 and network.chips[0].message.startswith("branches to itself")
+    debugger.go_to(10e-6)
+    assert debugger.go(1e-3) == stop
+
+
+def test_it_is_taken_away_where_a_window_has_nothing_behind_it() -> None:
+    for debugger in front_ends(WAITS.replace("10h,ar0", "0C000h,ar0")):
+        assert debugger.go().reason == "over"
+        debugger.set_register("pc", "good")
+        assert debugger.go().reason == "over"
+        assert debugger.value("pc - done") == 0
+
+
+FAULTS = WAITS.replace("10h,ar0", "5000h,ar0")
+
+
+def test_a_fault_is_an_end_that_a_changed_pc_does_not_take_away(tmp_path: Path) -> None:
+    for debugger in front_ends(FAULTS):
+        end = debugger.go()
+        assert end.reason == "over" and "50000041h" in end.text
+        with pytest.raises(DebugError, match="a fault has halted the chip, and only a reset ends that"):
+            debugger.set_register("pc", "good")
+        debugger.set_register("r1", "7")
+        assert debugger.go().text == end.text and debugger.value("r1") == 7
+        debugger.go_to(0.0)
+        debugger.go_to(end.time_s)
+        debugger.step_back()
+        debugger.set_register("pc", "good")
+        assert debugger.go().text != end.text and debugger.value("pc - done") == 0
+    write(tmp_path, faults_asm=FAULTS)
+    (tmp_path / "commands.txt").write_text("continue\nset pc = good\n")
+    done = emulator("debug", "faults.asm", "-x", "commands.txt", folder=tmp_path)
+    assert done.returncode == 2 and "the PC of chip 0 cannot be set" in done.stdout
+
+
+def test_a_call_for_a_debugger_is_passed_by_a_changed_pc() -> None:
+    for debugger in front_ends(FAULTS.replace("ldi     *ar0,r0", "swi")):
+        assert "SWI" in debugger.go().text
+        debugger.set_register("pc", "good")
+        assert debugger.go().reason == "over" and debugger.value("pc - done") == 0
 
 
 # ---- several programs ----

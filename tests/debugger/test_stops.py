@@ -3,7 +3,7 @@
 import random
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, takewhile
 from pathlib import Path
 from typing import Any
 
@@ -60,14 +60,17 @@ def test_breakpoints_stop_before_each_of_their_instructions(seed: int, tmp_path:
     debugger = debugger_of(chip, image)
     for address in chosen:
         debugger.break_at(address)
-    expected = [
-        (record["cycle"], record["pc"]) for record in records if record["pc"] in chosen and 0 < record["cycle"] < CYCLES
-    ]
     found = []
     for cycle, hits in stops_until_the_end(debugger):
         assert [hit.pc for hit in hits] == [chip.pc], seed
         found.append((cycle, chip.pc))
-    assert found == expected, seed
+    if "branches to itself" in debugger.stop.text:  # which is met once, and nothing else comes
+        again = sum(1 for _ in takewhile(lambda record: record["pc"] == chip.pc, reversed(records)))
+        assert again > 1
+        records = records[: len(records) - again + 1]
+    assert found == [
+        (record["cycle"], record["pc"]) for record in records if record["pc"] in chosen and 0 < record["cycle"] < CYCLES
+    ], seed
 
 
 @pytest.mark.parametrize("seed", SEEDS)

@@ -59,7 +59,17 @@ def test_bss_of_a_c_program_lies_in_one_page_where_there_is_room() -> None:
     assert contents(wide)[".bss"][0] == 0x310000 and not wide.warnings
     (said,) = warnings(source, memory=over.format(0x105))
     assert ".bss (256 words at 0030FFF1h) lies in two pages of 64 K words" in said
-    assert warnings(START + "\t.bss a,20000h\n") == []  # no page holds it: the big model
+    assert warnings(START + "\t.bss a,10000h\n", memory="origin = 0x300000, length = 0x20000") == []
+
+
+@pytest.mark.parametrize(
+    ("words", "pages"), [(0x10000, "two"), (0x10001, "two"), (0x10002, "3"), (70000, "3"), (200000, "5")]
+)
+def test_bss_that_no_page_can_hold_is_warned_of(words: int, pages: str) -> None:
+    (said,) = warnings(START + f"\t.bss a,{words}\n", memory=f"origin = 0x30FFFE, length = {words + 1}")
+    assert f".bss ({words} words at 0030FFFFh) lies in {pages} pages of 64 K words" in said
+    assert ("The memory map may give another place" in said) == (words <= 0x10000)
+    assert said.endswith("only the first, one of the big model all") == (words > 0x10000)
 
 
 def test_a_blocked_section_is_refused_where_it_would_lie_in_two_pages() -> None:

@@ -190,25 +190,52 @@ N       .set 2
 @pytest.mark.parametrize(
     "operation",
     [".global y", ".def y", ".asg 1,n", ".eval 1,n", ".unasg n", ".version 40", ".dialect ti", '.wmsg "w"', ".end"]
-    + [".newblock", ".page", '.title "t"', ".rept 0\n\t.endr", ".if 1\n\t.endif", ".ifdef x\n\t.endif", ".label z"],
+    + [
+        ".newblock",
+        ".page",
+        '.title "t"',
+        ".rept 0\n\t.endr",
+        ".if 1\n\t.endif",
+        ".ifdef x\n\t.endif",
+        ".label z",
+        ".bss b,3",
+        ".if 0\n\t.elseif 1\n\t.endif",
+    ],
 )
 def test_a_label_that_its_directive_has_no_use_for_names_the_place(operation: str) -> None:
     assert words(f"x\t.word 7,y-x\ny:\t{operation}\n") == [7, 2]
 
 
-def test_a_label_of_a_condition_is_in_the_part_in_which_it_stands() -> None:
-    source = """
+@pytest.mark.parametrize(("first", "second", "part"), [(1, 1, 1), (1, 0, 1), (0, 1, 2), (0, 0, 3)])
+def test_a_label_between_two_branches_belongs_to_both(first: int, second: int, part: int) -> None:
+    source = f"""
         .word   9
-a:      .if     {0}
+a:      .if     {first}
         .word   1
-b:      .else
+b:      .elseif {second}
         .word   2
-c:      .endif
-        .word   a-a,c-a{1}
-"""
-    assert words(source.format(1, "")) == [9, 1, 0, 1]
-    assert words(source.format(0, ",b-a")) == [9, 2, 0, 1, 0]
-    assert [text for _, _, text in errors(source.format(1, ",b-a"))] == ["undefined symbol 'b'"]
+c:      .else
+        .word   3
+d:      .endif
+        .word   """
+    places = {"a": 0, "b": 1 if part == 1 else 0, "c": 1 if part == 2 else 0, "d": 1}
+    unknown = {1: "c", 3: "b"}.get(part)  # neither of its branches is assembled
+    for name, place in places.items():
+        if name == unknown:
+            assert [text for _, _, text in errors(f"{source}{name}-a\n")] == [f"undefined symbol '{name}'"]
+        else:
+            assert words(f"{source}{name}-a\n") == [9, part, place]
+
+
+def test_a_label_in_a_branch_that_is_left_out_is_left_out() -> None:
+    source = "\t.if 0\n\t.if 1\n\tnop\nb:\t.else\n\t.endif\n\t.endif\n\t.word b\n"
+    assert [text for _, _, text in errors(source)] == ["undefined symbol 'b'"]
+
+
+def test_errors_at_the_line_between_two_branches_are_said_once() -> None:
+    twice = "b:\t.if 1\n\t.word 1\nb:\t.else\n\t.word 2\n\t.endif\n\t.word 3\n"
+    assert errors(twice) == [(3, 1, "'b' is defined already at <text>:1")]
+    assert errors("\t.if 0\n\t.elseif nothing\n\t.endif\n") == [(2, 10, "undefined symbol 'nothing'")]
 
 
 def test_what_closes_a_macro_or_a_repeat_takes_no_label() -> None:

@@ -211,6 +211,7 @@ const Causes& Chip::causes() const {
 }
 
 void Chip::add_breakpoint(Address address) {
+  if (engine_->breakpoints.contains(address)) return;
   engine_->flush_blocks();
   engine_->breakpoints.insert(address);
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 #include <stdexcept>
+#include <utility>
 
 #include "c40/values/float40.hpp"
 #include "isa/types.hpp"
@@ -22,6 +23,7 @@ ChipDebuggee::ChipDebuggee(c40::Chip& chip, const toolchain::Image& program, Boa
       around_(around),
       ignored_(ignored),
       program_(program),
+      ends_(program_ends(program)),
       now_(chip.cycle() * period) {}
 
 bool ChipDebuggee::answered(const c40::ExternalAccess& access) {
@@ -36,12 +38,14 @@ void ChipDebuggee::set_trace(std::size_t, c40::TraceSink* sink) {
 
 void ChipDebuggee::run_until(Time time) {
   const c40::Cycles limit = (time + period - Time{1}) / period;
+  for (const Address end : ends_) chip_.add_breakpoint(end);  // the caller of the chip may have removed them
+  bool at_end = ends_.contains(chip_.pc());                   // the next instruction may be the program's last one
   while (!over_ && chip_.cycle() < limit) {
     const c40::Cycles far = around_ != nullptr ? around_->limit(limit) : limit;
-    const c40::StopInfo stop = chip_.run_until(far);
+    const c40::StopInfo stop = chip_.run_until(std::exchange(at_end, false) ? std::min(far, chip_.cycle() + 1) : far);
     if (stop.reason == c40::StopInfo::Reason::external_access && answered(stop.access)) continue;
-    if (far < limit && stop.reason == c40::StopInfo::Reason::limit) continue;
-    if (meaning(stop.reason) == StopMeaning::breakpoint || meaning(stop.reason) == StopMeaning::asks_anew) continue;
+    if (meaning(stop.reason) == StopMeaning::asks_anew) continue;
+    at_end = meaning(stop.reason) == StopMeaning::breakpoint;
     over_ = end_of(stop);
   }
   now_ = over_ ? std::max(now_, std::min(time, chip_.cycle() * period)) : std::max(now_, time);
@@ -55,13 +59,19 @@ std::optional<std::string> ChipDebuggee::end_of(const c40::StopInfo& stop) const
     case StopMeaning::port_access:
     case StopMeaning::port_wait: return fmt::format("{} waits", c40::describe(stop.port));
     case StopMeaning::fault: return fault_of(chip_, stop).message;
+    case StopMeaning::breakpoint: return rests();
     default: break;
   }
-  if (around_ != nullptr && around_->could_wake()) return std::nullopt;
-  if (sleeps_for_ever(chip_)) return fmt::format("IDLE before {:08X}h, and no interrupt will come", chip_.pc());
-  const bool interrupts = (chip_.register_value(isa::Register::ST) & c40::st::GIE) != 0;
+  // At an end of the program it stops by itself: a probe is to hear of the branch first.
+  return !chip_.idle() && ends_.contains(chip_.pc()) ? std::nullopt : rests();
+}
+
+/// In IDLE, or in a branch to itself. None: neither, or something will take it from there.
+std::optional<std::string> ChipDebuggee::rests() const {
+  if (!rests_for_ever(chip_) || (around_ != nullptr && around_->could_wake())) return std::nullopt;
+  if (chip_.idle()) return fmt::format("IDLE before {:08X}h, and no interrupt will come", chip_.pc());
   try {
-    if (!interrupts && !chip_.dma_active() && program_end(chip_.peek(chip_.pc()), chip_.pc()) == ProgramEnd::halt)
+    if (program_end(chip_.peek(chip_.pc()), chip_.pc()) == ProgramEnd::halt)
       return fmt::format("branches to itself at {:08X}h", chip_.pc());
   } catch (const std::out_of_range&) {
     // The next fetch reports this.
@@ -69,8 +79,13 @@ std::optional<std::string> ChipDebuggee::end_of(const c40::StopInfo& stop) const
   return std::nullopt;
 }
 
+void ChipDebuggee::look_again() {
+  if (!chip_.halted()) over_ = rests();
+}
+
 void ChipDebuggee::list_state(state::Visitor& list) {
   list("chip", chip_);
+  list("over", over_);
   if (ignored_ != nullptr) list("ignored", *ignored_);
   if (devices_ == nullptr) return;
   list("devices", *devices_);
@@ -91,8 +106,7 @@ std::string ChipDebuggee::save() {
 void ChipDebuggee::load(std::string_view state) {
   Listed all{[this](state::Visitor& list) { list_state(list); }};
   state::load(all, state);
-  over_.reset();
-  if (chip_.halted()) over_ = "it is halted after a fault";
+  if (chip_.halted() && !over_) over_ = "it is halted after a fault";
   now_ = chip_.cycle() * period;
 }
 

@@ -1,5 +1,8 @@
 #pragma once
 /// A single chip in a debugger. If the chip needs an answer from outside, it counts as ended until the answer comes.
+/// The chip keeps breakpoints at the ends of the program: whoever runs it without the debugger passes over them.
+#include <set>
+
 #include "machine/boards/board_devices.hpp"
 #include "machine/boards/board_reserved.hpp"
 #include "machine/debug/debuggee.hpp"
@@ -23,10 +26,8 @@ class ChipDebuggee final : public Debuggee {
   void set_trace(std::size_t, c40::TraceSink* sink) override;
   Time now() const override { return now_; }
   std::optional<std::string> over() const override { return over_; }
-  void look_again() override {
-    if (!chip_.halted()) over_.reset();
-  }
-  void changed_by_hand() override { look_again(); }
+  void look_again() override;
+  void changed_by_hand(std::optional<std::size_t>) override { look_again(); }
   void run_until(Time time) override;
   Time slice() const override { return std::chrono::milliseconds{1}; }
   std::string output() override { return devices_ != nullptr ? devices_->console() : std::string(); }
@@ -40,12 +41,14 @@ class ChipDebuggee final : public Debuggee {
   void list_state(state::Visitor& list);
   bool answered(const c40::ExternalAccess& access);
   std::optional<std::string> end_of(const c40::StopInfo& stop) const;
+  std::optional<std::string> rests() const;
 
   c40::Chip& chip_;
   BoardDevices* devices_;
   LoneDevices* around_;
   IgnoredAccesses* ignored_;
   const toolchain::Image& program_;
+  std::set<Address> ends_;  ///< words of the program that may be an end
   Time now_;
   std::optional<std::string> over_;
   c40::TraceSink* before_ = nullptr;

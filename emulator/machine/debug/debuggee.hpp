@@ -88,7 +88,10 @@ class Debuggee {
   /// To be called when an answer may have come for which the debuggee waited.
   virtual void look_again() {}
   /// To be called after registers or words were changed from outside: what had come to an end may go on.
-  virtual void changed_by_hand() {}
+  /// \param moved the chip whose PC was set: it is not in the instruction that it had begun any more
+  virtual void changed_by_hand(std::optional<std::size_t> /*moved*/) {}
+  /// Why a PC set now would have no effect, or could not have; none: it can be set.
+  virtual std::optional<std::string> holds_pc(std::size_t n);
   /// Executes everything before `time`, and nothing else. Stops earlier when the run is over, or at io::stop_asked().
   virtual void run_until(Time time) = 0;
   /// A suitable length of a run between two checks for hits.

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <utility>
 
+#include "c40/values/state.hpp"
 #include "io/stop.hpp"
 #include "machine/debug/debugger_shared.hpp"
 #include "machine/debug/hit_recorder.hpp"
@@ -25,6 +26,12 @@ std::string_view name(Stop::Reason reason) {
     case Stop::Reason::fault: return "fault";
   }
   return "?";
+}
+
+std::optional<std::string> Debuggee::holds_pc(std::size_t n) {
+  if (!chip(n).halted()) return std::nullopt;
+  return chip(n).state().faulted ? "a fault has halted the chip, and only a reset ends that; go back before it"
+                                 : "the chip is held in reset";
 }
 
 Debugger::Debugger(Debuggee& debuggee, HistoryLimits limits)

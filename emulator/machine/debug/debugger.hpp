@@ -163,7 +163,8 @@ class Debugger {
   // ---- changes by hand: everything later is discarded, and a new branch begins ----
   /// \throws DebugError
   void set_word(std::size_t chip, Address address, Word value);
-  /// By the name of a register: an integer of 32 bits; of R0 to R11 also a float. \throws DebugError
+  /// By the name of a register: an integer of 32 bits; of R0 to R11 also a float. A PC that is set takes the
+  /// instruction under way away. \throws DebugError
   void set_register(std::size_t chip, std::string_view name, std::string_view expression);
   /// Number of changes in this branch.
   std::size_t changes() const;
@@ -208,7 +209,7 @@ class Debugger {
   template <class Fits>
   std::optional<Time> instruction_before(std::size_t chip, Time time, Fits fits);
   void look_at_past(std::size_t chip, Time from, Time to);
-  void change(std::function<void()> by_hand, std::string text);
+  void change(std::function<void()> by_hand, std::string text, std::optional<std::size_t> moved = {});
 
   Debuggee& debuggee_;
   std::vector<ProgramView> programs_;

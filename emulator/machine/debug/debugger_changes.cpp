@@ -30,10 +30,11 @@ std::uint64_t float_bits(double value) {
 
 }  // namespace
 
-void Debugger::change(std::function<void()> by_hand, std::string text) {
-  const auto make = [this, by_hand = std::move(by_hand)] {
+/// \param moved the chip whose PC is set
+void Debugger::change(std::function<void()> by_hand, std::string text, std::optional<std::size_t> moved) {
+  const auto make = [this, moved, by_hand = std::move(by_hand)] {
     by_hand();
-    debuggee_.changed_by_hand();
+    debuggee_.changed_by_hand(moved);
   };
   make();
   const bool future = history_->info().last > now() || changed_ < changes_.size();
@@ -62,8 +63,8 @@ void Debugger::set_register(std::size_t chip, std::string_view name, std::string
   require_chip(chip);
   const auto expansion = isa::expansion_named(name);
   const auto reg = isa::register_named(name);
-  const std::string lower = ascii::lower(name);
-  if (!expansion && !reg && lower != "pc")
+  const bool is_pc = ascii::lower(name) == "pc";
+  if (!expansion && !reg && !is_pc)
     throw DebugError(
         fmt::format("{} is not a register; PC, R0 to R11, AR0 to AR7, DP, IR0, IR1, BK, SP, ST, DIE, IIE, IIF, RS, RE, "
                     "RC, IVTP, TVTP are",
@@ -73,6 +74,9 @@ void Debugger::set_register(std::size_t chip, std::string_view name, std::string
     throw DebugError(fmt::format("{} holds integers, and {} is a float", name, expression));
   if (!value.is_float && !value.is_word())
     throw DebugError(fmt::format("{} does not fit into {}: 32 bits do, signed or unsigned", expression, name));
+  if (is_pc)
+    if (const auto why = debuggee_.holds_pc(chip))
+      throw DebugError(fmt::format("the PC of {} cannot be set: {}", debuggee_.chip_name(chip), *why));
   const auto make = [this, chip, reg, expansion, value] {
     c40::Chip& changed = debuggee_.chip(chip);
     const auto word = static_cast<Word>(value.integer);
@@ -83,7 +87,8 @@ void Debugger::set_register(std::size_t chip, std::string_view name, std::string
     // The exponent stays, as in an integer load.
     changed.set_register(*reg, (changed.register_value(*reg) & 0xFF00000000u) | word);
   };
-  change(make, fmt::format("{} of {} = {}", name, debuggee_.chip_name(chip), value.text()));
+  change(make, fmt::format("{} of {} = {}", name, debuggee_.chip_name(chip), value.text()),
+         is_pc ? std::optional(chip) : std::nullopt);
 }
 
 std::size_t Debugger::changes() const { return changed_; }

@@ -65,9 +65,9 @@ std::optional<std::string> NetworkDebuggee::over() const {
   return text;
 }
 
-void NetworkDebuggee::changed_by_hand() {
+void NetworkDebuggee::changed_by_hand(std::optional<std::size_t> moved) {
   ended_.reset();
-  network_.changed_by_hand();
+  network_.changed_by_hand(moved);
   for (std::size_t n = 0; n < status_.size(); ++n) status_[n] = network_.status(n);
 }
 

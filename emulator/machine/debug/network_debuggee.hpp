@@ -22,7 +22,7 @@ class NetworkDebuggee final : public Debuggee {
   void set_trace(std::size_t n, c40::TraceSink* sink) override;
   Time now() const override { return now_; }
   std::optional<std::string> over() const override;
-  void changed_by_hand() override;
+  void changed_by_hand(std::optional<std::size_t> moved) override;
   void run_until(Time time) override;
   Time slice() const override { return std::chrono::milliseconds{1}; }
   std::string save() override;

@@ -347,10 +347,10 @@ void Network::link_happens(std::size_t number, Time time) {
   }
 }
 
-void Network::changed_by_hand() {
+void Network::changed_by_hand(std::optional<std::size_t> moved) {
   something_happened();
   changed_ = now_;
-  for (auto& node : nodes_) node->look_again();
+  for (auto& node : nodes_) node->look_again(node->number == moved);
 }
 
 void Network::perform_port(Node& node, Cycles cycle) {

@@ -286,7 +286,8 @@ class Network {
                                             const c40::ExternalAccess& access, Time time)>;
   void watch_memory(MemoryListener listener) { memory_listener_ = std::move(listener); }
   /// To be called after registers or words were changed between two runs: what had come to rest is looked at again.
-  void changed_by_hand();
+  /// \param moved the chip whose PC was set: it does not wait for its access any more
+  void changed_by_hand(std::optional<std::size_t> moved = {});
   /// Sets the sink of a chip's instructions; null: none. Changes nothing. Use this, not Chip::set_trace: the network
   /// listens too.
   void set_trace(std::size_t n, c40::TraceSink* sink);

@@ -103,12 +103,20 @@ std::optional<ChipStatus> Network::Node::rest() const {
   return std::nullopt;
 }
 
-/// Its registers or memory were changed while nothing ran.
-void Network::Node::look_again() {
+/// Its registers or memory were changed while nothing ran. `moved`: its PC, which took the access of the processor away
+/// for which it waited, or at which it ended. A fault stays: the chip is halted.
+void Network::Node::look_again(bool moved) {
   patience.is_private = false;
   begin_patience();
   using enum ChipStatus;
-  if (status != halt && status != idle && status != until && status != sleeping) return;
+  const bool begins_anew =
+      moved && !chip.halted() && (status == waiting || status == external_access || status == fault);
+  if (begins_anew && !dma_awaits_answer()) {
+    forget_port();
+    chip.stand_until(first_cycle(network.now_));
+  } else if (status != halt && status != idle && status != until && status != sleeping) {
+    return;
+  }
   std::optional<ChipStatus> rests;
   try {
     if (!chip.idle()) rests = rest();
@@ -117,9 +125,10 @@ void Network::Node::look_again() {
   }
   if (rests) {
     status = *rests;
+    if (begins_anew) asleep_since = chip.cycle();
     return wake_up();
   }
-  if (status != sleeping) bring_to(network.now_, true);
+  if (status != sleeping && !begins_anew) bring_to(network.now_, true);
   status = running;
   note_idle();
 }

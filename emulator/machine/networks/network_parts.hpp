@@ -170,7 +170,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   void look_for_loop();
   void begin_patience();
   void note_idle();
-  void look_again();
+  void look_again(bool moved);
   /// Updates whether the port for which it waits is ready. Returns whether this has changed.
   bool note_ready(Time time) {
     if (!waits_for_port()) return false;

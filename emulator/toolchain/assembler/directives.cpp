@@ -192,6 +192,7 @@ Address Reader::alignment_of_reserved(Parser& p, int section) {
 void Reader::directive_bss(Statement& s) {
   Parser& p = s.parser;
   if (p.at_end()) return select_section(s, ".bss", Program::Load::reserved, s.operation_offset);
+  place_label(s);  // of the present section: the operand names the words
   const int bss = program_.section(".bss", Program::Load::reserved, s.operation_offset);
   p.skip_blanks();
   const std::size_t offset = p.offset();

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "toolchain/assembler/checks.hpp"
 #include "toolchain/assembler/program.hpp"
@@ -43,7 +44,7 @@ void Program::place(std::vector<Diagnostic>& diagnostics) {
     if (section->address % section->alignment != 0)
       complain(fmt::format("the section '{}' at {:x}h must be aligned to {} words", section->name, section->address,
                            section->alignment));
-    if (section->blocked && !in_one_page(section->address, section->size))
+    if (section->blocked && is_split(section->address, section->size))
       complain(fmt::format("the section '{}' ({} words at {:x}h) must lie in one page of 64 K words", section->name,
                            section->size, section->address));
   }
@@ -128,6 +129,8 @@ Word Program::plain_word(const Expression& expression, const Value& value, Addre
   if (relocations != nullptr && !value.is_absolute()) {
     const auto address = static_cast<Word>(value.integer);
     const bool high = value.half == Value::Half::high, low = value.half == Value::Half::low;
+    if (!high && !low && std::abs(value.integer) >= std::int64_t{1} << 32)
+      throw LineError{expression.offset, fmt::format("{} beside an address does not fit in 32 bits", value.integer)};
     relocations->push_back({offset,
                             {high  ? RelocationType::partms16
                              : low ? RelocationType::partls16

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "toolchain/assembler/program.hpp"
+#include "toolchain/encoder/operand_encoder.hpp"
 
 namespace toolchain {
 
@@ -93,8 +94,9 @@ void Program::add_object_symbols(Object& object, const std::vector<int>& numbers
         .name = name, .value = 0, .section = ObjectSymbol::undefined, .global = true, .stands_for_section = false};
 }
 
-/// A branch refers to a symbol exactly at its target, so that 16 bits always hold the rest of the distance. All other
-/// relocations refer to the section's own symbol.
+/// A branch refers to a symbol exactly at its target, so that 16 bits always hold the rest of the distance; so does an
+/// immediate whose number beside the section's address has more than 16 bits. All other relocations refer to the
+/// section's own symbol.
 Relocation Program::relocation(Object& object, const std::vector<int>& numbers, const WordRelocation& wanted) const {
   const Value& target = wanted.field.target;
   const auto value = static_cast<Word>(target.integer);
@@ -110,7 +112,8 @@ Relocation Program::relocation(Object& object, const std::vector<int>& numbers, 
     return out;
   }
   const int section = target.is_absolute() ? ObjectSymbol::absolute : numbers[index(target.section)];
-  if (!is_relative(out.type)) {
+  const bool too_far = out.type == RelocationType::relword && !fits_signed(target.integer, width(out.type));
+  if (!is_relative(out.type) && !too_far) {
     found([&](const ObjectSymbol& s) { return s.stands_for_section && s.section == section; });
     return out;
   }

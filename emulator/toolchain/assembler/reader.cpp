@@ -272,15 +272,20 @@ bool Reader::conditional(Statement& s) {
     return true;
   }
   if (c.after_else) throw LineError{s.operation_offset, fmt::format("'{}' after .else", operation)};
+  // The line stands at the end of one branch and at the beginning of the next.
+  const bool ends_branch = c.active, possible = c.parent && !c.taken;
   c.after_else = operation == ".else";
-  const bool possible = c.parent && !c.taken;
   c.active = possible && c.after_else;
-  if (possible && !c.after_else) {
-    c.active = known_number(p, "the condition") != 0;
-    p.expect_end();
+  try {
+    if (possible && !c.after_else) {
+      c.active = known_number(p, "the condition") != 0;
+      p.expect_end();
+    }
+    if (ends_branch || c.active) place_label(s);
+  } catch (const LineError& error) {
+    report(*s.line, error);
   }
   c.taken = c.taken || c.active;
-  if (c.active) place_label(s);
   return true;
 }
 

@@ -19,12 +19,6 @@ bool gnu_takes_signed(isa::Operation operation) {
          operation == mh;
 }
 
-/// Only these take the low half of an address alone: an instruction for the high half comes before or behind them.
-bool is_logical(isa::Operation operation) {
-  using enum isa::Operation;
-  return operation == and_ || operation == andn || operation == or_ || operation == tstb || operation == xor_;
-}
-
 }  // namespace
 
 std::string kind_text(const OperandSyntax& operand, isa::Cpu cpu) {
@@ -38,11 +32,23 @@ std::string kind_text(const OperandSyntax& operand, isa::Cpu cpu) {
   return {};
 }
 
+bool is_logical(isa::Operation operation) {
+  using enum isa::Operation;
+  return operation == and_ || operation == andn || operation == or_ || operation == tstb || operation == xor_;
+}
+
 bool fits_signed(std::int64_t value, unsigned bits) {
   return value >= -(std::int64_t{1} << (bits - 1)) && value < (std::int64_t{1} << (bits - 1));
 }
 
 bool fits_unsigned(std::int64_t value, unsigned bits) { return value >= 0 && value < (std::int64_t{1} << bits); }
+
+bool immediate_takes(const isa::Row& row, std::int64_t number, bool is_address) {
+  const bool from_zero = row.immediate == Immediate::zero;
+  if (from_zero ? fits_unsigned(number, 16) : fits_signed(number, 16)) return true;
+  if (is_address) return false;
+  return from_zero ? gnu_takes_signed(row.operation) && fits_signed(number, 16) : fits_unsigned(number, 16);
+}
 
 OperandEncoder::OperandEncoder(const Candidate& candidate, const HalfSyntax& first, const HalfSyntax* second,
                                const EncodeContext& context)
@@ -93,6 +99,13 @@ std::int64_t OperandEncoder::address(const OperandSyntax& o, const Value& v, Rel
   if (context_.relocations == nullptr || v.is_real()) return integer(o, v);
   const bool settled = is_relative(type) ? v.section == context_.section : v.is_absolute();
   if (!settled) relocations_.push_back({type, v});
+  const unsigned bits = width(type);
+  const bool is_half = type == RelocationType::partls16 || type == RelocationType::partms16;
+  if (v.is_external() && !is_half && !fits_signed(v.integer, bits) &&
+      !(type == RelocationType::rel24 && fits_unsigned(v.integer, bits)))
+    miss(
+        Mismatch::contents, o.offset,
+        fmt::format("{} is added to another object's symbol here, and the object has {} bits for it", v.integer, bits));
   return v.integer;
 }
 
@@ -189,18 +202,16 @@ Word OperandEncoder::immediate(const OperandSyntax& o) const {
   if (context_.relocations != nullptr && !v.is_absolute())
     return static_cast<Word>(address(o, v, RelocationType::relword)) & 0xFFFF;
   const std::int64_t number = integer(o, v);
-  const bool fits = row_.immediate == Immediate::zero ? fits_unsigned(number, 16) : fits_signed(number, 16);
-  if (!v.is_absolute() && !fits)
+  if (!v.is_absolute() && !immediate_takes(row_, number, true))
     miss(Mismatch::contents, o.offset,
          context_.cpu == isa::Cpu::c40
              ? "an address has 32 bits; load it with LDHI hi16(x),reg and OR lo16(x),reg, or from a .word"
              : "an address has 24 bits; load it from a .word, or with LDI hi16(x),reg, LSH 16,reg and OR lo16(x),reg");
-  const bool sign_too = gnu_takes_signed(row_.operation);
-  if (row_.immediate == Immediate::zero)
-    return in_range(o, number, fits_unsigned(number, 16) || (sign_too && fits_signed(number, 16)), "0 to 65535");
-  if (!fits_signed(number, 16) && fits_unsigned(number, 16))
+  const bool fits = immediate_takes(row_, number, false);
+  if (row_.immediate == Immediate::zero) return in_range(o, number, fits, "0 to 65535");
+  if (!fits_signed(number, 16) && fits)
     context_.on_warning({o.offset, fmt::format("{} is taken as the signed number {}", number, number - 65536), half_});
-  return in_range(o, number, fits_signed(number, 16) || fits_unsigned(number, 16), "-32768 to 32767");
+  return in_range(o, number, fits, "-32768 to 32767");
 }
 
 Word OperandEncoder::short_float(const OperandSyntax& o, const Value& v) const {

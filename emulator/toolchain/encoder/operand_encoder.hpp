@@ -21,6 +21,11 @@ struct Mismatch {
 std::string kind_text(const OperandSyntax& operand, isa::Cpu cpu);
 bool fits_signed(std::int64_t value, unsigned bits);
 bool fits_unsigned(std::int64_t value, unsigned bits);
+/// Only these take the low half of an address alone: an instruction for the high half comes before or behind them.
+bool is_logical(isa::Operation operation);
+/// Whether an instruction with an immediate takes the number in its 16 bits. An address has to be the immediate's
+/// value; a constant may also be given as the 16 bits themselves, where the row does not count from 0.
+bool immediate_takes(const isa::Row& row, std::int64_t number, bool is_address);
 
 /// The present statement as one row sees it: its halves, and the bits of its operands. All functions throw Mismatch if
 /// the row does not take the operand, and LineError if the operand itself is wrong (an undefined symbol).

@@ -22,6 +22,7 @@ std::string join(const std::vector<std::string>& messages) { return fmt::format(
 struct Definition {
   Word value = 0;
   const Object* object = nullptr;  ///< Null if the memory map or the linker itself defines the symbol.
+  bool is_address = false;
 };
 
 class Linker {
@@ -149,11 +150,13 @@ class Linker {
 
   void check_small_model() {
     const OutputSection& bss = *placement_.find(".bss");
-    if (!bss.rather_in_one_page || in_one_page(bss.address, bss.size)) return;
-    warnings_.push_back(
-        fmt::format("{}: warning: .bss ({} words at {:08X}h) lies in two pages of 64 K words; a program of the small "
-                    "model reaches only the first. The memory map may give another place",
-                    linked_program, bss.size, bss.address));
+    const std::uint64_t in = pages(bss.address, bss.size);
+    if (!bss.rather_in_one_page || in <= 1) return;
+    warnings_.push_back(fmt::format(
+        "{}: warning: .bss ({} words at {:08X}h) lies in {} pages of 64 K words; a program of the small model reaches "
+        "only the first{}",
+        linked_program, bss.size, bss.address, in == 2 ? "two" : std::to_string(in),
+        is_split(bss.address, bss.size) ? ". The memory map may give another place" : ", one of the big model all"));
   }
 
   /// How far an object's section was moved.
@@ -167,11 +170,12 @@ class Linker {
   }
 
   void define_symbols() {
-    for (const auto& [name, value] : map_.symbols) globals_[name] = {value, nullptr};
+    for (const auto& [name, value] : map_.symbols) globals_[name] = {value, nullptr, false};
     for (std::size_t i = 0; i < objects_.size(); ++i)
       for (const ObjectSymbol& symbol : objects_[i].symbols) {
         if (!defines(symbol)) continue;
-        const auto [at, fresh] = globals_.insert({symbol.name, {final_value(i, symbol), &objects_[i]}});
+        const auto [at, fresh] =
+            globals_.insert({symbol.name, {final_value(i, symbol), &objects_[i], symbol.section >= 0}});
         if (!fresh)
           complain(fmt::format("{}: '{}' is defined already in {}", objects_[i].name, symbol.name,
                                at->second.object != nullptr ? at->second.object->name : "the memory map"));
@@ -193,15 +197,15 @@ class Linker {
 
   /// The symbols that TI's linker defines itself, unless the objects do: the start or end of a section.
   void define_own(const std::string& name, Word value) {
-    globals_.insert({name, {value, nullptr}});
-    globals_.insert({"_" + name, {value, nullptr}});
+    globals_.insert({name, {value, nullptr, true}});
+    globals_.insert({"_" + name, {value, nullptr, true}});
     own_.insert({name, "_" + name});
   }
 
   /// The final number of words of the section, which its own source cannot know.
   void define_size(const std::string& name, std::string_view of) {
     const OutputSection* section = placement_.find(of);
-    globals_.insert({name, {section != nullptr ? section->size : 0, nullptr}});
+    globals_.insert({name, {section != nullptr ? section->size : 0, nullptr, false}});
     own_.insert(name);
   }
 
@@ -325,15 +329,18 @@ class Linker {
     const bool own = relocation.symbol == Relocation::own_section;
     const ObjectSymbol* symbol = own ? nullptr : &object.symbols[static_cast<std::size_t>(relocation.symbol)];
     Word then = section.address, now = section.address + move_of(part.source.object, part.source.section);
+    bool is_address = own || symbol->section >= 0;
     if (symbol != nullptr && symbol->section == ObjectSymbol::undefined) {
+      const Definition& definition = globals_.find(symbol->name)->second;
       then = 0;
-      now = globals_.find(symbol->name)->second.value;
+      now = definition.value;
+      is_address = definition.is_address;
     } else if (symbol != nullptr) {
       then = symbol->value;
       now = final_value(part.source.object, *symbol);
     }
     const bool is_section = own || symbol->stands_for_section;
-    const Relocated out = relocate(word, relocation, then, now, place_then, place_now, is_section);
+    const Relocated out = relocate(word, relocation, then, now, place_then, place_now, is_section, is_address);
     const std::string name = own ? section.name : symbol->name;
     if (!out.fits)
       complain(fmt::format("{}: {}+{:X}h: {} is out of reach: {} {} does not fit in the {} bits of {}", object.name,

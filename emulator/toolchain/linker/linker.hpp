@@ -44,6 +44,6 @@ struct Relocated {
   std::int64_t value = 0;  ///< Value of the field: an address or a distance.
 };
 Relocated relocate(Word word, const Relocation& relocation, Word symbol_then, Word symbol_now, Word place_then,
-                   Word place_now, bool symbol_is_section);
+                   Word place_now, bool symbol_is_section, bool is_address);
 
 }  // namespace toolchain

@@ -100,7 +100,7 @@ void Placement::put(OutputSection& section, Address address, const MemoryMap::Me
   if (address % section.alignment != 0)
     errors.push_back(fmt::format("section {} must be aligned to {} words", extent(section), section.alignment));
   check_end(section, errors);
-  if (section.blocked && !in_one_page(address, section.size))
+  if (section.blocked && is_split(address, section.size))
     errors.push_back(fmt::format("section {} must lie in one page of 64 K words", extent(section)));
   if (memory != nullptr && (address < memory->origin || end > memory->origin + memory->length))
     errors.push_back(fmt::format("section {} does not lie in the memory '{}' ({} words at {:08X}h)", extent(section),

@@ -1,4 +1,6 @@
 // A relocation applied to a word.
+#include "isa/decode.hpp"
+#include "toolchain/encoder/operand_encoder.hpp"
 #include "toolchain/linker/linker.hpp"
 
 namespace toolchain {
@@ -9,10 +11,21 @@ std::int64_t sign_extended(std::uint64_t value, unsigned bits) {
   return static_cast<std::int64_t>(value << shift) >> shift;
 }
 
+/// As the assembler takes a number that it knows. Of instructions for one half of an address, and of other words, any
+/// 16 bits will do.
+bool takes(Word word, std::int64_t number, bool is_address) {
+  const isa::Decoded decoded = isa::decode(word);
+  const auto* instruction = std::get_if<isa::Instruction>(&decoded);
+  if (instruction == nullptr || is_logical(instruction->row->operation)) return true;
+  const auto immediate = [](const isa::Operand& operand) { return operand.is(isa::Operand::Kind::immediate_int); };
+  if (!immediate(instruction->src1) && !immediate(instruction->src2)) return true;
+  return immediate_takes(*instruction->row, number, is_address);
+}
+
 }  // namespace
 
 Relocated relocate(Word word, const Relocation& relocation, Word symbol_then, Word symbol_now, Word place_then,
-                   Word place_now, bool symbol_is_section) {
+                   Word place_now, bool symbol_is_section, bool is_address) {
   const unsigned bits = width(relocation.type);
   const auto mask = static_cast<Word>((std::uint64_t{1} << bits) - 1);
   const auto put = [&](std::int64_t value) { return (word & ~mask) | (static_cast<Word>(value) & mask); };
@@ -41,7 +54,7 @@ Relocated relocate(Word word, const Relocation& relocation, Word symbol_then, Wo
     case RelocationType::rel24: out.fits = distance >= 0 && distance <= std::int64_t{mask}; break;
     case RelocationType::relword: {
       const std::int64_t number = sign_extended(static_cast<std::uint64_t>(value), 32);
-      out.fits = number >= -32768 && number <= 65535;
+      out.fits = number >= -32768 && number <= 65535 && takes(out.word, number, is_address);
       break;
     }
     default: break;

@@ -18,9 +18,11 @@ std::uint64_t aligned(std::uint64_t address, std::uint64_t alignment) {
   return (address + alignment - 1) / alignment * alignment;
 }
 
-bool in_one_page(std::uint64_t address, std::uint64_t words) {
-  return words == 0 || words > page || address / page == (address + words - 1) / page;
+std::uint64_t pages(std::uint64_t address, std::uint64_t words) {
+  return words == 0 ? 0 : (address + words - 1) / page - address / page + 1;
 }
+
+bool is_split(std::uint64_t address, std::uint64_t words) { return words <= page && pages(address, words) > 1; }
 
 std::uint64_t free_place(std::uint64_t from, std::uint64_t words, std::uint64_t alignment, bool blocked,
                          std::span<const Extent> taken) {
@@ -28,7 +30,7 @@ std::uint64_t free_place(std::uint64_t from, std::uint64_t words, std::uint64_t 
   for (bool moved = true; moved;) {
     moved = false;
     at = aligned(at, alignment);
-    if (blocked && !in_one_page(at, words)) at = aligned(at, page);
+    if (blocked && is_split(at, words)) at = aligned(at, page);
     for (const Extent& other : taken) {
       if (other.words == 0 || at >= other.begin + other.words || other.begin >= at + words) continue;
       at = other.begin + other.words;

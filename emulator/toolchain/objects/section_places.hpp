@@ -17,8 +17,11 @@ struct Extent {
   std::uint64_t begin = 0, words = 0;
 };
 
-/// Whether the words lie in one page of 64 K words, or are too many for one.
-bool in_one_page(std::uint64_t address, std::uint64_t words);
+/// In how many pages of 64 K words the words lie.
+std::uint64_t pages(std::uint64_t address, std::uint64_t words);
+
+/// Whether words that would fit into one page lie in two: blocked sections may not.
+bool is_split(std::uint64_t address, std::uint64_t words);
 
 /// The first address from `from` on where a section does not meet another one. \param words the section's size, not 0
 /// \param alignment in words, a power of 2 \param blocked not to be split over two pages of 64 K words if it fits in
