@@ -443,7 +443,8 @@ class Debugger:
         self._d.set_word(number, self.places(place, number)[0], arguments.whole("value", value, "a word", 0, 2**32 - 1))
 
     def set_register(self, name: str, value: float | str, *, chip: int | None = None) -> None:
-        """Changes a register, to a number or an expression; R0 to R11 take floats."""
+        """Changes a register, to a number or an expression; R0 to R11 take floats. A new ``pc`` drops the instruction
+        under way; it is refused for a chip with a fault, which only a reset ends, and for one that is held."""
         self._d.set_register(self._chip(chip), arguments.text("name", name, "the name of a register"), str(value))
 
     def listen(self, port: int = 0, *, told: Callable[[int], None] | None = None) -> bool:
