@@ -167,7 +167,7 @@ void Host::load_next_part(std::size_t done, const Task& task, std::uint32_t own_
 void Host::refresh_servo(Servo& servo, bool on) {
   if (!on) {
     while (servo.next <= tick_) servo.next += intervals_.servo;
-  } else if (servo.out || servo.waits || servo.stopped) {
+  } else if (servo.out || servo.waits || stopped(servo)) {
     while (servo.next <= tick_) drop_tick(servo);
   } else {
     while (servo.next + intervals_.servo <= tick_ || (servo.next <= tick_ && left_out(servo.next))) drop_tick(servo);
@@ -220,7 +220,7 @@ void Host::count_rest(Time end, Ledger& account) const {
   const std::int64_t last = clock_.tick_at_or_after(end) - 1;  // refresh before the end
   for (const Servo* servo : {&torque_, &pid_}) {
     if (!released(*servo)) continue;
-    const bool blocked = servo->waits || servo->stopped || (servo->out && account.is_open(servo->block));
+    const bool blocked = servo->waits || stopped(*servo) || (servo->out && account.is_open(servo->block));
     const std::int64_t period = intervals_.servo;
     for (std::int64_t next = servo->next; next - config_.scheduling.gamma_refreshes <= last; next += period) {
       if (next + period <= last || (blocked && next <= last) || left_out(next))

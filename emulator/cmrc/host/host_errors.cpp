@@ -15,7 +15,7 @@ void Host::error(Word number, Word what, Robot robot, Word phase, Word response)
 // drives wait for its codes.
 bool Host::drives_wait_too_long() const {
   const double limit = config_.dock.drive_timeout_ms;
-  return limit > 0 && pid_runs_ >= 3 && servoing() && !pid_.stopped &&
+  return limit > 0 && pid_runs_ >= 3 && servoing() && !stopped(pid_) &&
          static_cast<double>((now_ - pid_ended_).count()) * 1e-9 > limit;
 }
 
