@@ -223,7 +223,8 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   Time release_of_tick(std::int64_t tick) const { return clock_.at(tick - config_.scheduling.gamma_refreshes); }
   /// Given up. Without torque compensation's feed-forward PID gets no work either, so that the drives' time-out brakes.
   bool stopped(const Servo& servo) const { return servo.stopped || torque_.stopped; }
-  void skip(const Servo& servo, std::int64_t tick, Time found, Ledger& ledger) const;
+  /// \param refresh the one at which the tick is dropped
+  void skip(const Servo& servo, std::int64_t tick, std::int64_t refresh, Time found, Ledger& ledger) const;
   /// Throws the list's error with instant and place.
   std::size_t place_in_list(const Task& task);
   /// An experiment leaves out this nominal tick (scheduling.servo_loss_share, servo_served_every).

@@ -207,12 +207,17 @@ bool Host::released(const Servo& servo) const { return processes_.releases(servo
 void Host::drop_tick(Servo& servo) {
   note(EventKind::miss, {servo.task.kind, static_cast<std::uint32_t>(servo.next),
                          static_cast<std::uint32_t>(report::Outcome::dropped), words_.block(servo.block), 0});
-  skip(servo, servo.next, now_, ledger_);
+  skip(servo, servo.next, tick_, now_, ledger_);
   servo.next += intervals_.servo;
 }
 
-void Host::skip(const Servo& servo, std::int64_t tick, Time found, Ledger& ledger) const {
-  ledger.skipped(servo.job, release_of_tick(tick), clock_.at(tick + intervals_.servo), tick / intervals_.servo, found);
+void Host::skip(const Servo& servo, std::int64_t tick, std::int64_t refresh, Time found, Ledger& ledger) const {
+  const bool passed = tick + intervals_.servo <= refresh;
+  const report::Wait cause = left_out(tick)                               ? report::Wait::left_out
+                             : !passed && (servo.waits || stopped(servo)) ? report::Wait::stopped_by_error
+                                                                          : report::Wait::host_late;
+  ledger.skipped(servo.job, release_of_tick(tick), clock_.at(tick + intervals_.servo), tick / intervals_.servo, found,
+                 servo.task.robot, cause);
 }
 
 void Host::count_rest(Time end, Ledger& account) const {
@@ -224,7 +229,7 @@ void Host::count_rest(Time end, Ledger& account) const {
     const std::int64_t period = intervals_.servo;
     for (std::int64_t next = servo->next; next - config_.scheduling.gamma_refreshes <= last; next += period) {
       if (next + period <= last || (blocked && next <= last) || left_out(next))
-        skip(*servo, next, end, account);
+        skip(*servo, next, last, end, account);
       else
         account.never_loaded(servo->job, release_of_tick(next), clock_.at(next + period), next / period, end);
     }
