@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <set>
@@ -150,7 +149,7 @@ std::string Console::prompt() const { return fmt::format("{}> ", debugger_.debug
 
 bool Console::command(std::string_view line) {
   failed_ = false;
-  line = trimmed(line);
+  line = ascii::trimmed(line);
   if (line.starts_with('#')) return goes_on_;
   const std::string again = last_step_;
   if (line.empty()) line = again;
@@ -182,7 +181,7 @@ bool Console::unattended(std::string_view line, const std::string& place) {
   command(line);
   unattended_ = before;
   if (!failed_) return goes_on_;
-  print_(fmt::format("{}: {}", place, trimmed(line)));
+  print_(fmt::format("{}: {}", place, ascii::trimmed(line)));
   return goes_on_ = false;
 }
 
@@ -196,7 +195,7 @@ void Console::script(const std::string& path) {
   for (std::string line; goes_on_ && !paused_ && std::getline(in, line);) {
     ++number;
     if (number == 1) line.erase(0, mark_of_utf8(line));
-    if (!trimmed(line).empty()) unattended(line, fmt::format("{}:{}", path, number));
+    if (!ascii::trimmed(line).empty()) unattended(line, fmt::format("{}:{}", path, number));
   }
   --depth_;
 }
@@ -306,7 +305,7 @@ void Console::stop_at_words(Words& words) {
 void Console::stop_at_happening(Words& words) {
   Trigger trigger{.kind = Trigger::Kind::happening, .name = std::string(words.next())};
   if (trigger.name.empty()) throw DebugError("on: an event is expected (see: happenings)");
-  trigger.text = "at " + trigger.name + " " + std::string(trimmed(words.rest));
+  trigger.text = "at " + trigger.name + " " + std::string(ascii::trimmed(words.rest));
   read_options(words, trigger);
   added(debugger_.add(trigger));
 }
@@ -372,9 +371,8 @@ Time Console::time_in(Words& words) const {
   const std::string number(words.next());
   const std::string_view unit = words.next();
   words.end();
-  double value = -1;
-  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
-  if (error != std::errc() || end != number.data() + number.size() || !(value >= 0))
+  const double value = ascii::number<double>(number).value_or(-1);
+  if (!(value >= 0))
     throw DebugError(
         fmt::format("\"{}\" is not an instant; 2.5, 2.5 s, 12 ms, 100 us or 7 cycles is expected", number));
   if (unit == "cycles") return debugger_.debuggee().time_of(chip_, static_cast<c40::Cycles>(std::min(value, 1e15)));
@@ -435,8 +433,8 @@ void Console::set(Words& words) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
     throw DebugError("set: PLACE = EXPRESSION or REGISTER = EXPRESSION is expected");
-  const std::string target(trimmed(std::string_view(text).substr(0, equals))),
-      value(trimmed(std::string_view(text).substr(equals + 1)));
+  const std::string target(ascii::trimmed(std::string_view(text).substr(0, equals))),
+      value(ascii::trimmed(std::string_view(text).substr(equals + 1)));
   if (isa::register_named(target) || isa::expansion_named(target) || target == "pc" || target == "PC")
     return debugger_.set_register(chip_, target, value);
   const Address address = address_at(target, chip_);

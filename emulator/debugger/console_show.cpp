@@ -116,7 +116,7 @@ void Console::show_code(Words& words) {
     std::string text = program.instruction(at, *word);
     std::ranges::replace(text, '\n', ' ');
     std::ranges::replace(text, '\t', ' ');
-    print_(fmt::format("{} {:08X}h {:<60} {}", at == pc ? "=>" : "  ", at, trimmed(text),
+    print_(fmt::format("{} {:08X}h {:<60} {}", at == pc ? "=>" : "  ", at, ascii::trimmed(text),
                        cost == spent.end() ? "" : costs(cost->second)));
   }
 }

@@ -8,17 +8,12 @@
 #include <string_view>
 
 #include "debugger/console.hpp"
+#include "isa/ascii.hpp"
 
 namespace debugger {
 
 inline std::string seconds(machine::Time time) {
   return fmt::format("{:.9f} s", static_cast<double>(time.count()) * 1e-12);
-}
-
-inline std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
 /// The length of the byte order mark that editors put before UTF-8.
@@ -31,16 +26,16 @@ inline std::size_t mark_of_utf8(std::string_view line) {
 struct Console::Words {
   std::string_view rest;
 
-  bool empty() const { return trimmed(rest).empty(); }
+  bool empty() const { return ascii::trimmed(rest).empty(); }
   std::string_view next() {
-    rest = trimmed(rest);
+    rest = ascii::trimmed(rest);
     const std::size_t end = std::min(rest.find_first_of(" \t"), rest.size());
     const std::string_view word = rest.substr(0, end);
-    rest = trimmed(rest.substr(end));
+    rest = ascii::trimmed(rest.substr(end));
     return word;
   }
   std::string_view peek() const {
-    const std::string_view text = trimmed(rest);
+    const std::string_view text = ascii::trimmed(rest);
     return text.substr(0, std::min(text.find_first_of(" \t"), text.size()));
   }
   bool take(std::string_view word) {
@@ -49,20 +44,22 @@ struct Console::Words {
     return true;
   }
   std::string all() {
-    std::string text(trimmed(rest));
+    std::string text(ascii::trimmed(rest));
     rest = {};
     return text;
   }
   void end() const {
     if (!empty())
-      throw machine::debug::DebugError(fmt::format("\"{}\": the end of the command is expected here", trimmed(rest)));
+      throw machine::debug::DebugError(
+          fmt::format("\"{}\": the end of the command is expected here", ascii::trimmed(rest)));
   }
   std::uint64_t count(std::string_view what) {
     const std::string_view word = next();
-    if (word.empty() || word.size() > 12 || !std::ranges::all_of(word, [](char c) { return c >= '0' && c <= '9'; }))
+    const auto value = ascii::number<std::uint64_t>(word);
+    if (!value || word.size() > 12)
       throw machine::debug::DebugError(
           fmt::format("{}: \"{}\" is not possible; an integer of at least 0 is expected", what, word));
-    return std::stoull(std::string(word));
+    return *value;
   }
 };
 

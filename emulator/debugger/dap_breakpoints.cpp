@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 
 #include "debugger/dap_session.hpp"
+#include "isa/ascii.hpp"
 #include "isa/types.hpp"
 #include "machine/debug/expression.hpp"
 
@@ -36,11 +36,10 @@ std::uint64_t passed_over(std::string text) {
     rest.remove_prefix(2);
   else if (rest.starts_with(">"))
     rest.remove_prefix(1), add = 1;
-  std::uint64_t count = 0;
-  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), count);
-  if (error != std::errc() || end != rest.data() + rest.size() || count + add == 0)
+  const auto count = ascii::number<std::uint64_t>(rest);
+  if (!count || *count + add == 0)
     throw DebugError(fmt::format("hitCondition \"{}\": a number, >= or > and a number are expected", text));
-  return count + add - 1;
+  return *count + add - 1;
 }
 
 void read_conditions(const Json& asked, Trigger& trigger) {

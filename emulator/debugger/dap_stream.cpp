@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <system_error>
 
 namespace debugger::dap {
@@ -31,11 +30,8 @@ std::size_t length_in(std::string_view header) {
     }
     line.remove_prefix(length_field.size());
     while (line.starts_with(' ')) line.remove_prefix(1);
-    std::size_t value = 0;
-    const auto [rest, error] = std::from_chars(line.data(), line.data() + line.size(), value);
-    if (error != std::errc() || rest != line.data() + line.size())
-      throw BrokenStream(fmt::format("Content-Length: \"{}\" is not a number", line.substr(0, 40)));
-    length = value;
+    length = ascii::number<std::size_t>(line);
+    if (!length) throw BrokenStream(fmt::format("Content-Length: \"{}\" is not a number", line.substr(0, 40)));
   }
   if (!length) throw BrokenStream("a header without Content-Length");
   if (*length > Framing::longest_message)

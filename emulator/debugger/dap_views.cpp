@@ -3,7 +3,6 @@
 #include <openssl/evp.h>
 
 #include <algorithm>
-#include <charconv>
 
 #include "debugger/dap_session.hpp"
 #include "isa/ascii.hpp"
@@ -77,10 +76,10 @@ std::string Session::path_from_client(const std::string& path) const {
   if (!paths_are_uris_ || !path.starts_with(scheme)) return path;
   std::string plain;
   for (std::size_t i = std::min(path.find('/', scheme.size()), path.size()); i < path.size(); ++i) {
-    unsigned code = 0;
-    if (path[i] == '%' && i + 2 < path.size() &&
-        std::from_chars(&path[i + 1], &path[i + 1] + 2, code, 16).ptr == &path[i + 1] + 2)
-      plain += static_cast<char>(code), i += 2;
+    const bool escape = path[i] == '%' && i + 2 < path.size();
+    const auto code = escape ? ascii::number<unsigned>(path.substr(i + 1, 2), 16) : std::nullopt;
+    if (code)
+      plain += static_cast<char>(*code), i += 2;
     else
       plain += path[i];
   }

@@ -4,8 +4,8 @@
 ///     list("time", time_); list("ports", ports_);
 ///
 /// This list serves to save, load, compare and hash the state. Aggregates need no list: all their members are state.
-/// Pointers and references are not state; a class that has some lists its other members. Derived values are not listed:
-/// loading computes them again.
+/// Pointers and references are not state; a class that has some lists its other members. Nor are temporary values,
+/// observers, what follows from the configuration alone, and derived values: loading computes these again.
 ///
 /// A list that is only read changes nothing, so a const object can be saved.
 #include <array>

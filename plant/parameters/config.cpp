@@ -1,6 +1,7 @@
 #include "plant/parameters/config.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "plant/numerics/math.hpp"
 
@@ -101,6 +102,23 @@ Pose along(const LaneSegment& s, double way) {
   if (s.curvature == 0.0) return {s.x + way * ch, s.y + way * sh, s.heading};
   const auto [st, ct] = sin_cos(heading);
   return {s.x + (st - sh) / s.curvature, s.y - (ct - ch) / s.curvature, heading};
+}
+
+double distance_from(const LaneSegment& lane, double x, double y) {
+  const double dx = x - lane.x, dy = y - lane.y;
+  const double c = cos(lane.heading), s = sin(lane.heading);
+  const double along = dx * c + dy * s, across = dy * c - dx * s;
+  if (lane.curvature == 0) {
+    const double beyond = along < 0 ? -along : std::max(0.0, along - lane.length);
+    return hypot(across, beyond);
+  }
+  // Mirrored, so that the arc turns left: its centre is at (0, radius).
+  const double radius = 1 / std::abs(lane.curvature);
+  const double left = lane.curvature > 0 ? across : -across;
+  double angle = atan2(along, radius - left);
+  if (angle < -1e-6) angle += 2 * std::numbers::pi;
+  if (angle * radius > lane.length + 1e-6) return 1e9;
+  return std::abs(hypot(along, radius - left) - radius);
 }
 
 Pose start_of_agv(const Layout& layout, int i) {

@@ -288,6 +288,9 @@ std::array<std::vector<LaneSegment>, 3> default_loop(const Layout&, int agvs);
 // The pose at a distance along a piece of lane.
 Pose along(const LaneSegment&, double way);
 
+// Distance of a point from a piece of lane, m; 1e9 if the point is before an arc's beginning or behind its end.
+double distance_from(const LaneSegment&, double x, double y);
+
 // The place of AGV i at the start: the spot, and the slots behind it.
 Pose start_of_agv(const Layout&, int i);
 

@@ -59,25 +59,20 @@ const State& state_for(const Parts& parts, const Snapshot<State>& snapshot, cons
   return snapshot.state;
 }
 
-// Five numbers of a sequence or an array.
+// Five numbers of a sequence or an array, as plant/arguments.py takes them; lists, tuples and arrays need no look
+// there.
 Joints joints(const py::object& torques) {
-  const auto refuse = [&]() -> py::value_error {
-    return py::value_error("five torques are needed (gantry, slew, luff, hoist, rotator), not " +
-                           std::string(py::repr(torques)));
-  };
-  // The usual array has no mask, and need not be asked.
-  const bool usual = std::string_view(Py_TYPE(torques.ptr())->tp_name) == "numpy.ndarray";
-  if (!usual && py::hasattr(torques, "harden_mask") &&
-      py::module_::import("numpy.ma").attr("is_masked")(torques).cast<bool>())
-    throw refuse();
+  PyObject* const given = torques.ptr();
+  const bool usual = PyList_CheckExact(given) || PyTuple_CheckExact(given) ||
+                     std::string_view(Py_TYPE(given)->tp_name) == "numpy.ndarray";
   try {
-    return torques.cast<Joints>();
+    return (usual ? torques : py::module_::import("cmrc.plant.arguments").attr("array")(torques)).cast<Joints>();
   } catch (const py::cast_error&) {
-    throw refuse();
   } catch (const py::error_already_set& error) {
-    if (!error.matches(PyExc_TypeError)) throw;
-    throw refuse();  // an array without dimensions has no length
+    if (!error.matches(PyExc_TypeError)) throw;  // an array without dimensions has no length
   }
+  throw py::value_error("five torques are needed (gantry, slew, luff, hoist, rotator), not " +
+                        std::string(py::repr(torques)));
 }
 
 /// Calls from two threads at once are refused.

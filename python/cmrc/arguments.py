@@ -100,6 +100,8 @@ def whole(name: str, value: object, right: str, least: int = 0, most: int = 2**3
 
 
 def flag(name: str, value: object) -> bool:
+    if type(value).__module__ == "numpy" and type(value).__name__.startswith("bool"):
+        return bool(value)
     if value is not True and value is not False:
         refuse(name, value, "True or False")
     return value

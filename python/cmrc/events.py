@@ -80,7 +80,7 @@ def of_trace(path: str | os.PathLike[str]) -> Iterator[pa.RecordBatch]:
     """The events of a trace that ``--trace`` wrote, in batches. Raises ValueError with the line, ImportError,
     OSError."""
     pa = needed()
-    numbers = {name: number for number, (name, _) in _core.report.event_names().items()}
+    known = {name: set(arguments) for name, arguments in _core.report.event_names().values()}
     with open(path, encoding="utf-8", errors="replace") as lines:
         if lines.readline(LONGEST_LINE).rstrip("\n") != HEADER:
             raise ValueError(f'{path}: line 1: not an event trace; one begins with "{HEADER}"')
@@ -91,7 +91,7 @@ def of_trace(path: str | os.PathLike[str]) -> Iterator[pa.RecordBatch]:
             if line.startswith("#") or not line.strip():
                 continue
             try:
-                rows.append(_row(line, numbers))
+                rows.append(_row(line, known))
             except (ValueError, IndexError) as error:
                 raise ValueError(
                     f"{path}: line {number}: not a line of an event trace: {line.rstrip()[:80]!r}"
@@ -102,17 +102,22 @@ def of_trace(path: str | os.PathLike[str]) -> Iterator[pa.RecordBatch]:
         yield _batch_of_rows(pa, rows)
 
 
-def _row(line: str, numbers: Mapping[str, int]) -> tuple[int, str, str, dict[str, int]]:
+def _row(line: str, known: Mapping[str, set[str]]) -> tuple[int, str, str, dict[str, int]]:
     when, _, rest = line.partition(" [")
     component, _, said = rest.partition("] ")
     event, *pairs = said.split()
     seconds, _, fraction = when.partition(".")
-    if event not in numbers or len(fraction) != 12:
-        raise ValueError(event)
     arguments = {}
     for pair in pairs:
         name, _, value = pair.partition("=")
         arguments[name] = int(value, 0)
+    if (
+        arguments.keys() != known.get(event)
+        or not all((-(1 << 31) if event in SIGNED else 0) <= value < 1 << 32 for value in arguments.values())
+        or not 0 < len(seconds) < 7
+        or len(fraction) != 12
+    ):
+        raise ValueError(event)
     return int(seconds) * 10**12 + int(fraction), component, event, arguments
 
 

@@ -43,7 +43,8 @@ def read(path: str | os.PathLike[str], most: int) -> bytes:
         there = os.fstat(file.fileno())
         regular = stat.S_ISREG(there.st_mode)
         most = most if regular else min(most, LARGEST_STREAM)
-        content = b"" if regular and there.st_size > most else file.read(most + 1)
+        # read() takes memory for all that it may read
+        content = b"" if regular and there.st_size > most else file.read(min(most, there.st_size or LARGEST_STREAM) + 1)
     if len(content) > most or (regular and there.st_size > most):
         raise ValueError(f"{os.fspath(path)}: is larger than {most >> 20} MiB; a smaller file is expected")
     return content

@@ -7,7 +7,7 @@ import operator
 import os
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
@@ -278,6 +278,9 @@ class Simulation:
         for how, on in collects.items():
             if on:
                 raise RuntimeError(f"{call}: not {how}: {_NO_WAY_BACK}")
+
+    def __copy__(self) -> NoReturn:
+        raise TypeError("a Simulation is not copied, since both would change one run; fork() makes a second run")
 
     def fork(self) -> Simulation:
         """Another run with the same past. Later changes of one (``at``, ``dsp``) do not affect the other. It is neither

@@ -27,11 +27,12 @@ def test_the_help_lists_them() -> None:
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_each_is_refused_by_name_with_its_place(command: str, tmp_path: Path) -> None:
-    own = set() if command == "limits" else set(re.findall(r"--[a-z][\w-]*", help_of(command)))
+    settings = "compare" if command == "limits" else command  # of the package: its options are those of compare
+    own = set(re.findall(r"--[a-z][\w-]*", help_of(settings)))
     for name, value in OPTIONS:
         given = [] if not value else [VALUES.get(name, "1")]
         done = emulator(name, *given, command, "x", folder=tmp_path)
-        place = f"emulator {command} {name}" if command == "limits" or name in own else f"emulator {command} without it"
+        place = f"emulator {command} {name}" if name in own else f"emulator {command} without it"
         assert done.returncode == 2 and done.stdout == "", (name, done)
         assert done.stderr.startswith(f"emulator: {name}: before a command it has no effect; {place} is expected"), done
     assert not list(tmp_path.iterdir())

@@ -334,19 +334,38 @@ width = 32
         ([*RUN, "--programs", "programs", "--report"], "programs/include/areas.inc"),
         ([*RUN, "--programs", "programs", "--trace"], "programs/not_there_yet"),
         (["compare", *SHORT, "--programs", "programs", "--json"], "programs/dsp.asm"),
+        *(([*RUN, "--programs", "programs", "--report"], name) for name in ("outside.inc", "outside.asm")),
+        *((["compare", *SHORT, "--programs", "programs", "--json"], name) for name in ("outside.inc", "outside.asm")),
     ],
 )
 def test_a_file_that_another_one_names_is_an_input(folder: Path, command: list[str], output: str) -> None:
-    for name, text in (("talks.asm", TALKS), ("b.toml", WITH_CONSOLE), ("talking.toml", TALKING)):
-        (folder / name).write_text(text)
+    (folder / "b.toml").write_text(BOARD)
     (folder / "rom.bin").write_bytes(bytes(64))
     (folder / "n.toml").write_text('[[chip]]\nprogram = "p.out"\nboard = "b.toml"\n[[chip]]\nprogram = "s.asm"\n')
     emulator(folder, "asm", "s.asm", "-o", "p.out")
     shutil.copytree(ROOT / "c40_programs", folder / "programs")
+    (folder / "outside.inc").write_text("")
+    dsp = folder / "programs" / "dsp.asm"
+    dsp.rename(folder / "outside.asm")
+    dsp.symlink_to("../outside.asm")
+    dsp.write_text('        .include "../outside.inc"\n' + dsp.read_text())
     before = (folder / output).read_bytes() if (folder / output).exists() else None
     result = emulator(folder, *command, output, timeout=60)
     assert result.returncode == 2 and "another name is expected" in result.stderr, result.stderr
     assert ((folder / output).read_bytes() if (folder / output).exists() else None) == before
+
+
+@pytest.mark.parametrize("option", ["--console-input -", "--console-input live", "--device-input d=-"])
+def test_standard_input_may_be_a_file_that_is_no_output(folder: Path, option: str) -> None:
+    for name, text in (("talks.asm", TALKS), ("b.toml", WITH_CONSOLE), ("typed", "hello")):
+        (folder / name).write_text(text)
+    command = ["exec", "talks.asm", "--board", "b.toml", *option.split(), "--trace"]
+    for output, status in (("typed", 2), ("new", 0)):
+        with (folder / "typed").open() as typed:
+            ended = emulator(folder, *command, output, stdin=typed, timeout=60)
+        assert ended.returncode == status, ended.stderr
+        assert (folder / "typed").read_text() == "hello"
+    assert (folder / "new").exists()
 
 
 @pytest.mark.parametrize("first", ["one", "target"])

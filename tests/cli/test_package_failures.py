@@ -47,6 +47,16 @@ def ended(folder: Path, arguments: list[str], **more: object) -> tuple[int, str]
     return done.returncode, lines[-1] if lines else ""
 
 
+@pytest.mark.unsanitized
+def test_a_small_file_needs_little_memory(folder: Path) -> None:
+    """A snapshot may have 4 GiB; one of 40 kB is read where there is less."""
+    program = "import cmrc; s = cmrc.Simulation(dsps=1, duration_s=0.021); s.run_until(0.01); "
+    program += "cmrc.write_snapshot('s.snap', s.snapshot()); import resource; "
+    program += "resource.setrlimit(resource.RLIMIT_AS, (3 << 30, 3 << 30)); cmrc.read_snapshot('s.snap')"
+    environment = {**os.environ, "PYTHONPATH": str(BUILD / "python"), "OPENBLAS_NUM_THREADS": "1"}
+    subprocess.run([sys.executable, "-c", program], cwd=folder, env=environment, check=True, timeout=60)
+
+
 @pytest.mark.parametrize("lost", [0, 1, 2])
 @pytest.mark.parametrize("command", ["page base.toml --out --plots", "sweep grid.toml --workers 1 --csv --plot"])
 def test_an_output_that_is_lost_costs_no_other_one(command: str, lost: int, folder: Path) -> None:

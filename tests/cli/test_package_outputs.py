@@ -74,6 +74,27 @@ def test_an_output_that_is_an_input_is_refused(
     assert contents(folder) == before
 
 
+@pytest.mark.parametrize("command", [["sweep", "own_grid.toml", "--csv"], ["limits", "--config", "own.toml", "--json"]])
+def test_what_a_program_includes_is_an_input(
+    command: list[str], folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("outside.inc").write_text("")
+    dsp = Path("programs/dsp.asm")
+    dsp.write_text('        .include "../outside.inc"\n' + dsp.read_text())
+    Path("own.toml").write_text('[run]\nduration_s = 0.021\n[machine]\nprograms = "programs"\n')
+    Path("own_grid.toml").write_text('[fixed]\nconfig = "own.toml"\n[axes]\ndsps = [1]\n')
+    assert main([*command, "outside.inc"]) == 2
+    assert "another name is expected" in capsys.readouterr().err
+
+
+def test_no_output_lies_in_the_folder_of_the_programs(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("own.toml").write_text('[run]\nduration_s = 0.021\n[machine]\nprograms = "programs"\n')
+    for command in (["limits", "--config", "own.toml", "--dsps-grid", "1", "--json"], ["page", "own.toml", "--out"]):
+        assert main([*command, "programs/new"]) == 2
+        said = capsys.readouterr().err
+        assert said.endswith("programs/new: is in machine.programs programs; a place outside is expected\n")
+
+
 @pytest.mark.parametrize("option", ["--csv", "--plot"])
 @pytest.mark.parametrize("name", ["sweep.json", "lock", "part-000001.parquet", "new.svg", "../part"])
 @pytest.mark.parametrize("show", [True, False])
@@ -88,5 +109,5 @@ def test_no_output_lies_in_the_folder_of_a_sweep(
     before = contents(folder)
     assert main(["sweep", "grid.toml", option, f"grid/{name}", *(["--show"] if show else [])]) == 2
     said = capsys.readouterr().err
-    assert f"{option}: grid/{name}" in said and ("the sweep's folder" in said or "a file of the sweep" in said)
+    assert f"{option}: grid/{name}" in said and "the sweep's folder" in said
     assert contents(folder) == before

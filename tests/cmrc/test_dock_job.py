@@ -153,8 +153,8 @@ def overspeed_for(seconds: float) -> dict[str, float]:
 
 
 def test_a_drive_trips_only_if_it_is_too_fast_for_long_enough() -> None:
-    """At the top of a way of 42 s the slewing comes to 0.1266 rad/s. Of X = p + (l/g) p'' with a rope of 12 m it is above
-    0.1257 rad/s for 1.0 s."""
+    """At the top of a way of 42 s the slewing comes to 0.1266 rad/s. Of X = p + (l/g) p'' with a rope of 12 m it is
+    above 0.1257 rad/s for 1.0 s."""
     for seconds in (0.0001, 0.9):
         with pytest.raises(cmrc.ConfigError, match=rf"above 0.1257 rad/s, .* after {seconds} s .slewing.*time_s"):
             core.dock_of(core.config(settings={**NARROW, **overspeed_for(seconds)}))

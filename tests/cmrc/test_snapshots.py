@@ -374,6 +374,31 @@ def test_what_cannot_be_is_said_before_anything_runs(tmp_path: Path, arguments: 
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
+def test_a_file_is_the_same_by_whatever_name(tmp_path: Path) -> None:
+    """A configuration's paths begin at its folder, so the spelling of its own path is part of theirs."""
+    (tmp_path / "d").mkdir()
+    for name in ("lay.toml", "other.toml", "same.toml"):
+        (tmp_path / "d" / name).write_text("[warehouse]\ntake_s = 20\n" if name != "other.toml" else "")
+    text = '[run]\nduration_s = 0.03\n[report]\nreference = "none"\n[dock]\nlayout = "lay.toml"\n'
+    for name in ("lay", "other", "same"):
+        (tmp_path / "d" / f"run_{name}.toml").write_text(text.replace("lay.toml", f"{name}.toml"))
+
+    def run(*arguments: str | Path, folder: Path = tmp_path) -> subprocess.CompletedProcess[str]:
+        return subprocess.run([EMULATOR, *arguments], cwd=folder, capture_output=True, text=True, check=False)
+
+    assert run("--config", "d/run_lay.toml", "--snapshot-at", "0.01:s.snap", "--quiet").returncode == 0
+    again = [(tmp_path, name) for name in ("./d/run_lay.toml", tmp_path / "d/run_lay.toml", "d/run_same.toml")]
+    for folder, name in [*again, (tmp_path / "d", "run_lay.toml")]:
+        ended = run("--resume", tmp_path / "s.snap", "--config", name, "--quiet", folder=folder)
+        assert (ended.returncode, ended.stderr) == (0, "")
+    refused = run("--resume", "s.snap", "--config", "d/run_other.toml", "--quiet").stderr
+    assert 'another program, layout or board: [dock] layout = "d/lay.toml", here layout = "d/other.toml"' in refused
+    (tmp_path / "d" / "lay.toml").write_text("")
+    for name, why in (("d/run_lay.toml", "have changed since"), ("./d/run_lay.toml", 'here layout = "./d/lay.toml"')):
+        ended = run("--resume", "s.snap", "--config", name, "--quiet")
+        assert ended.returncode == 2 and why in ended.stderr
+
+
 def test_a_run_that_is_over_before_says_so(tmp_path: Path) -> None:
     toml = tmp_path / "dies.toml"
     toml.write_text('[machine]\ndsps = 1\nboot = "preloaded"\n[run]\nduration_s = 3.0\nafter_stop_s = 0.1\n[report]\nreference = "none"\n'

@@ -118,6 +118,20 @@ def test_no_merge_has_left_its_marks() -> None:
     assert (found.returncode, found.stdout) == (1, "")  # 1: no line
 
 
+def test_folders_of_the_controller_include_upwards_in_their_table() -> None:
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    table = page.partition("| folder of `emulator/cmrc/` |")[2].partition("\n\n")[0]
+    folders = re.findall(r"^\| `(\w+)/`", table, re.MULTILINE)
+    room = ROOT / "emulator" / "cmrc"
+    assert sorted(folders) == sorted(path.name for path in room.iterdir() if path.is_dir())
+    assert not {
+        f"{file.parent.name}/{file.name} includes {needed}/"
+        for file in room.glob("*/*.[ch]pp")
+        for needed in re.findall(r'^#include "cmrc/(\w+)/', file.read_text(encoding="utf-8"), re.MULTILINE)
+        if folders.index(needed) > folders.index(file.parent.name)
+    }
+
+
 def python_files() -> list[Path]:
     """The package, tests, examples, and scripts, which have no suffix."""
     named = [path for folder in ("python", "tests", "examples") for path in (ROOT / folder).rglob("*.py*")]

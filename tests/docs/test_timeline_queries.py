@@ -151,6 +151,23 @@ def test_bad_input(
     assert (tmp_path / "t").read_text() == content
 
 
+@pytest.mark.parametrize(
+    "line",
+    [
+        "0.000125000000 [host] refresh number=1 blocks=3 waiting=2 pointer=0x50 skipped=0x100000000",
+        "0.000125000000 [host] refresh number=1 blocks=3 waiting=2 pointer=-1 skipped=0",
+        "0.000125000000 [host] refresh number=1 blocks=3 waiting=2 pointer=0x50",
+        "0.000125000000 [host] refresh number=1 blocks=3 waiting=2 pointer=0x50 skipped=0 more=1",
+        "9999999.000125000000 [host] refresh number=1 blocks=3 waiting=2 pointer=0x50 skipped=0",
+        "0.000125000000 [host] load block=0x40 area=0x1000 tick=160 generation=1",
+    ],
+)
+def test_a_line_that_no_run_writes_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str], line: str) -> None:
+    (tmp_path / "t").write_text(f"# cmrc event trace 1\n{line}\n")
+    assert cmrc.__main__.main(["events", str(tmp_path / "t"), "-o", str(tmp_path / "o")]) == 2
+    assert "line 2: not a line of an event trace" in capsys.readouterr().err
+
+
 def test_without_pyarrow_the_extra_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -39,6 +39,19 @@ def test_an_episode_ends_after_its_duration(duration, steps):
     assert made == steps
 
 
+class Labelled:
+    """As a Series of pandas: the index is no place."""
+
+    def __len__(self):
+        return 5
+
+    def __getitem__(self, index):
+        return {"a": 0.0}[index]
+
+    def __array__(self, dtype=None, copy=None):
+        return np.array(REST)
+
+
 CALLS = {
     "Crane.step": lambda values: plant.Crane().step(values, 0.01),
     "Crane.run": lambda values: plant.Crane().run(values, 0.01, 1),
@@ -58,6 +71,9 @@ REFUSED = {
     "four": [0.0] * 4,
     "rows": [REST],
     "none": None,
+    "a set, which has no order": {0.0, 1.0, 2.0, 3.0, 4.0},
+    "keys": dict.fromkeys(range(5)).keys(),
+    "a generator": iter(REST),
 }
 TAKEN = {
     "integers": [0, 1, 0, 0, 0],
@@ -67,6 +83,7 @@ TAKEN = {
     "objects": np.array([0, 0.0, fractions.Fraction(1, 4), decimal.Decimal("0.5"), True], object),
     "an unmasked masked array": np.ma.array(REST),
     "strided": np.zeros(10)[::2],
+    "with an array of its own": Labelled(),
 }
 
 
@@ -97,7 +114,8 @@ def test_a_flag_is_true_or_false(value):
         plant.Crane(bookkeeping=value)
 
 
-def test_an_order_may_be_of_numpy():
+def test_a_flag_and_an_order_may_be_of_numpy():
+    plant.Crane(bookkeeping=np.True_)
     plant.Crane(order=np.int64(3))
     with pytest.raises(TypeError, match="order must be 3, 4 or 5, not 4.0"):
         plant.Crane(order=4.0)

@@ -2,6 +2,7 @@
 
 By protocols 0 and 1 pickle calls the base class of all classes that pybind11 makes, which used to end the process."""
 
+import copy
 import pickle
 from typing import Any
 
@@ -49,3 +50,8 @@ def test_parameters_are_the_same_again(protocol: int) -> None:
 def test_a_snapshot_is_the_same_again(protocol: int) -> None:
     snapshot = simulation().snapshot()
     assert pickle.loads(pickle.dumps(snapshot, protocol)).to_bytes() == snapshot.to_bytes()
+
+
+def test_a_simulation_is_forked_and_not_copied() -> None:
+    with pytest.raises(TypeError, match=r"fork\(\) makes a second run"):
+        copy.copy(simulation())

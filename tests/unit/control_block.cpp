@@ -1,7 +1,7 @@
 // PID's words in shared memory (docs/control.md): what is written when the operator changes a setting.
 #include <doctest/doctest.h>
 
-#include "cmrc/programs/servo_law.hpp"
+#include "cmrc/processes/control_block.hpp"
 #include "state/archive.hpp"
 #include "tests/unit/made_host.hpp"
 

@@ -84,6 +84,13 @@ class Host final : public cmrc::HostServices {
   void drop_within(const cmrc::Task&, std::int64_t due, std::optional<report::Time>) override {
     told.push_back(fmt::format("drop {}", due));
   }
+  std::size_t load_tick(const cmrc::Task& task, const cmrc::NominalTick& tick) override {
+    load(task, tick.deadline);
+    return loaded.size();
+  }
+  void drop_tick(const cmrc::Task&, const cmrc::NominalTick& tick, std::size_t) override {
+    told.push_back(fmt::format("drop {}", tick.number));
+  }
   void write(Word offset, std::span<const Word> values) override {
     for (const Word value : values) words[offset++] = value;
   }

@@ -147,21 +147,42 @@ Outcome store(Core& core, const Op* op) {
   return finish_store(core, op, code, place.formed.address);
 }
 
-/// Access 0 is the J byte (src3 -> dst2), access 1 the I byte (src1 -> dst); if both have one destination, dst stays.
+/// The two accesses of a parallel instruction: access 0 is the J byte, access 1 the I byte.
+template <Kind kind>
+struct Pair {
+  Place<kind, 0> j;
+  Place<kind, 1> i;
+
+  /// Neither address sees the other's update; of two updates of one register J's stays. If this is false, the registers
+  /// are as before.
+  bool meet(Core& core, const Op& op) {
+    j.form(core, op);
+    i.form(core, op);
+    i.update(core, op);
+    j.update(core, op);
+    if (j.met(op) && i.met(op)) [[likely]]
+      return true;
+    i.undo(core, op);
+    j.undo(core, op);
+    return false;
+  }
+  [[gnu::always_inline]] Outcome missed(Core& core, const Op* op) const {
+    return j.met(*op) ? miss(core, op, 1, i.formed.address) : miss(core, op, 0, j.formed.address);
+  }
+  /// The values that J and I store.
+  [[gnu::always_inline]] Outcome missed(Core& core, const Op* op, Word first, Word second) const {
+    return j.met(*op) ? miss_write(core, op, 1, i.formed.address, second)
+                      : miss_write(core, op, 0, j.formed.address, first);
+  }
+};
+
+/// J loads src3 -> dst2, I src1 -> dst; if both have one destination, dst stays.
 template <bool floating>
 Outcome load_load(Core& core, const Op* op) {
-  Place<Kind::indirect, 0> j;
-  Place<Kind::indirect, 1> i;
-  j.form(core, *op);
-  i.form(core, *op);
-  i.update(core, *op);
-  j.update(core, *op);
-  const bool j_met = j.met(*op);
-  if (!j_met || !i.met(*op)) [[unlikely]] {
-    i.undo(core, *op);
-    j.undo(core, *op);
-    return j_met ? miss(core, op, 1, i.formed.address) : miss(core, op, 0, j.formed.address);
-  }
+  Pair<Kind::indirect> pair;
+  if (!pair.meet(core, *op)) [[unlikely]]
+    return pair.missed(core, op);
+  const auto& [j, i] = pair;
   if constexpr (floating) {
     const Float40 x = i.floating(core, *op, 0);
     const Float40 y = choices::j_load_keeps_mantissa ? float40::from_single_raw(j.read(*op)) : j.floating(core, *op, 0);
@@ -175,22 +196,14 @@ Outcome load_load(Core& core, const Op* op) {
   return next(core, op);
 }
 
-/// Access 0 is the J byte, written first; access 1 the I byte, whose value stays if both have one address.
+/// J is written first; I's value stays if both have one address.
 template <bool floating>
 Outcome store_store(Core& core, const Op* op) {
-  Place<Kind::indirect, 0> j;
-  Place<Kind::indirect, 1> i;
-  j.form(core, *op);
-  i.form(core, *op);
-  i.update(core, *op);
-  j.update(core, *op);
   const Word first = stored<floating>(core, op->src3), second = stored<floating>(core, op->src1);
-  const bool j_met = j.met(*op);
-  if (!j_met || !i.met(*op)) [[unlikely]] {
-    i.undo(core, *op);
-    j.undo(core, *op);
-    return j_met ? miss_write(core, op, 1, i.formed.address, second) : miss_write(core, op, 0, j.formed.address, first);
-  }
+  Pair<Kind::indirect> pair;
+  if (!pair.meet(core, *op)) [[unlikely]]
+    return pair.missed(core, op, first, second);
+  const auto& [j, i] = pair;
   const bool j_code = j.write(*op, first), i_code = i.write(*op, second);
   if (j_code || i_code) [[unlikely]] {
     if (j_code) code_written(core, j.formed.address);
@@ -200,21 +213,13 @@ Outcome store_store(Core& core, const Op* op) {
   return next(core, op);
 }
 
-/// MPY3 || ADD3/SUB3: access 0 is the J byte, access 1 the I byte; P assigns them to the sources (c40-isa.md 3.6).
+/// MPY3 || ADD3/SUB3: P assigns J and I to the sources (c40-isa.md 3.6).
 template <bool floating, bool subtract, int p, Kind kind = Kind::indirect>
 Outcome multiply_add(Core& core, const Op* op) {
-  Place<kind, 0> j;
-  Place<kind, 1> i;
-  j.form(core, *op);
-  i.form(core, *op);
-  i.update(core, *op);
-  j.update(core, *op);
-  const bool j_met = j.met(*op);
-  if (!j_met || !i.met(*op)) [[unlikely]] {
-    i.undo(core, *op);
-    j.undo(core, *op);
-    return j_met ? miss(core, op, 1, i.formed.address) : miss(core, op, 0, j.formed.address);
-  }
+  Pair<kind> pair;
+  if (!pair.meet(core, *op)) [[unlikely]]
+    return pair.missed(core, op);
+  const auto& [j, i] = pair;
   if constexpr (floating) {
     const Float40 vj = j.floating(core, *op, 0), vi = i.floating(core, *op, 0);
     const auto reg = [&](std::uint8_t code) { return Float40{core.e[code], core.r[code]}; };

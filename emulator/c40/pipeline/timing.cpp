@@ -60,140 +60,166 @@ int Pipeline::decode_at(const Footprint& footprint, int from) const {
   return at;
 }
 
+/// The stages and accesses of one instruction, phase by phase, relative to the old T.
+struct Pipeline::Placed {
+  struct Taken {
+    std::size_t bus;
+    int from, to;
+  };
+  int first_fetch = 0, fetch = 0, fetch_cycles = 1;  ///< first_...: without conflicts
+  int undelayed = 0, decode = 0;                     ///< without and with stalls of address registers
+  int first_read = 0, read = 0, read_cycles = 1;     ///< without and with conflicts
+  int waits = 0;                                     ///< wait states in read_cycles
+  int first_execute = 0, execute = 0;                ///< without and with conflicts
+  int next = 0;                                      ///< the new T
+  std::array<int, block_count> block_reads{}, block_writes{};
+  std::array<bool, bus_count> bus_reads{}, last_strobe1{};
+  std::array<int, bus_count> read_end{}, bus_free{}, write_end{};
+  std::array<Taken, bus_count + 2> taken{};  ///< cycles of the buses
+  std::size_t taken_count = 0;
+};
+
 StepTiming Pipeline::advance(const Demand& demand) {
   StepTiming out;
-  // Fetch and decode.
-  const int earliest = fetch_ready_;
-  int f = earliest, length = 1;
+  Placed at;
+  at.first_fetch = at.fetch = fetch_ready_;
   if (demand.fetched) {
-    f = place_fetch(demand.fetch, earliest);
-    length = 1 + demand.fetch.waits;
+    at.fetch = place_fetch(demand.fetch, at.first_fetch);
+    at.fetch_cycles = 1 + demand.fetch.waits;
   }
-  const int undelayed = std::max(f + length, int{read_entered_});
-  const int d = decode_at(demand.footprint, undelayed);
-  const int r = std::max(d + 1, -1);
+  at.undelayed = std::max(at.fetch + at.fetch_cycles, int{read_entered_});
+  at.decode = decode_at(demand.footprint, at.undelayed);
+  at.first_read = std::max(at.decode + 1, -1);
+  place_reads(demand, at, out);
+  place_writes(demand, at, out);
+  at.next = std::max(at.execute + 1, demand.flush_cost != 0 ? at.execute + demand.flush_cost : 0);
+  out.total = at.next;
+  charge(demand, at, out);
+  const auto stage = [](int cycle) { return static_cast<std::int16_t>(cycle); };
+  out.stages = {stage(at.fetch), stage(demand.fetched ? at.fetch_cycles : 0), stage(at.decode), stage(at.read),
+                stage(at.execute)};
+  move_on(demand, at);
+  return out;
+}
 
-  // Reads: the first cycle in which all of them fit.
-  std::array<int, block_count> block_reads{};
-  std::array<bool, bus_count> bus_reads{};
-  int a = r, longest = 1, waits = 0;
+// The first cycle in which all reads fit.
+void Pipeline::place_reads(const Demand& demand, Placed& at, StepTiming& out) const {
+  int a = at.first_read;
   for (std::size_t i = 0; i < demand.count; ++i) {
     const Access& access = demand.data[i];
     if (access.write) continue;
-    if (in_block(access.resource)) ++block_reads[block_of(access.resource)];
+    if (in_block(access.resource)) ++at.block_reads[block_of(access.resource)];
     if (on_bus(access.resource)) {
       const std::size_t b = bus_of(access.resource);
       const Bus& bus = buses_[b];
       a = std::max({a, int{bus.free}, bus.write_end + read_after_write(b)});
-      if (!bus_reads[b] && a == bus.read_end && access.strobe1 != bus.read_strobe1) a += timing::strobe_switch_cycles;
-      bus_reads[b] = true;
+      if (!at.bus_reads[b] && a == bus.read_end && access.strobe1 != bus.read_strobe1)
+        a += timing::strobe_switch_cycles;
+      at.bus_reads[b] = true;
     } else {
-      longest = std::max(longest, 1 + access.waits);
-      waits = std::max(waits, int{access.waits});
+      at.read_cycles = std::max(at.read_cycles, 1 + access.waits);
+      at.waits = std::max(at.waits, int{access.waits});
     }
   }
   for (std::size_t block = 0; block < block_count; ++block)
-    while (block_reads[block] != 0 && port_use(block, a) + block_reads[block] > timing::block_ports) {
+    while (at.block_reads[block] != 0 && port_use(block, a) + at.block_reads[block] > timing::block_ports) {
       ++a;
       block = 0;
     }
-  std::array<int, bus_count> next_on_bus{a, a, a};
-  std::array<bool, bus_count> last_strobe1{};
+  at.read = a;
+  at.read_end = {a, a, a};
   for (std::size_t i = 0; i < demand.count; ++i) {
     const Access& access = demand.data[i];
     if (access.write) continue;
     out.start[i] = a;
     if (!on_bus(access.resource)) continue;
     const std::size_t b = bus_of(access.resource);
-    int& next = next_on_bus[b];
-    if (next != a && last_strobe1[b] != access.strobe1) next += timing::strobe_switch_cycles;
-    last_strobe1[b] = access.strobe1;
+    int& next = at.read_end[b];
+    if (next != a && at.last_strobe1[b] != access.strobe1) next += timing::strobe_switch_cycles;
+    at.last_strobe1[b] = access.strobe1;
     out.start[i] = next;
     next += 1 + access.waits;
-    if (next - a >= longest) longest = next - a, waits = std::max(waits, int{access.waits});
+    if (next - a >= at.read_cycles) at.read_cycles = next - a, at.waits = std::max(at.waits, int{access.waits});
   }
+}
 
-  // Writes: execute moves until they fit; only one write waits for a bus.
-  const int e_read = a + longest;
-  int e = e_read;
-  std::array<int, block_count> block_writes{};
-  std::array<int, bus_count> bus_free{}, write_end{};
-  struct Taken {
-    std::size_t bus;
-    int from, to;
-  };
-  std::array<Taken, bus_count + 2> taken{};
-  std::size_t taken_count = 0;
+// Execute moves until all writes fit; only one write waits for a bus.
+void Pipeline::place_writes(const Demand& demand, Placed& at, StepTiming& out) const {
+  at.first_execute = at.read + at.read_cycles;
+  int e = at.first_execute;
   for (std::size_t b = 0; b < bus_count; ++b) {
-    bus_free[b] = bus_reads[b] ? next_on_bus[b] : buses_[b].free;
-    write_end[b] = buses_[b].write_end;
-    if (bus_reads[b]) taken[taken_count++] = {b, a, next_on_bus[b]};
+    at.bus_free[b] = at.bus_reads[b] ? at.read_end[b] : buses_[b].free;
+    at.write_end[b] = buses_[b].write_end;
+    if (at.bus_reads[b]) at.taken[at.taken_count++] = {b, at.read, at.read_end[b]};
   }
   for (std::size_t i = 0; i < demand.count; ++i) {
     const Access& access = demand.data[i];
     if (!access.write) continue;
     if (on_bus(access.resource)) {
       const std::size_t b = bus_of(access.resource);
-      e = std::max(e, bus_free[b]);
+      e = std::max(e, at.bus_free[b]);
       out.start[i] = e;
-      bus_free[b] = write_end[b] = e + write_cycles(b) + access.waits;
-      taken[taken_count++] = {b, e, write_end[b] + read_after_write(b)};
+      at.bus_free[b] = at.write_end[b] = e + write_cycles(b) + access.waits;
+      at.taken[at.taken_count++] = {b, e, at.write_end[b] + read_after_write(b)};
     } else {
-      if (in_block(access.resource)) ++block_writes[block_of(access.resource)];
+      if (in_block(access.resource)) ++at.block_writes[block_of(access.resource)];
       out.start[i] = e;
     }
   }
+  at.execute = e;
+}
 
-  const int t = std::max(e + 1, demand.flush_cost != 0 ? e + demand.flush_cost : 0);
-  out.total = t;
-
-  // The delay is charged from the last stage back: a delay in a later stage hides one in an earlier stage.
+// From the last stage back: a delay in a later stage hides one in an earlier stage.
+void Pipeline::charge(const Demand& demand, const Placed& at, StepTiming& out) {
   const auto book = [&out](Cause cause, int cycles) {
     auto& booked = out.causes[static_cast<std::size_t>(cause)];
     booked = static_cast<std::int16_t>(booked + cycles);
   };
-  int rest = e;
-  const auto charge = [&](Cause cause, int cycles) {
+  int rest = at.execute;
+  const auto delayed = [&](Cause cause, int cycles) {
     const int share = std::min(rest, std::max(cycles, 0));
     book(cause, share);
     rest -= share;
   };
-  charge(Cause::memory_conflict, e - e_read);
-  charge(Cause::wait_state, waits);
-  charge(Cause::memory_conflict, longest - 1 - waits + (a - r));
-  charge(Cause::register_conflict, d - undelayed);
+  delayed(Cause::memory_conflict, at.execute - at.first_execute);
+  delayed(Cause::wait_state, at.waits);
+  delayed(Cause::memory_conflict, at.read_cycles - 1 - at.waits + (at.read - at.first_read));
+  delayed(Cause::register_conflict, at.decode - at.undelayed);
   if (demand.fetch_missed)
-    charge(Cause::cache_miss, length - 1 + (f - earliest));
+    delayed(Cause::cache_miss, at.fetch_cycles - 1 + (at.fetch - at.first_fetch));
   else
-    charge(Cause::wait_state, length - 1);
-  charge(Cause::memory_conflict, rest);
-  book(Cause::branch, t - (e + 1));
+    delayed(Cause::wait_state, at.fetch_cycles - 1);
+  delayed(Cause::memory_conflict, rest);
+  book(Cause::branch, at.next - (at.execute + 1));
   book(Cause::execute, 1);
+}
 
-  const auto stage = [](int cycle) { return static_cast<std::int16_t>(cycle); };
-  out.stages = {stage(f), stage(demand.fetched ? length : 0), stage(d), stage(a), stage(e)};
+/// The stalls of address registers in the instruction after this one.
+std::uint32_t Pipeline::ready_after(const Footprint& footprint, const Placed& at) const {
+  std::uint32_t next = 0;
+  const auto set = [&](int i, int when) {
+    const int stall = when - at.next + 2;  // decode of the next instruction is at T - 2
+    if (stall <= 0) return;
+    const auto old = next >> (2 * i) & 3u;
+    if (static_cast<std::uint32_t>(stall) > old)
+      next = (next & ~(3u << (2 * i))) | static_cast<std::uint32_t>(stall) << (2 * i);
+  };
+  if (ready_ != 0)
+    each_register(0x1FFFu << first_address_register, [&](int i) {
+      const int stall = static_cast<int>(ready_ >> (2 * i) & 3u);
+      if (stall != 0) set(i, stall - 2);
+    });
+  each_register(footprint.operand_reads, [&](int i) { set(i, at.decode + 2); });
+  each_register(footprint.early_writes, [&](int i) { set(i, at.read + at.read_cycles); });
+  each_register(footprint.late_writes, [&](int i) { set(i, at.execute + 1); });
+  return next;
+}
 
-  // Makes all times relative to the new T.
-  ready_ = [&] {
-    std::uint32_t next = 0;
-    const auto set = [&](int i, int when) {
-      const int stall = when - t + 2;  // decode of the next instruction is at T - 2
-      if (stall <= 0) return;
-      const auto old = next >> (2 * i) & 3u;
-      if (static_cast<std::uint32_t>(stall) > old)
-        next = (next & ~(3u << (2 * i))) | static_cast<std::uint32_t>(stall) << (2 * i);
-    };
-    if (ready_ != 0)
-      each_register(0x1FFFu << first_address_register, [&](int i) {
-        const int stall = static_cast<int>(ready_ >> (2 * i) & 3u);
-        if (stall != 0) set(i, stall - 2);
-      });
-    each_register(demand.footprint.operand_reads, [&](int i) { set(i, d + 2); });
-    each_register(demand.footprint.early_writes, [&](int i) { set(i, a + longest); });
-    each_register(demand.footprint.late_writes, [&](int i) { set(i, e + 1); });
-    return next;
-  }();
-  settle(t, std::max(f + 1, d), r);
+// Makes all times relative to the new T.
+void Pipeline::move_on(const Demand& demand, const Placed& at) {
+  const int t = at.next;
+  ready_ = ready_after(demand.footprint, at);
+  settle(t, std::max(at.fetch + 1, at.decode), at.first_read);
   if (demand.flush_cost != 0) fetch_ready_ = -3, read_entered_ = -2;
   for (std::size_t b = 0; b < block_count; ++b) {
     const auto reserve = [&](int cycle, int accesses) {
@@ -203,25 +229,24 @@ StepTiming Pipeline::advance(const Demand& demand) {
       const auto sum = static_cast<std::uint64_t>(std::min(present + accesses, 3));
       ports_[b] = (ports_[b] & ~(std::uint64_t{3} << bit)) | sum << bit;
     };
-    reserve(a, block_reads[b]);
-    reserve(e, block_writes[b]);
+    reserve(at.read, at.block_reads[b]);
+    reserve(at.execute, at.block_writes[b]);
   }
-  for (std::size_t i = 0; i < taken_count; ++i)
-    for (int cycle = std::max(taken[i].from, t - window); cycle < taken[i].to; ++cycle)
-      if (cycle - t + window < 64) buses_[taken[i].bus].busy |= std::uint64_t{1} << (cycle - t + window);
+  for (std::size_t i = 0; i < at.taken_count; ++i)
+    for (int cycle = std::max(at.taken[i].from, t - window); cycle < at.taken[i].to; ++cycle)
+      if (cycle - t + window < 64) buses_[at.taken[i].bus].busy |= std::uint64_t{1} << (cycle - t + window);
   for (std::size_t b = 0; b < bus_count; ++b) {
     Bus& bus = buses_[b];
-    bus.free = clamp8(bus_free[b] - t, -1);
-    bus.write_end = clamp8(write_end[b] - t, -2);
-    bus.read_end = clamp8((bus_reads[b] ? next_on_bus[b] : bus.read_end) - t, -2);
-    if (bus_reads[b]) bus.read_strobe1 = last_strobe1[b];
+    bus.free = clamp8(at.bus_free[b] - t, -1);
+    bus.write_end = clamp8(at.write_end[b] - t, -2);
+    bus.read_end = clamp8((at.bus_reads[b] ? at.read_end[b] : bus.read_end) - t, -2);
+    if (at.bus_reads[b]) bus.read_strobe1 = at.last_strobe1[b];
     if (bus.read_end == -2) bus.read_strobe1 = false;  // too long ago to matter
   }
   // Cycles before the next fetch do not matter any more.
   const int keep = window + fetch_ready_;
   for (auto& ports : ports_) ports &= ~std::uint64_t{0} << (2 * keep);
   for (auto& bus : buses_) bus.busy &= ~std::uint64_t{0} << keep;
-  return out;
 }
 
 void Pipeline::settle(int shift, int fetch_ready, int read_entered) {

@@ -118,6 +118,13 @@ class Pipeline {
   int decode_at(const Footprint& footprint, int from) const;
   void settle(int shift, int fetch_ready, int read_entered);
 
+  struct Placed;
+  void place_reads(const Demand& demand, Placed& at, StepTiming& out) const;
+  void place_writes(const Demand& demand, Placed& at, StepTiming& out) const;
+  static void charge(const Demand& demand, const Placed& at, StepTiming& out);
+  std::uint32_t ready_after(const Footprint& footprint, const Placed& at) const;
+  void move_on(const Demand& demand, const Placed& at);
+
   std::int8_t fetch_ready_ = -3;   ///< earliest fetch of the next instruction
   std::int8_t read_entered_ = -2;  ///< the cycle in which the last instruction left decode
   std::uint32_t ready_ = 0;        ///< two bits per address register: stall of its use in the next instruction

@@ -8,6 +8,7 @@
 
 #include "cli/arguments/options.hpp"
 #include "io/text_form.hpp"
+#include "isa/ascii.hpp"
 #include "isa/types.hpp"
 #include "toolchain/assembler/assembler.hpp"
 #include "toolchain/linker/linker.hpp"
@@ -26,9 +27,8 @@ Image read_hex(const std::string& path, Address load_at) {
   std::vector<Word> words;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
-    const std::size_t first = line.find_first_not_of(" \t\r");
-    if (first == std::string::npos) continue;
-    const std::string text = line.substr(first, line.find_last_not_of(" \t\r") + 1 - first);
+    const std::string text(ascii::trimmed(line));
+    if (text.empty()) continue;
     const auto word = toolchain::find_address(text + "h", nullptr);
     if (!word || text.size() > 8)
       throw InputError(fmt::format("{}:{}: \"{}\" is not a word; up to 8 hexadecimal digits per line are expected",

@@ -1,29 +1,19 @@
 #include "cli/arguments/settings.hpp"
-#include "report/event.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
+
+#include "cmrc/programs/dsp_image.hpp"
+#include "isa/ascii.hpp"
+#include "report/event.hpp"
 
 namespace cli {
 namespace {
 
-template <typename Number>
-std::optional<Number> parse(std::string_view text) {
-  Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || text.empty()) return std::nullopt;
-  return value;
-}
-
 std::optional<std::int64_t> parse_integer(std::string_view text) {
-  if (!text.starts_with("0x")) return parse<std::int64_t>(text);
-  std::int64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data() + 2, text.data() + text.size(), value, 16);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
+  return text.starts_with("0x") ? ascii::number<std::int64_t>(text.substr(2), 16) : ascii::number<std::int64_t>(text);
 }
 
 void add_setting(cmrc::ConfigBuilder& builder, const std::string& text) {
@@ -38,12 +28,12 @@ cmrc::Value parse_value(const std::string& text) {
   if (text == "true") return true;
   if (text == "false") return false;
   if (const auto integer = parse_integer(text)) return *integer;
-  if (const auto number = parse<double>(text)) return *number;
+  if (const auto number = ascii::number<double>(text)) return *number;
   return text;
 }
 
 std::optional<report::Time> parse_seconds(std::string_view text) {
-  const auto seconds = parse<double>(text);
+  const auto seconds = ascii::number<double>(text);
   if (!seconds || !(*seconds >= 0) || *seconds > 1e6) return std::nullopt;
   return report::from_seconds(*seconds);
 }
@@ -75,6 +65,9 @@ io::FileRoles files_read(const RunOptions& options, const cmrc::Config& config) 
   files.reads("--config", options.config.value_or(""));
   if (config.machine.board != "default") files.reads("machine.board", config.machine.board);
   files.reads("dock.layout", config.dock.layout).reads_folder("machine.programs", config.machine.programs);
+  // A source may include files from outside the folder, or be a link that leads there.
+  if (!config.machine.programs.empty())
+    for (const std::string& source : cmrc::assembled_program(config).files_read) files.reads("a DSP program", source);
   return files;
 }
 

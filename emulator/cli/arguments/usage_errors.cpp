@@ -113,9 +113,10 @@ std::optional<std::string> misplaced_option(const CLI::App& app) {
   for (const CLI::Option* option : app.get_options()) {
     if (option->count() == 0) continue;
     const std::string name = "--" + option->get_lnames().front();
-    const std::vector<std::string> own = options_of(command);
-    // The package knows the options of its own commands.
-    const bool may_follow = command.get_prefix_command() || std::ranges::find(own, name) != own.end();
+    // The package's commands are not known here; they take the settings of a run, as compare does.
+    const std::vector<std::string> own =
+        options_of(command.get_prefix_command() ? *app.get_subcommand("compare") : command);
+    const bool may_follow = std::ranges::find(own, name) != own.end();
     return fmt::format("{}: before a command it has no effect; {} is expected (emulator {} --help lists options)", name,
                        may_follow ? fmt::format("emulator {} {}", command.get_name(), name)
                                   : fmt::format("emulator {} without it", command.get_name()),

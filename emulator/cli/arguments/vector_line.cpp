@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 
 #include "isa/ascii.hpp"
@@ -21,12 +20,11 @@ std::string shown(std::string_view text) { return std::string(text.substr(0, 40)
 }
 
 std::uint64_t hexadecimal(std::string_view token, std::string_view digits, std::size_t most, std::size_t least = 1) {
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
-  if (digits.size() > most || digits.size() < least || error != std::errc{} || end != digits.data() + digits.size())
+  const auto value = ascii::number<std::uint64_t>(digits, 16);
+  if (!value || digits.size() > most || digits.size() < least)
     fail(token, least == most ? fmt::format("{} hexadecimal digits are expected", most)
                               : fmt::format("{} to {} hexadecimal digits are expected", least, most));
-  return value;
+  return *value;
 }
 
 isa::Word word(std::string_view token, std::string_view digits) {
@@ -63,14 +61,9 @@ class LineReader {
  private:
   template <typename Use>
   static void each_token(std::string_view text, Use use) {
-    constexpr std::string_view blanks = " \t";
-    for (std::size_t at = text.find_first_not_of(blanks); at != std::string_view::npos;
-         at = text.find_first_not_of(blanks, at)) {
-      const std::size_t end = std::min(text.find_first_of(blanks, at), text.size());
-      const std::string_view token = text.substr(at, end - at);
+    for (const std::string_view token : ascii::words(text, " \t")) {
       const std::size_t equals = std::min(token.find('='), token.size());
       use(token, token.substr(0, equals), token.substr(std::min(equals + 1, token.size())));
-      at = end;
     }
   }
 
@@ -116,9 +109,8 @@ class LineReader {
   }
 
   static unsigned step_count(std::string_view token, std::string_view value) {
-    unsigned steps = 0;
-    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), steps);
-    if (error != std::errc{} || end != value.data() + value.size() || steps == 0 || steps > most_steps)
+    const unsigned steps = ascii::number<unsigned>(value).value_or(0);
+    if (steps == 0 || steps > most_steps)
       fail(token, fmt::format("a decimal number of instructions from 1 to {} is expected", most_steps));
     return steps;
   }

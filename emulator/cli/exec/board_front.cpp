@@ -127,14 +127,14 @@ void add_inputs(const NamedBoards& boards, const ExecOptions& options) {
 }
 
 void add_device_files(const ExecOptions& options, io::FileRoles& files) {
-  if (options.console_input && *options.console_input != "-" && *options.console_input != live)
-    files.reads("--console-input", *options.console_input);
+  const auto reads = [&files](const std::string& option, const std::string& file) {
+    files.reads(option, file == "-" || file == live ? "/dev/stdin" : file);  // which may be led to a file
+  };
+  if (options.console_input) reads("--console-input", *options.console_input);
   for (const std::string& text : options.device_inputs)
-    if (const Assignment given = assignment_of("--device-input", text); given.file != "-")
-      files.reads("--device-input", given.file);
+    reads("--device-input", assignment_of("--device-input", text).file);
   for (const std::string& text : options.device_scripts)
-    if (const Assignment given = assignment_of("--device-script", text); given.file != "-")
-      files.reads("--device-script", given.file);
+    reads("--device-script", assignment_of("--device-script", text).file);
   for (const std::string& text : options.device_outputs)
     files.writes("--device-output", assignment_of("--device-output", text).file);
   files.writes("--console-record", options.console_record.value_or(""));

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "c40/observers/profile.hpp"
@@ -11,6 +10,7 @@
 #include "c40/peripherals/register_map.hpp"
 #include "c40/pipeline/pipeline_diagram.hpp"
 #include "io/output_file.hpp"
+#include "isa/ascii.hpp"
 #include "machine/program_text/instruction_trace.hpp"
 #include "machine/program_text/profile.hpp"
 #include "report/trace_text.hpp"
@@ -25,20 +25,15 @@ using Json = nlohmann::ordered_json;
 
 /// FIRST:LAST, in cycles.
 c40::PipelineDiagram parse_window(const std::string& text, const Image& image, c40::TraceSink* next) {
-  const std::size_t colon = text.find(':');
-  c40::Cycles first = 0, last = 0;
-  const auto number = [](std::string_view part, c40::Cycles& value) {
-    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-    return error == std::errc{} && end == part.data() + part.size();
-  };
-  const std::string_view view = text;
-  if (colon == std::string::npos || !number(view.substr(0, colon), first) || !number(view.substr(colon + 1), last))
+  const auto parts = ascii::split(text, ':');
+  const auto first = ascii::number<c40::Cycles>(parts.front()), last = ascii::number<c40::Cycles>(parts.back());
+  if (parts.size() != 2 || !first || !last)
     throw InputError(fmt::format("--pipeline: \"{}\" is not FIRST:LAST, two numbers of cycles", text));
   try {
     const auto name = [names = machine::AddressNames(image)](Address address) {
       return names.name(address).value_or("");
     };
-    return {first, last,
+    return {*first, *last,
             [text = machine::SourceText(image, machine::SourceText::Label::kept), name](Address address, Word word) {
               return text(address, word, name);
             },

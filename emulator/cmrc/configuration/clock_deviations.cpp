@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <cmath>
 #include <stdexcept>
 
-#include "cmrc/run/setup.hpp"
+#include "cmrc/configuration/nominal_dock.hpp"
+#include "cmrc/configuration/nominal_machine.hpp"
 #include "plant/dock/sensors.hpp"
 
 namespace cmrc {
@@ -69,7 +71,7 @@ std::vector<Oscillator> Oscillators::all() const {
 
 Oscillators oscillators_of(const Config& config) {
   const Draw draw(config);
-  constexpr std::int64_t latches_per_second = 8000;
+  constexpr std::int64_t latches_per_second = std::chrono::seconds{1} / plant::latch_period;
   const machine::Config machine = nominal_machine_of(config);
   const plant::SensorParameters sensors = nominal_dock_of(config).sensors;
   // Millihertz are fine enough for any typed rate, and keep the timer's clock rational (ruling 1).

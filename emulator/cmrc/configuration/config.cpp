@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "cmrc/configuration/config_invariants.hpp"
-#include "cmrc/processes/process_rows.hpp"
+#include "cmrc/configuration/process_rows.hpp"
 #include "io/nearest.hpp"
 #include "io/print.hpp"
 #include "io/text_form.hpp"
@@ -244,6 +244,13 @@ Intervals intervals(const Config& config) {
   n.agv_slowed = s.agv_interval_refreshes == 0 ? slowed(n.agv_point, WorkMode::slowed_agv) : s.agv_interval_refreshes;
   n.crane_slowed = slowed(n.crane_point, WorkMode::slowed_crane);
   return n;
+}
+
+ImportanceParameters importance_parameters(const Config& config) {
+  const Intervals n = intervals(config);
+  const auto& s = config.scheduling;
+  return {s.equation, n.servo, n.crane_point, n.agv_slowed, s.gamma_refreshes, s.alpha_refreshes, s.beta_refreshes,
+          s.p,        s.q,     s.b,           s.a};
 }
 
 ConfigBuilder& ConfigBuilder::preset(std::string_view name, const Origin& origin) {

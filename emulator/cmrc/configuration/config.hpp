@@ -15,15 +15,15 @@
 #include <vector>
 
 #include "cmrc/configuration/plant_parameters.hpp"
+#include "cmrc/configuration/process_table.hpp"
 #include "cmrc/configuration/timed_event.hpp"
+#include "cmrc/configuration/user_task.hpp"
 #include "cmrc/configuration/value.hpp"
-#include "cmrc/processes/process_table.hpp"
-#include "cmrc/tasks/user_task.hpp"
+#include "cmrc/tasks/importance.hpp"
 #include "plant/numerics/integrator.hpp"
 
 namespace cmrc {
 
-enum class Equation7 { restored, as_printed };
 enum class IdlePolicy { doorbell, pause, spin };
 /// In the order of machine::Boot.
 enum class BootPolicy { preloaded, link };
@@ -263,6 +263,8 @@ struct Intervals {
   std::int64_t crane_slowed;  ///< N^_t, N_t unless the crane is slowed
 };
 Intervals intervals(const Config& config);
+/// The parameters of equation (7) at the start.
+ImportanceParameters importance_parameters(const Config& config);
 
 /// One key of the schema. The list keys() is the schema: the parser, the documentation and the tests read it.
 struct Key {

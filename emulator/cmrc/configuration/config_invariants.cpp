@@ -11,10 +11,11 @@
 #include <vector>
 
 #include "cmrc/configuration/machine_topology.hpp"
-#include "cmrc/programs/servo_law.hpp"
+#include "cmrc/configuration/nominal_dock.hpp"
+#include "cmrc/configuration/servo_law.hpp"
 #include "cmrc/tasks/task_list.hpp"
 #include "machine/dsps/slot_links.hpp"
-#include "machine/networks/net.hpp"
+#include "machine/networks/net_description.hpp"
 #include "plant/scene/wind.hpp"
 
 namespace cmrc {
@@ -105,7 +106,7 @@ class Invariants {
       involved.emplace_back("rates.servo_frequency_hz");
       contradiction(involved, fault->what, fault->right);
     }
-    const double latches = config_.dock.drive_delay_us / 125;
+    const double latches = drive_delay_latches(config_);
     require(latches == std::floor(latches), {"dock.drive_delay_us"},
             fmt::format("{:g} us is not a multiple of the latch period", config_.dock.drive_delay_us),
             "a multiple of 125 us is expected: drives take their codes at 8 kHz");

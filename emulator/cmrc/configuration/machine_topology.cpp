@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "cmrc/configuration/config.hpp"
+#include "isa/ascii.hpp"
 
 namespace cmrc {
 namespace {
@@ -26,17 +27,7 @@ constexpr TopologyRow presets_of_topology[] = {
     {"A", "A", "A", "A", "A", "A", "A"},
 };
 
-std::vector<std::string> words_of(std::string_view text) {
-  std::vector<std::string> words;
-  std::string word;
-  for (const char c : text) {
-    const bool separates = c == ' ' || c == ',' || c == '+';
-    if (!separates) word += c;
-    if (separates && !word.empty()) words.push_back(std::exchange(word, {}));
-  }
-  if (!word.empty()) words.push_back(word);
-  return words;
-}
+std::vector<std::string_view> words_of(std::string_view text) { return ascii::words(text, " ,+"); }
 
 class Reader {
  public:
@@ -74,7 +65,8 @@ class Reader {
   std::string bus_list() const { return fmt::format("{}", fmt::join(topology_.buses, ", ")); }
 
   void read_buses(const std::string& text) {
-    topology_.buses = words_of(text);
+    const auto buses = words_of(text);
+    topology_.buses = {buses.begin(), buses.end()};
     const std::size_t count = topology_.buses.size();
     bool good = count >= 1 && count <= 4;
     for (std::size_t i = 0; i < count && good; ++i)
@@ -83,7 +75,7 @@ class Reader {
             "\"A\", \"A B\", \"A B C\" or \"A B C D\" is expected");
   }
 
-  unsigned number(std::string_view key, const std::string& name) const {
+  unsigned number(std::string_view key, std::string_view name) const {
     const auto found = std::ranges::find(topology_.buses, name);
     require(found != topology_.buses.end(), {key, "topology.buses", "bus.topology"},
             fmt::format("there is no bus {}", name), fmt::format("the buses are {} (topology.buses)", bus_list()));
@@ -92,7 +84,7 @@ class Reader {
 
   std::vector<unsigned> places(std::string_view key, const std::string& text) const {
     std::vector<unsigned> all;
-    for (const std::string& name : words_of(text)) {
+    for (const std::string_view name : words_of(text)) {
       const unsigned bus = number(key, name);
       require(std::ranges::find(all, bus) == all.end(), {key}, fmt::format("bus {} is named twice", name),
               "each bus once is expected");
@@ -112,7 +104,7 @@ class Reader {
     static constexpr std::string_view key = "topology.bridges";
     std::vector<unsigned> island(topology_.buses.size());
     std::iota(island.begin(), island.end(), 0u);
-    for (const std::string& word : words_of(text)) {
+    for (const std::string_view word : words_of(text)) {
       const std::size_t dash = word.find('-');
       require(dash != std::string::npos, {key}, fmt::format("\"{}\" is not a bridge", word),
               "two buses are expected, as in \"A-B\"");

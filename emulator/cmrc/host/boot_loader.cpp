@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "c40/peripherals/comm_port.hpp"
+#include "state/visitor.hpp"
 
 namespace cmrc {
 namespace {
@@ -102,5 +103,12 @@ void BootLoader::end(std::string failure) {
 }
 
 std::vector<BootLoader::Ended> BootLoader::take_ended() { return std::exchange(ended_, {}); }
+
+void BootLoader::list_state(state::Visitor& list) {
+  list("requested", requested_);
+  list("asked", asked_);
+  list("boots", boots_);
+  list("ended", ended_);
+}
 
 }  // namespace cmrc

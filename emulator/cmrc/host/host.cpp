@@ -34,9 +34,7 @@ Host::Host(const Config& config, const Words& words, const CraneJob& crane, cons
       user_tasks_(config_.tasks, words_, config_.rates.refresh_frequency_hz),
       errors_(config, words_, *this),
       control_(config, words_),
-      torque_{task_of(JobKind::torque_compensation, words), JobKind::torque_compensation,
-              config.processes.subprocess_of("torque_compensation").number, intervals_.servo},
-      pid_{task_of(JobKind::pid, words), JobKind::pid, config.processes.subprocess_of("pid").number, intervals_.servo},
+      servo_(config_, words_, processes_, list_),
       boots_(words_, std::move(boot_stream), milliseconds(config.watchdog.boot_limit_ms),
              nanoseconds(config.host.boot_pause_ns)),
       durations_(static_cast<std::size_t>(config.report.samples_max)),
@@ -73,8 +71,7 @@ void Host::start() {
       std::max<std::int64_t>(1, clock_.tick_at_or_after(std::max(ready, milliseconds(config_.host.start_ms))));
   tick_ = first - 1;
   refresh_at_ = clock_.at(first);
-  for (Servo* servo : {&torque_, &pid_})
-    while (servo->next < first) servo->next += intervals_.servo;
+  servo_.start(first);
   user_tasks_.start(first);
   for (unsigned slot = 0; slot < static_cast<unsigned>(config_.machine.dsps); ++slot) liveness_.sign(slot, looks());
 }
@@ -256,7 +253,7 @@ void Host::think() {
   }
   for (const Done& done : done_) take_out(done);
   for (const Hung& hung : hung_) recompute(hung);
-  if (!released(pid_))
+  if (!servo_.on())
     servoing_from_.reset();
   else if (!servoing_from_)
     servoing_from_ = clock_.at(tick_);
@@ -264,7 +261,7 @@ void Host::think() {
   if (drives_wait_too_long()) errors_.pid_silent(now_, *this);
   errors_.refresh(now_, *this);
   control_.refresh(*this);
-  for (Servo* servo : {&torque_, &pid_}) refresh_servo(*servo, released(*servo));
+  servo_.refresh(grown_, *this);
   processes_.refresh(*this);
   watch_wind();
   user_tasks_.refresh(*this);

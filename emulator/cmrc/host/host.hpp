@@ -34,12 +34,13 @@
 #include "cmrc/host/liveness.hpp"
 #include "cmrc/measures/ledger.hpp"
 #include "cmrc/processes/container_cycles.hpp"
+#include "cmrc/processes/control_block.hpp"
 #include "cmrc/processes/errors.hpp"
 #include "cmrc/processes/processes.hpp"
-#include "cmrc/programs/servo_law.hpp"
+#include "cmrc/processes/servo_releases.hpp"
+#include "cmrc/processes/user_tasks.hpp"
 #include "cmrc/tasks/importance.hpp"
 #include "cmrc/tasks/task_list.hpp"
-#include "cmrc/tasks/user_tasks.hpp"
 #include "cmrc/tasks/words.hpp"
 #include "machine/system/machine.hpp"
 #include "report/event.hpp"
@@ -118,19 +119,6 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
     doorbell
   };
 
-  /// A periodic task of the crane: torque compensation or PID.
-  struct Servo {
-    Task task;
-    JobKind job;
-    unsigned subprocess;  // the row that releases it
-    std::int64_t next;    // nominal tick to be released next
-    bool out = false;     // one of its blocks is in the list
-    std::size_t block = 0;
-    std::int64_t last_t = 0;  // t of the last block when it was found finished
-    bool stopped = false;     // given up: its ticks are dropped
-    bool waits = false;       // its block was given up, and an error block has to decide what follows
-    void list_state(state::Visitor& list);
-  };
   struct Done {
     std::size_t block;
     Word result, notify;
@@ -154,9 +142,14 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   void drop_within(const Task& task, std::int64_t due, std::optional<Time> allowed) override {
     drop_block(task, due, allowed ? std::optional(clock_.at(due) + *allowed) : std::nullopt);
   }
+  std::size_t load_tick(const Task& task, const NominalTick& tick) override {
+    return load_block(task, job_kind(task.kind, words_), clock_.at(tick.released), clock_.at(tick.deadline),
+                      tick.number);
+  }
+  void drop_tick(const Task& task, const NominalTick& tick, std::size_t block, report::Wait cause) override;
   using HostServices::write;
   void write(Word offset, std::span<const Word> words) override;
-  bool servo_resting() const override;
+  bool servo_resting() const override { return servo_.resting(); }
   void process(unsigned number, bool started, Robot robot) override;
   void landing_missed(bool last) override;
   std::int64_t path(std::int64_t refresh) const override {
@@ -178,11 +171,9 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   void landing_decided(bool again) override;
   void landing_again() override { processes_.landing_again(); }
   void ask_again(const Task& lost) override;
-  void stop_work(const Task& lost) override;
+  bool stop_work(const Task& lost) override;
   void resume_work(const Task& lost) override;
-  void stop_servo(bool stopped) override {
-    torque_.stopped = pid_.stopped = stopped, torque_.waits = pid_.waits = false;
-  }
+  void stop_servo(bool stopped) override { servo_.stop_all(stopped); }
 
   void rest();
   void start();
@@ -213,22 +204,9 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   void give_up(std::size_t block);
   void fence_off(unsigned slot);
   void renew(unsigned slot);
-  /// \param on servoing is on; ticks without servoing are not counted
-  void refresh_servo(Servo& servo, bool on);
-  void load_servo(Servo& servo);
-  void drop_tick(Servo& servo);
-  /// The task is released at nominal ticks: servoing is on. If an error has stopped it, its ticks are dropped.
-  bool released(const Servo& servo) const;
   void drop_block(const Task& task, std::int64_t due, std::optional<Time> deadline);
-  Time release_of_tick(std::int64_t tick) const { return clock_.at(tick - config_.scheduling.gamma_refreshes); }
-  /// Given up. Without torque compensation's feed-forward PID gets no work either, so that the drives' time-out brakes.
-  bool stopped(const Servo& servo) const { return servo.stopped || torque_.stopped; }
-  /// \param refresh the one at which the tick is dropped
-  void skip(const Servo& servo, std::int64_t tick, std::int64_t refresh, Time found, Ledger& ledger) const;
   /// Throws the list's error with instant and place.
   std::size_t place_in_list(const Task& task);
-  /// An experiment leaves out this nominal tick (scheduling.servo_loss_share, servo_served_every).
-  bool left_out(std::int64_t tick) const;
   std::size_t load_block(const Task& task, JobKind job, Time released, std::optional<Time> deadline,
                          std::optional<std::int64_t> tick);
   /// The word TB_TICK of a waiting block at this refresh.
@@ -273,7 +251,7 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   Errors errors_;
   ControlBlock control_;
   ContainerCycles cycles_;
-  Servo torque_, pid_;
+  ServoReleases servo_;
   Course* course_ = nullptr;
   std::optional<Time> servoing_from_;
   std::optional<Time> first_refresh_;

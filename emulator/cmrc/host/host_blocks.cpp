@@ -1,11 +1,10 @@
-// The host's software for blocks: loading, writing, holding back and taking out, and the servo's releases.
+// The host's software for blocks: loading, writing, holding back and taking out.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <utility>
 
-#include "cmrc/configuration/clock_deviations.hpp"
 #include "cmrc/host/host.hpp"
 
 namespace cmrc {
@@ -49,15 +48,21 @@ void Host::drop_block(const Task& task, std::int64_t due, std::optional<Time> de
   ledger_.skipped(job_kind(task.kind, words_), clock_.at(due), deadline, std::nullopt, now_, task.robot);
 }
 
+void Host::drop_tick(const Task& task, const NominalTick& tick, std::size_t block, report::Wait cause) {
+  note(EventKind::miss,
+       {task.kind, task.tick, static_cast<std::uint32_t>(report::Outcome::dropped), words_.block(block), 0});
+  ledger_.skipped(job_kind(task.kind, words_), clock_.at(tick.released), clock_.at(tick.deadline), tick.number, now_,
+                  task.robot, cause);
+}
+
 void Host::write(Word offset, std::span<const Word> words) { port_->write(offset, words); }
 
 // PID and torque compensation take their set-points at TB_TICK, and read their sensors when they run. A block that was
 // put back would join the set-points of then to the sensors of now. So it is of the refresh that offers it.
 Word Host::tick_of(const TaskBlock& block) const {
   const auto now = static_cast<Word>(tick_), nominal = block.task.tick;
-  const bool servo = block.task.kind == words_.program(JobKind::pid) ||
-                     block.task.kind == words_.program(JobKind::torque_compensation);
-  return servo && block.recomputations > 0 && static_cast<std::int32_t>(now - nominal) > 0 ? now : nominal;
+  const bool late = block.recomputations > 0 && static_cast<std::int32_t>(now - nominal) > 0;
+  return late && servo_.owns(block.task) ? now : nominal;
 }
 
 void Host::write_new_blocks() {
@@ -86,8 +91,7 @@ void Host::write_new_blocks() {
 
 std::uint32_t Host::importance_of(const TaskBlock& block) const {
   const bool waits_for_torque = config_.scheduling.pid_after_torque &&
-                                block.task.kind == words_.program(JobKind::pid) && torque_.out &&
-                                static_cast<std::int32_t>(list_[torque_.block].task.tick - block.task.tick) <= 0;
+                                block.task.kind == words_.program(JobKind::pid) && servo_.torque_is_behind(block.task);
   if (waits_for_torque && block.flag == Flag::waiting) return 0;
   if (user_tasks_.is_one(block.task) && block.task.x != row_of(JobKind::recompute).x)
     return importance(user_tasks_.row(block.task), block.t);
@@ -141,9 +145,7 @@ void Host::take_out(const Done& done) {
   if (task.kind == words_.program(JobKind::pid) && (done.result & words_.pid_starved) != 0) {
     note(EventKind::starved, {0, done.result & 0xFFFF, 0, 0, 0});
   }
-  for (Servo* servo : {&torque_, &pid_}) {
-    if (servo->out && servo->block == done.block) servo->out = false, servo->last_t = t;
-  }
+  servo_.finished(done.block, t);
   if (user_tasks_.owns(task)) {
     user_tasks_.ended(task);
   } else {
@@ -162,78 +164,9 @@ void Host::load_next_part(std::size_t done, const Task& task, std::uint32_t own_
   note(EventKind::load, {words_.block(index), next.kind, next.area, next.tick, list_[index].generation});
 }
 
-// ---- the servo ----
-
-void Host::refresh_servo(Servo& servo, bool on) {
-  if (!on) {
-    while (servo.next <= tick_) servo.next += intervals_.servo;
-  } else if (servo.out || servo.waits || stopped(servo)) {
-    while (servo.next <= tick_) drop_tick(servo);
-  } else {
-    while (servo.next + intervals_.servo <= tick_ || (servo.next <= tick_ && left_out(servo.next))) drop_tick(servo);
-    if (!left_out(servo.next)) load_servo(servo);
-  }
-}
-
-void Host::load_servo(Servo& servo) {
-  const std::int64_t gamma = config_.scheduling.gamma_refreshes;
-  Task task = servo.task;
-  std::int64_t due = servo.next;
-  if (config_.scheduling.servo_reload == ServoReload::locked) {
-    task.t = tick_ - grown_ - (due - intervals_.servo);  // the refresh adds the elapsed refreshes
-  } else {
-    task.t = servo.last_t - grown_;
-    due = std::max(tick_, tick_ + intervals_.servo - gamma - servo.last_t) + gamma;
-  }
-  task.tick = static_cast<std::uint32_t>(due);
-  servo.block =
-      load_block(task, servo.job, release_of_tick(due), clock_.at(due + intervals_.servo), due / intervals_.servo);
-  servo.out = true;
-  servo.next = due + intervals_.servo;
-}
-
-// One draw for each group of ticks, from the seed and the group's number alone: the same ticks for any number of DSPs.
-bool Host::left_out(std::int64_t tick) const {
-  const Config::Scheduling& s = config_.scheduling;
-  const std::int64_t number = tick / intervals_.servo;
-  if (number % s.servo_served_every != 0) return true;
-  if (s.servo_loss_share <= 0) return false;
-  return unit_draw(static_cast<std::uint64_t>(config_.run.seed), "servo_loss",
-                   static_cast<std::uint64_t>(number / s.servo_loss_run)) < s.servo_loss_share;
-}
-
-bool Host::released(const Servo& servo) const { return processes_.releases(servo.subprocess, servo.task.robot); }
-
-void Host::drop_tick(Servo& servo) {
-  note(EventKind::miss, {servo.task.kind, static_cast<std::uint32_t>(servo.next),
-                         static_cast<std::uint32_t>(report::Outcome::dropped), words_.block(servo.block), 0});
-  skip(servo, servo.next, tick_, now_, ledger_);
-  servo.next += intervals_.servo;
-}
-
-void Host::skip(const Servo& servo, std::int64_t tick, std::int64_t refresh, Time found, Ledger& ledger) const {
-  const bool passed = tick + intervals_.servo <= refresh;
-  const report::Wait cause = left_out(tick)                               ? report::Wait::left_out
-                             : !passed && (servo.waits || stopped(servo)) ? report::Wait::stopped_by_error
-                                                                          : report::Wait::host_late;
-  ledger.skipped(servo.job, release_of_tick(tick), clock_.at(tick + intervals_.servo), tick / intervals_.servo, found,
-                 servo.task.robot, cause);
-}
-
 void Host::count_rest(Time end, Ledger& account) const {
   if (refresh_at_ == machine::never) return;                   // it has not begun
   const std::int64_t last = clock_.tick_at_or_after(end) - 1;  // refresh before the end
-  for (const Servo* servo : {&torque_, &pid_}) {
-    if (!released(*servo)) continue;
-    const bool blocked = servo->waits || stopped(*servo) || (servo->out && account.is_open(servo->block));
-    const std::int64_t period = intervals_.servo;
-    for (std::int64_t next = servo->next; next - config_.scheduling.gamma_refreshes <= last; next += period) {
-      if (next + period <= last || (blocked && next <= last) || left_out(next))
-        skip(*servo, next, last, end, account);
-      else
-        account.never_loaded(servo->job, release_of_tick(next), clock_.at(next + period), next / period, end);
-    }
-  }
   const auto in_the_way = [&](const Task& task) {
     return std::ranges::any_of(list_.order(), [&](std::size_t index) {
       const Task& other = list_[index].task;
@@ -241,30 +174,29 @@ void Host::count_rest(Time end, Ledger& account) const {
              account.is_open(index);
     });
   };
-  const auto count = [&](const Task& task, std::int64_t due, std::optional<Time> deadline, bool dropped) {
+  const auto count = [&](const Task& task, std::int64_t released, std::optional<Time> deadline,
+                         std::optional<std::int64_t> number, std::optional<report::Wait> dropped) {
     const JobKind job = job_kind(task.kind, words_);
     if (dropped)
-      account.skipped(job, clock_.at(due), deadline, std::nullopt, end, task.robot);
+      account.skipped(job, clock_.at(released), deadline, number, end, task.robot, *dropped);
     else
-      account.never_loaded(job, clock_.at(due), deadline, std::nullopt, end, task.robot);
+      account.never_loaded(job, clock_.at(released), deadline, number, end, task.robot);
   };
+  const auto late = [](bool dropped) { return dropped ? std::optional(report::Wait::host_late) : std::nullopt; };
+  servo_.each_passed(
+      last, [&](std::size_t block) { return account.is_open(block); },
+      [&](const Task& task, const NominalTick& tick, std::optional<report::Wait> dropped) {
+        count(task, tick.released, clock_.at(tick.deadline), tick.number, dropped);
+      });
   processes_.each_passed(last, in_the_way,
                          [&](const Task& task, std::int64_t due, std::int64_t deadline, bool dropped) {
-                           count(task, due, clock_.at(deadline), dropped);
+                           count(task, due, clock_.at(deadline), std::nullopt, late(dropped));
                          });
-  user_tasks_.each_passed(
-      last, in_the_way, [&](const Task& task, std::int64_t due, std::optional<Time> allowed, bool dropped) {
-        count(task, due, allowed ? std::optional(clock_.at(due) + *allowed) : std::nullopt, dropped);
-      });
-}
-
-bool Host::servo_resting() const {
-  // A waiting block whose J in shared memory is 0 cannot be claimed before the next relink, which comes after all
-  // writes of this refresh.
-  const auto rests = [this](const Servo& servo) {
-    return !servo.out || (list_[servo.block].flag == Flag::waiting && list_[servo.block].importance == 0);
-  };
-  return rests(torque_) && rests(pid_);
+  user_tasks_.each_passed(last, in_the_way,
+                          [&](const Task& task, std::int64_t due, std::optional<Time> allowed, bool dropped) {
+                            count(task, due, allowed ? std::optional(clock_.at(due) + *allowed) : std::nullopt,
+                                  std::nullopt, late(dropped));
+                          });
 }
 
 }  // namespace cmrc

@@ -15,7 +15,7 @@ void Host::error(Word number, Word what, Robot robot, Word phase, Word response)
 // drives wait for its codes.
 bool Host::drives_wait_too_long() const {
   const double limit = config_.dock.drive_timeout_ms;
-  return limit > 0 && pid_runs_ >= 3 && servoing() && !stopped(pid_) &&
+  return limit > 0 && pid_runs_ >= 3 && servoing() && !servo_.pid_stopped() &&
          static_cast<double>((now_ - pid_ended_).count()) * 1e-9 > limit;
 }
 
@@ -35,21 +35,22 @@ void Host::landing_decided(bool again) {
 }
 
 void Host::ask_again(const Task& lost) {
-  if (lost.kind == words_.program(JobKind::torque_compensation) || lost.kind == words_.program(JobKind::pid))
-    (lost.kind == words_.program(JobKind::pid) ? pid_ : torque_).waits = false;
+  if (servo_.owns(lost))
+    servo_.ask_again(lost);
   else if (user_tasks_.owns(lost))
     user_tasks_.ended(lost);
   else
     processes_.dropped(lost);
 }
 
-void Host::stop_work(const Task& lost) {
+bool Host::stop_work(const Task& lost) {
   std::string what;
-  if (lost.kind == words_.program(JobKind::torque_compensation) || lost.kind == words_.program(JobKind::pid)) {
-    Servo& servo = lost.kind == words_.program(JobKind::pid) ? pid_ : torque_;
-    servo.stopped = true, servo.waits = false;
-    what = fmt::format("sub-process {} ({}); the drives brake", servo.subprocess,
-                       config_.processes.find_subprocess(servo.subprocess)->name);
+  const bool servo = servo_.owns(lost);
+  const std::string& kind = ledger_.name(job_kind(lost.kind, words_));
+  if (servo) {
+    servo_.stop(lost);
+    const Subprocess& row = config_.processes.subprocess_of(kind);
+    what = fmt::format("sub-process {} ({}); the drives brake", row.number, row.name);
   } else if (user_tasks_.owns(lost)) {
     user_tasks_.stop(lost);
     what = "the task";
@@ -57,13 +58,14 @@ void Host::stop_work(const Task& lost) {
     what = processes_.abandoned(lost);
   }
   listener_.failure({now_, std::nullopt, "stopped",
-                     fmt::format("a block of kind {} was given up {} times in a row; stopped: {}",
-                                 ledger_.name(job_kind(lost.kind, words_)), drops_[{lost.kind, lost.robot}], what)});
+                     fmt::format("a block of kind {} was given up {} times in a row; stopped: {}", kind,
+                                 drops_[{lost.kind, lost.robot}], what)});
+  return servo;
 }
 
 void Host::resume_work(const Task& lost) {
   drops_.erase({lost.kind, lost.robot});
-  if (lost.kind == words_.program(JobKind::torque_compensation) || lost.kind == words_.program(JobKind::pid))
+  if (servo_.owns(lost))
     stop_servo(false);
   else if (user_tasks_.owns(lost))
     user_tasks_.resume(lost);

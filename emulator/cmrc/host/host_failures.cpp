@@ -147,9 +147,7 @@ void Host::give_up(std::size_t index) {
        {task.kind, task.tick, static_cast<std::uint32_t>(report::Outcome::dropped), words_.block(index), 0});
   list_.remove(index);
   ledger_.dropped(index, now_);
-  for (Servo* servo : {&torque_, &pid_}) {
-    if (servo->out && servo->block == index) servo->out = false, servo->waits = true;
-  }
+  servo_.given_up(index);
   if (task.kind == words_.program(JobKind::error)) return errors_.undecided(task, now_);
   const std::int64_t drops = ++drops_[{task.kind, task.robot}];
   errors_.given_up(task, drops <= config_.watchdog.retries_max, now_, *this);

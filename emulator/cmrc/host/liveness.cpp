@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "state/visitor.hpp"
+
 namespace cmrc {
 
 Liveness::Slot& Liveness::known(unsigned slot) {
@@ -33,6 +35,13 @@ std::vector<Liveness::Finding> Liveness::judge(std::int64_t refresh, std::int64_
     slot = {slot.state == State::alive ? State::reset : State::unknown, refresh};
   }
   return all;
+}
+
+void Liveness::list_state(state::Visitor& list) {
+  list("slots", slots_);
+  if (!list.loads()) return;
+  known_ = slots_.size();
+  while (known_ > 0 && slots_[known_ - 1].state == State::unknown) --known_;
 }
 
 }  // namespace cmrc

@@ -6,8 +6,9 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "cmrc/processes/process_table.hpp"
+#include "cmrc/configuration/process_table.hpp"
 #include "plant/dock/dock.hpp"
+#include "state/visitor.hpp"
 
 namespace cmrc {
 
@@ -141,6 +142,26 @@ std::map<Robot, std::uint64_t> Course::starved_intervals(Time end) const {
 void Course::servo(bool on, Time at) {
   if (on == (servo_.size() % 2 == 1)) return;
   servo_.push_back(at);
+}
+
+void Course::list_state(state::Visitor& list) {
+  list_all_but_rows(list);
+  list.table("rows", rows_.first(size_), rows_.width());
+}
+
+void Course::list_all_but_rows(state::Visitor& list) {
+  list("size", size_);
+  if (size_ > rows_.room())
+    throw state::StateError("a course of " + std::to_string(size_) + " rows, with room for " +
+                            std::to_string(rows_.room()));
+  list("every", every_);
+  list("points_every", points_every_);
+  list("processes_every", processes_every_);
+  list("milestones_room", milestones_room_);
+  list("legs", legs_);
+  list("places", places_);
+  list("milestones", milestones_);
+  list("servo", servo_);
 }
 
 }  // namespace cmrc

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "cmrc/measures/event_times.hpp"
-#include "cmrc/measures/milestone.hpp"
+#include "cmrc/tasks/milestone.hpp"
 #include "machine/time/time.hpp"
 #include "plant/parameters/basics.hpp"
 

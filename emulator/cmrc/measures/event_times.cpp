@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "state/visitor.hpp"
+
 namespace cmrc {
 
 void EventTimes::add(Time time) {
@@ -53,6 +55,14 @@ std::vector<EventTimes::Group> EventTimes::in_order() const {
     if (bins_[i] > 0) all.push_back({static_cast<std::int64_t>(i) * bin_, bins_[i]});
   }
   return all;
+}
+
+void EventTimes::list_state(state::Visitor& list) {
+  list("count", count_);
+  list("last", last_);
+  list("bin", bin_);
+  list("kept", kept_);
+  list("bins", bins_);
 }
 
 }  // namespace cmrc

@@ -8,10 +8,7 @@
 #include <span>
 
 #include "plant/dock/dock.hpp"
-
-namespace state {
-class Visitor;
-}
+#include "state/visitor.hpp"
 
 namespace cmrc {
 
@@ -46,7 +43,7 @@ class Instability {
     return found;
   }
 
-  void list_state(state::Visitor& list);
+  void list_state(state::Visitor& list) { list("joints", joints_); }
 
  private:
   static constexpr int far = (4 * plant::largest_torque_code + 2) /

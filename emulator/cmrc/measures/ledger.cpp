@@ -8,6 +8,8 @@
 #include <numeric>
 #include <utility>
 
+#include "state/visitor.hpp"
+
 namespace cmrc {
 namespace {
 
@@ -467,6 +469,20 @@ std::vector<report::Share> Ledger::occupied(unsigned number, Time now) const {
 std::optional<JobKind> Ledger::kind_of(std::size_t block) const {
   const auto found = open_.find(block);
   return found == open_.end() ? std::nullopt : std::optional(found->second.kind);
+}
+
+void Ledger::list_state(state::Visitor& list) {
+  list("account", account_);
+  list("audit", audit_);
+  list("timeline", timeline_);
+  list("why", why_);
+  list("open", open_);
+  list("slots", slots_);
+  list("released", released_);
+  list("jobs", jobs_);
+  list("refresh", refresh_);
+  list("offered", offered_);
+  list("misses", misses_);
 }
 
 }  // namespace cmrc

@@ -11,12 +11,12 @@
 #include <string>
 #include <vector>
 
+#include "cmrc/configuration/user_task.hpp"
 #include "cmrc/measures/course.hpp"
 #include "cmrc/measures/timeline.hpp"
 #include "cmrc/measures/why_late.hpp"
 #include "cmrc/tasks/block_audit.hpp"
 #include "cmrc/tasks/job_kinds.hpp"
-#include "cmrc/tasks/user_task.hpp"
 #include "cmrc/tasks/words.hpp"
 #include "machine/time/time.hpp"
 #include "report/task_account.hpp"

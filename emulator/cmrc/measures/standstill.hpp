@@ -6,10 +6,7 @@
 
 #include "machine/system/machine.hpp"
 #include "machine/time/time.hpp"
-
-namespace state {
-class Visitor;
-}
+#include "state/visitor.hpp"
 
 namespace cmrc {
 
@@ -39,7 +36,11 @@ class Standstill {
   }
   /// The latch from which on no drive has been on; none if one is, or none has ever been.
   std::optional<Time> of_drives() const { return braked_; }
-  void list_state(state::Visitor& list);
+  void list_state(state::Visitor& list) {
+    list("stopped", stopped_);
+    list("driven", driven_);
+    list("braked", braked_);
+  }
 
  private:
   std::vector<std::optional<Time>> stopped_ =

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "state/visitor.hpp"
+
 namespace cmrc {
 namespace {
 
@@ -161,6 +163,11 @@ Waiting Timeline::explain(Time from, Time to, std::optional<unsigned> claimer, s
     at = next;
   }
   return waiting;
+}
+
+void Timeline::list_state(state::Visitor& list) {
+  list("slots", slots_);
+  list("holders", holders_);
 }
 
 }  // namespace cmrc

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "state/visitor.hpp"
+
 namespace cmrc {
 namespace {
 
@@ -230,6 +232,13 @@ report::WhyLate WhyLate::summary(std::size_t kind, BlockAudit& audit) const {
                        out.lateness);
   });
   return out;
+}
+
+void WhyLate::list_state(state::Visitor& list) {
+  list("usual", usual_);
+  list("chains", chains_);
+  list("sums", sums_);
+  list("left_out", left_out_);
 }
 
 }  // namespace cmrc

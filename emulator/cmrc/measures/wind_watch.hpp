@@ -6,10 +6,7 @@
 
 #include "plant/dock/dock.hpp"
 #include "plant/scene/wind.hpp"
-
-namespace state {
-class Visitor;
-}
+#include "state/visitor.hpp"
 
 namespace cmrc {
 
@@ -28,7 +25,11 @@ class WindWatch {
   /// The watched time until now, to within a period.
   plant::Time watched() const { return samples_ * period; }
   plant::Time above() const { return samples_above_ * period; }
-  void list_state(state::Visitor& list);
+  void list_state(state::Visitor& list) {
+    list("next", next_);
+    list("samples_above", samples_above_);
+    list("samples", samples_);
+  }
 
  private:
   static constexpr plant::Time period{10'000'000'000};  // 10 ms

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "state/visitor.hpp"
+
 namespace cmrc {
 
 Consents::Consents(const ProcessTable& table, unsigned agvs)
@@ -28,5 +30,7 @@ void Consents::consume(unsigned target, unsigned agv) {
     clear(source, target, agv);
   }
 }
+
+void Consents::list_state(state::Visitor& list) { list("tokens", tokens_); }
 
 }  // namespace cmrc

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "cmrc/processes/process_table.hpp"
+#include "cmrc/configuration/process_table.hpp"
 
 namespace state {
 class Visitor;

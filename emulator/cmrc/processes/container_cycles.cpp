@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "state/visitor.hpp"
+
 namespace cmrc {
 
 using report::Time;
@@ -106,6 +108,15 @@ std::int64_t learned_interval(const Config::Scheduling& rule, std::int64_t prese
     change = std::clamp(std::round(rule.learning_rate * (target - n)), -most, most);
   }
   return std::clamp(present + static_cast<std::int64_t>(change), lowest, rule.agv_interval_max_refreshes);
+}
+
+void ContainerCycles::list_state(state::Visitor& list) {
+  list("cycles", cycles_);
+  list("agvs", agvs_);
+  list("started", started_);
+  list("grabbed", grabbed_);
+  list("closed", closed_);
+  list("completed", completed_);
 }
 
 }  // namespace cmrc

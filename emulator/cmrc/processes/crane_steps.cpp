@@ -7,6 +7,7 @@
 
 #include "cmrc/tasks/importance.hpp"
 #include "cmrc/tasks/ti_float.hpp"
+#include "state/visitor.hpp"
 
 namespace cmrc {
 namespace {
@@ -323,6 +324,39 @@ void CraneSteps::pid_finished(const Task& done, Word result, HostServices& servi
   const bool now = (result & words_.pid_began) != 0 || services.path(pid_.tick) != pid_.tick;
   segment_start_ = now ? pid_.tick : segment_start_ + interval_ * step;
   chain_.consumed(consumed_, segment_start_);
+}
+
+void CraneSteps::list_state(state::Visitor& list) {
+  list("chain", chain_);
+  list("pid", pid_);
+  list("interval", interval_);
+  list("next_interval", next_interval_);
+  list("speeds", speeds_);
+  list("next_speeds", next_speeds_);
+  list("consumed", consumed_);
+  list("segment_start", segment_start_);
+  list("since", since_);
+  list("ramp_offset", ramp_offset_);
+  list("ramp_end", ramp_end_);
+  list("probes", probes_);
+  list("hovering", hovering_);
+  list("low", low_);
+  list("unsteady", unsteady_);
+  list("load", load_);
+  list("hung", hung_);
+  list("eased", eased_);
+  list("freed", freed_);
+  list("too_windy", too_windy_);
+  list("servo_began", servo_began_);
+  list("ramp_pending", ramp_pending_);
+  list("ramp_reported", ramp_reported_);
+  list("retrying", retrying_);
+  list("phase", phase_);
+  list("missed", missed_);
+  list("again", again_);
+  list("setting_down", setting_down_);
+  list("leg", leg_);
+  list("asked", asked_);
 }
 
 }  // namespace cmrc

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <optional>
 
+#include "cmrc/configuration/process_table.hpp"
 #include "cmrc/processes/host_services.hpp"
 #include "cmrc/processes/point_chain.hpp"
-#include "cmrc/processes/process_table.hpp"
 
 namespace cmrc {
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cmrc/tasks/importance.hpp"
+#include "state/visitor.hpp"
 
 namespace cmrc {
 namespace {
@@ -116,7 +117,10 @@ void Errors::decided(const Task& block, Word result, Time now, HostServices& ser
 // No DSP has decided: the drives' time-out brakes.
 void Errors::undecided(const Task& block, Time) {
   const ErrorEntry& entry = entries_.at(block.error - 1);
-  if (entry.origin == ErrorOrigin::block) return hands_.stop_work(entry.lost);
+  if (entry.origin == ErrorOrigin::block) {
+    hands_.stop_work(entry.lost);
+    return;
+  }
   if (entry.origin == ErrorOrigin::landing) return hands_.landing_decided(false);
   hands_.stop_servo(true);
   hands_.hold_crane(true);
@@ -132,9 +136,7 @@ void Errors::carry_out(ErrorEntry& entry, Time now, HostServices& services) {
   switch (entry.response) {
     case Response::stop:
       if (entry.origin == ErrorOrigin::block) {
-        hands_.stop_work(entry.lost);
-        if (entry.lost.kind == words_.program(JobKind::torque_compensation) ||
-            entry.lost.kind == words_.program(JobKind::pid)) {
+        if (hands_.stop_work(entry.lost)) {
           servo_stopped_ = true;
           hands_.hold_crane(true);
           go_to_rate(0, 0);
@@ -256,6 +258,21 @@ void Errors::clear(Time now, HostServices& services) {
   drives_changed_ = true;
   go_on_at_.reset();
   go_to_rate(1, config_.go_on_s);
+}
+
+void Errors::list_state(state::Visitor& list) {
+  list("entries", entries_);
+  list("path", path_);
+  list("wanted", wanted_);
+  list("drives", drives_);
+  list("drives_changed", drives_changed_);
+  list("known", known_);
+  list("sensor", sensor_);
+  list("sway_after", sway_after_);
+  list("late_after", late_after_);
+  list("servo_stopped", servo_stopped_);
+  list("timeouts", timeouts_);
+  list("go_on_at", go_on_at_);
 }
 
 }  // namespace cmrc

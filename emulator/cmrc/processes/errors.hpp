@@ -61,7 +61,8 @@ class ErrorActions {
   virtual void landing_again() = 0;
   /// The work of a block that was given up is requested again, or stops, or continues after a stop.
   virtual void ask_again(const Task& lost) = 0;
-  virtual void stop_work(const Task& lost) = 0;
+  /// \returns whether it is the servo's
+  virtual bool stop_work(const Task& lost) = 0;
   virtual void resume_work(const Task& lost) = 0;
   /// Torque compensation and PID are no longer released, so that the drives' time-out brakes; or they are released
   /// again.

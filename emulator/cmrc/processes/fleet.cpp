@@ -8,6 +8,7 @@
 #include "cmrc/tasks/importance.hpp"
 #include "cmrc/tasks/ti_float.hpp"
 #include "plant/numerics/math.hpp"
+#include "state/visitor.hpp"
 
 namespace cmrc {
 namespace {
@@ -212,5 +213,7 @@ void Fleet::dropped(const Task& lost) {
   else if (lost.kind == words_.program(JobKind::inverse_agv))
     chain.lost_inverse();
 }
+
+void Fleet::list_state(state::Visitor& list) { list("agvs", agvs_); }
 
 }  // namespace cmrc

@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
+#include "cmrc/configuration/process_table.hpp"
 #include "cmrc/processes/host_services.hpp"
 #include "cmrc/processes/point_chain.hpp"
-#include "cmrc/processes/process_table.hpp"
 
 namespace cmrc {
 

@@ -1,15 +1,23 @@
 #pragma once
 // The host's services for the processes during a refresh.
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 
-#include "cmrc/measures/milestone.hpp"
+#include "cmrc/tasks/milestone.hpp"
 #include "cmrc/tasks/task_list.hpp"
 #include "cmrc/tasks/words.hpp"
 #include "report/event.hpp"
+#include "report/why_late.hpp"
 
 namespace cmrc {
+
+/// A nominal tick k N_p of the servo; refresh numbers.
+struct NominalTick {
+  std::int64_t number;  ///< k
+  std::int64_t released, deadline;
+};
 
 class HostServices {
  public:
@@ -25,6 +33,11 @@ class HostServices {
   virtual void drop(const Task& task, std::int64_t due, std::int64_t deadline) = 0;
   /// The same, with a deadline like that of load_within; none: without a deadline.
   virtual void drop_within(const Task& task, std::int64_t due, std::optional<report::Time> allowed) = 0;
+  /// Loads a block of the servo. \returns its place in the list
+  virtual std::size_t load_tick(const Task& task, const NominalTick& tick) = 0;
+  /// No block could be released for this tick. \param block place of the block before it \param cause why, if that
+  /// block is not in the way
+  virtual void drop_tick(const Task& task, const NominalTick& tick, std::size_t block, report::Wait cause) = 0;
   /// Writes words of a job area; they arrive before a block loaded in the same refresh can be claimed.
   virtual void write(Word offset, std::span<const Word> words) = 0;
   void write(Word offset, Word word) { write(offset, std::span<const Word>(&word, 1)); }

@@ -7,10 +7,7 @@
 #include <cstdint>
 
 #include "cmrc/tasks/ti_float.hpp"
-
-namespace state {
-class Visitor;
-}
+#include "state/visitor.hpp"
 
 namespace cmrc {
 
@@ -34,7 +31,15 @@ class PathClock {
     base_ = shown, from_ = rate_now, to_ = to, begin_ = refresh, ticks_ = ticks, used_ = true;
     change_ = ticks > 0 ? (to_ - from_) / static_cast<double>(ticks_) : 0;
   }
-  void list_state(state::Visitor& list);
+  void list_state(state::Visitor& list) {
+    list("used", used_);
+    list("begin", begin_);
+    list("ticks", ticks_);
+    list("from", from_);
+    list("to", to_);
+    list("change", change_);
+    list("base", base_);
+  }
   double target() const { return used_ ? to_ : 1; }
   /// The refresh at which the rate reaches the target.
   std::int64_t reached() const { return begin_ + ticks_; }

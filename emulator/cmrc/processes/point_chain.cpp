@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "state/visitor.hpp"
+
 namespace cmrc {
 
 void PointChain::begin(std::int64_t first, std::int64_t interval, std::int64_t tick) {
@@ -86,6 +88,29 @@ void PointChain::refresh(HostServices& services) {
     services.load(task, need(joint_));
     inverse_out_ = true;
   }
+}
+
+void PointChain::list_state(state::Visitor& list) {
+  list("interval", interval_);
+  list("cartesian", cartesian_);
+  list("joint", joint_);
+  list("consumed", consumed_);
+  list("base", base_);
+  list("base_count", base_count_);
+  list("loaded_at", loaded_at_);
+  list("planned_at", planned_at_);
+  list("anchored", anchored_);
+  list("drive_buffer", drive_buffer_);
+  list("trajectory_out", trajectory_out_);
+  list("inverse_out", inverse_out_);
+  list("again", again_);
+  list("ended", ended_);
+  list("active", active_);
+  list("begun_at", begun_at_);
+  list("reported", reported_);
+  list("begin_reported", begin_reported_);
+  list("end_reported", end_reported_);
+  list("abandoned", abandoned_);
 }
 
 }  // namespace cmrc

@@ -12,13 +12,13 @@
 #include <string>
 #include <vector>
 
+#include "cmrc/configuration/process_table.hpp"
 #include "cmrc/processes/consents.hpp"
 #include "cmrc/processes/crane_steps.hpp"
 #include "cmrc/processes/fleet.hpp"
 #include "cmrc/processes/host_services.hpp"
-#include "cmrc/processes/process_table.hpp"
 #include "cmrc/processes/releases.hpp"
-#include "cmrc/tasks/user_tasks.hpp"
+#include "cmrc/processes/user_tasks.hpp"
 
 namespace cmrc {
 

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "state/visitor.hpp"
+
 namespace cmrc {
 
 std::int64_t congruent_before(std::int64_t tick, std::int64_t phase, std::int64_t period) {
@@ -42,5 +44,15 @@ Release::Due Release::due(std::int64_t tick, std::int64_t period, bool staggered
   if (due.load) object_ = false;
   return due;
 }
+
+void Release::list_state(state::Visitor& list) {
+  list("seen", seen_);
+  list("deadline", deadline_);
+  list("out", out_);
+  list("object", object_);
+  list("stopped", stopped_);
+}
+
+void RangeField::list_state(state::Visitor& list) { list("last", last_); }
 
 }  // namespace cmrc

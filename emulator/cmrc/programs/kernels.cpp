@@ -2,14 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
 
+#include "cmrc/configuration/nominal_dock.hpp"
+#include "cmrc/configuration/servo_law.hpp"
 #include "cmrc/programs/plant_constants.hpp"
-#include "cmrc/programs/servo_law.hpp"
-#include "cmrc/run/setup.hpp"
 #include "cmrc/tasks/ti_float.hpp"
+#include "plant/parameters/device_codes.hpp"
 
 namespace cmrc {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "cmrc/configuration/servo_law.hpp"
 #include "cmrc/programs/program_constants.hpp"
-#include "cmrc/programs/servo_law.hpp"
 #include "cmrc/tasks/ti_float.hpp"
 
 namespace cmrc {

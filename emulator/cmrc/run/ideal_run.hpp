@@ -6,13 +6,9 @@
 // DSP is ideal_speed times as fast (a board's clock counts as 40 MHz at least), an access through a bus takes no time,
 // and the host works in no time. Every block ends within microseconds of its release, well before the next latch of the
 // drives. Failures of the machine do not happen here; the operator's changes, and failures of drives and sensors, do.
-#include <cstdint>
-
 #include "cmrc/configuration/config.hpp"
 
 namespace cmrc {
-
-inline constexpr std::int64_t ideal_speed = 1000;
 
 /// The configuration of a run with run.ideal; unchanged if run.ideal is not set.
 Config as_run(const Config& config);

@@ -1,13 +1,13 @@
-// Makes the report from the parts of a run.
+#include "cmrc/run/make_report.hpp"
+
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "bus_model/bus.hpp"
 #include "c40/chip/chip.hpp"
 #include "cmrc/measures/error_log.hpp"
 #include "cmrc/measures/measures.hpp"
-#include "cmrc/run/setup.hpp"
+#include "machine/networks/net.hpp"
 #include "plant/numerics/math.hpp"
 #include "report/event.hpp"
 
@@ -105,24 +105,6 @@ report::LinkReport link_report(const machine::SlotWire& wire) {
   return report;
 }
 
-/// Distance of a point from a lane; large if the point is before its beginning or behind its end.
-double distance(const plant::LaneSegment& lane, double x, double y) {
-  const double dx = x - lane.x, dy = y - lane.y;
-  const double c = plant::cos(lane.heading), s = plant::sin(lane.heading);
-  const double along = dx * c + dy * s, across = dy * c - dx * s;
-  if (lane.curvature == 0) {
-    const double beyond = along < 0 ? -along : std::max(0.0, along - lane.length);
-    return plant::hypot(across, beyond);
-  }
-  // Mirrored, so that the arc turns left: its centre is at (0, radius).
-  const double radius = 1 / std::abs(lane.curvature);
-  const double left = lane.curvature > 0 ? across : -across;
-  double angle = plant::atan2(along, radius - left);
-  if (angle < -1e-6) angle += 2 * std::numbers::pi;
-  if (angle * radius > lane.length + 1e-6) return 1e9;
-  return std::abs(plant::hypot(along, radius - left) - radius);
-}
-
 report::OwnMeasure own(std::string name, std::string unit, double squares, double peak, std::uint64_t count) {
   if (count == 0) return {std::move(name), std::move(unit), std::nullopt, std::nullopt};
   return {std::move(name), std::move(unit), std::sqrt(squares / static_cast<double>(count)), peak};
@@ -175,7 +157,7 @@ void add_plant(const ReportInputs& e, report::RunReport& report) {
         if (row.speed < 0.05) continue;
         double nearest = 1e9;
         for (const auto& leg : e.layout.layout.legs) {
-          for (const auto& lane : leg) nearest = std::min(nearest, distance(lane, row.x, row.y));
+          for (const auto& lane : leg) nearest = std::min(nearest, plant::distance_from(lane, row.x, row.y));
         }
         sum += nearest * nearest, peak = std::max(peak, nearest), ++count;
       }

@@ -9,6 +9,7 @@
 
 #include "bus_model/bus.hpp"
 #include "cmrc/tasks/ti_float.hpp"
+#include "state/visitor.hpp"
 
 namespace cmrc {
 namespace {
@@ -295,6 +296,26 @@ void RunObserver::scripted(const machine::ScriptedEvent& event, Time now) {
             EventKind::scripted,
             {static_cast<std::uint32_t>(event.action), event.number, static_cast<std::uint32_t>(event.amount),
              static_cast<std::uint32_t>(event.amount >> 32), 0}});
+}
+
+void RunObserver::list_state(state::Visitor& list) {
+  list("snapshots", snapshots_);
+  list("blocks", blocks_);
+  list("failures", failures_);
+  list("refused", refused_);
+  list("faults", faults_);
+  list("resets", resets_);
+  list("boots", boots_);
+  list("hold", hold_);
+  list("held_since", held_since_);
+  list("pid_error", pid_error_);
+  list("saturated", saturated_);
+  list("errors_hold", errors_hold_);
+  list("instability", instability_);
+  list("standstill", standstill_);
+  list("effort", effort_);
+  list("effort_until", effort_until_);
+  list("wind", wind_);
 }
 
 }  // namespace cmrc

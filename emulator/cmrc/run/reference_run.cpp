@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "c40/chip/chip.hpp"
+#include "cmrc/configuration/nominal_machine.hpp"
 #include "cmrc/run/ideal_run.hpp"
 #include "cmrc/run/simulation.hpp"
 #include "io/child_process.hpp"

@@ -4,99 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <numeric>
 #include <stdexcept>
 
 #include "cmrc/configuration/clock_deviations.hpp"
 #include "cmrc/configuration/dock_job.hpp"
-#include "cmrc/configuration/machine_topology.hpp"
+#include "cmrc/configuration/nominal_dock.hpp"
+#include "cmrc/configuration/nominal_machine.hpp"
+#include "cmrc/processes/control_block.hpp"
 #include "cmrc/programs/kernels.hpp"
-#include "cmrc/programs/servo_law.hpp"
-#include "cmrc/run/ideal_run.hpp"
+#include "cmrc/programs/straight_ways.hpp"
 #include "cmrc/tasks/ti_float.hpp"
-#include "machine/boards/board_file.hpp"
 #include "plant/parameters/check.hpp"
-#include "plant/parameters/layout_file.hpp"
 
 namespace cmrc {
-
-namespace {
-
-std::int64_t instruction_cycles_per_second(DspClock clock) {
-  switch (clock) {
-    case DspClock::c40_40: return 20'000'000;
-    case DspClock::c40_50: return 25'000'000;
-    case DspClock::c40_60: return 30'000'000;
-  }
-  return 25'000'000;
-}
-
-}  // namespace
-
-namespace {
-
-void read_layout(plant::DockConfig& dock, const std::string& path) try {
-  plant::load_layout(dock, path);
-  plant::check(dock);
-} catch (const plant::LayoutError& error) {
-  throw ConfigError(fmt::format("dock.layout: {}", error.what()));
-} catch (const std::invalid_argument& error) {
-  throw ConfigError(fmt::format("dock.layout: {}: {}", path, error.what()));
-}
-
-// Fills the default bay: tiers 2 to 4 above the six places of the first tier, except occupied places.
-void stack_more(plant::Layout& layout) {
-  const std::vector<plant::ContainerPlace> places = layout.containers;
-  for (int tier = 1; tier < 4; ++tier) {
-    for (plant::ContainerPlace place : places) {
-      if (place.z != layout.deck) continue;
-      place.z += tier * plant::container_height;
-      const bool taken = std::ranges::any_of(
-          places, [&](const auto& p) { return p.x == place.x && p.y == place.y && p.z == place.z; });
-      if (!taken) layout.containers.push_back(place);
-    }
-  }
-}
-
-}  // namespace
-
-plant::DockConfig nominal_dock_of(const Config& config) {
-  const int agvs = static_cast<int>(config.dock.agvs);
-  plant::DockConfig dock =
-      config.dock.crane == CraneMachine::gantry ? plant::gantry_dock(agvs) : plant::default_dock(agvs);
-  place_plant_parameters(dock, config.plant);
-  dock.agv.protective_field = config.dock.protective_field;
-  dock.layout.container_mass = config.dock.container_mass_kg;
-  for (auto& container : dock.layout.containers) container.mass = config.dock.container_mass_kg;
-  stack_more(dock.layout);  // a layout that lists containers replaces these
-  if (!config.dock.layout.empty()) read_layout(dock, config.dock.layout);
-  dock.layout.containers.resize(
-      std::min<std::size_t>(dock.layout.containers.size(), static_cast<std::size_t>(config.dock.containers)));
-  for (auto& leg : dock.layout.legs) {
-    for (auto& lane : leg) lane.speed = std::min(lane.speed, config.dock.agv_speed_m_s);
-  }
-  dock.sensors.second_sway = config.dock.sway_sensors == 2;
-  dock.sensors.seed = static_cast<std::uint64_t>(config.run.seed);
-  dock.rigid = config.dock.crane_model == CraneModel::rigid;
-  dock.method = config.dock.integrator;
-  dock.crane.stiction = config.dock.stiction;
-  dock.crane.gear_losses = config.dock.gear_losses;
-  dock.landing.strict = config.dock.strict_landing;
-  dock.landing.guides = config.dock.capture_window_m > 0.0;
-  if (dock.landing.guides) dock.landing.guide_window = config.dock.capture_window_m;
-  dock.ship.scale = config.dock.ship_motion;
-  dock.ship.seed = static_cast<std::uint64_t>(config.run.seed);
-  dock.wind.mean = config.dock.wind_mean_m_s;
-  dock.wind.gust = config.dock.wind_gust_m_s;
-  dock.wind.direction = config.dock.wind_direction_deg * std::numbers::pi / 180.0;
-  dock.wind.seed = dock.sensors.seed;
-  dock.drive_timeout = config.dock.drive_timeout_ms * 1e-3;
-  dock.drive_delay = static_cast<int>(std::lround(config.dock.drive_delay_us / 125));
-  dock.signal_decimation = static_cast<int>(config.report.signal_decimation);
-  dock.signal_rows_max = static_cast<int>(config.report.signal_rows_max);
-  return dock;
-}
 
 plant::DockConfig dock_of(const Config& config, const toolchain::Image& image, const Words& words) {
   plant::DockConfig dock = nominal_dock_of(config);
@@ -174,79 +94,6 @@ FleetJob fleet_of(const Config& config, const plant::DockConfig& dock, const Wor
   const AvoidanceBuild build = config.kernels.avoidance;
   job.avoidance = build != AvoidanceBuild::none && (build != AvoidanceBuild::synthetic || job.avoidance_cycles > 0);
   return job;
-}
-
-namespace {
-
-pci::TargetConfig target_of(Card card) {
-  switch (card) {
-    case Card::sram: return pci::TargetConfig::sram();
-    case Card::s5933: return pci::TargetConfig::s5933();
-    case Card::drive_card: return pci::TargetConfig::drive_card();
-    case Card::host_dram: return pci::TargetConfig::host_dram();
-  }
-  return {};
-}
-
-void set_buses(const Config& config, machine::Config& machine) {
-  const Config::Bus& bus = config.bus;
-  machine.topology = topology_of(config);
-  machine.links = machine::parse_slot_links(config.machine.links);
-  machine.nets = machine::parse_slot_nets(config.machine.nets, machine.slots != 0 ? machine.slots : machine.dsps);
-  machine.bus.fast_back_to_back = bus.fast_back_to_back;
-  machine.bus.arbitration = static_cast<pci::Arbitration>(bus.arbiter);
-  machine.bus.parking = static_cast<pci::Parking>(bus.parking);
-  machine.bus.grant_clocks = bus.grant_clocks;
-  machine.bus.multi_transaction_timer = bus.multi_transaction_clocks;
-  machine.first_level_dsps = static_cast<unsigned>(bus.first_level_dsps);
-  for (pci::MasterConfig* master : {&machine.dsp_master, &machine.host_master}) {
-    master->latency_timer = bus.latency_timer_clocks;
-    master->request_off_after_stop = bus.request_off_clocks;
-    master->think_on_retry = bus.think_on_retry_clocks;
-    master->max_burst = static_cast<unsigned>(bus.max_burst_words);
-  }
-  machine.bridge_a.post_depth = machine.bridge_b.post_depth = static_cast<unsigned>(bus.post_depth_words);
-  if (!bus.prefetch) machine.bridge_a.prefetch_words = 0;
-  machine.shared_memory = target_of(bus.shared_memory_card);
-  machine.devices = target_of(bus.device_card);
-  machine.devices.delayed_read = bus.delayed_reads;
-  machine.devices.fetch = bus.delayed_read_clocks;
-  machine.devices.post_words = static_cast<unsigned>(bus.device_post_words);
-}
-
-}  // namespace
-
-machine::Config nominal_machine_of(const Config& config) {
-  machine::Config machine;
-  machine.dsps = static_cast<unsigned>(config.machine.dsps);
-  machine.slots = static_cast<unsigned>(std::max(config.machine.dsps, config.machine.slots));
-  const machine::BoardDescription board = machine::read_board(config.machine.board);
-  machine::refuse_devices(board, "the dock");
-  machine::refuse_ignored(board);
-  machine.board = board.board;
-  machine.chip_hz = board.clock_mhz ? machine::instruction_cycles_per_second(*board.clock_mhz)
-                                    : instruction_cycles_per_second(config.machine.dsp_clock);
-  // An ideal run of a slow board is as instant as any other.
-  if (config.run.ideal) machine.chip_hz = std::max(machine.chip_hz, instruction_cycles_per_second(DspClock::c40_40));
-  const std::int64_t thousandths = std::llround(config.machine.cycle_time_factor * 1000);
-  const std::int64_t divisor = std::gcd(machine.chip_hz * 1000, thousandths);
-  machine.chip_hz = machine.chip_hz * 1000 / divisor;
-  machine.chip_hz_denominator = thousandths / divisor;
-  // Thirds of a hertz represent PCI's 33 1/3 MHz exactly.
-  machine.pci_hz_numerator = std::llround(config.bus.clock_hz * 3);
-  machine.pci_hz_denominator = 3;
-  if (config.run.ideal) machine.chip_hz *= ideal_speed, machine.pci_hz_numerator *= ideal_speed;
-  machine.instant_access = config.run.ideal;
-  machine.boot = static_cast<machine::Boot>(config.machine.boot);
-  machine.idle_policy = static_cast<machine::Word>(config.machine.idle_policy);
-  machine.pause_count = static_cast<machine::Word>(config.machine.pause_nops);
-  set_buses(config, machine);
-  machine.guard = config.machine.guard;
-  machine.turn_order = static_cast<std::uint64_t>(config.run.turn_order);
-  for (const TimedEvent& event : config.events) {
-    if (const auto scripted = scripted_event(event)) machine.script.push_back(*scripted);
-  }
-  return machine;
 }
 
 machine::Config machine_of(const Config& config) {

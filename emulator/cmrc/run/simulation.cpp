@@ -8,8 +8,8 @@
 #include "bus_model/bus.hpp"
 #include "cmrc/run/ideal_run.hpp"
 #include "cmrc/run/job_causes.hpp"
+#include "cmrc/run/make_report.hpp"
 #include "cmrc/run/reference_run.hpp"
-#include "cmrc/run/setup.hpp"
 #include "cmrc/run/simulation_parts.hpp"
 #include "io/stop.hpp"
 #include "machine/boards/board_file.hpp"
@@ -140,13 +140,15 @@ Snapshot Simulation::snapshot() {
 void Simulation::restore(const Snapshot& snapshot) {
   Parts& p = *parts_;
   p.require_no_profile("restore");
-  if (snapshot.configuration() != p.snapshot_key)
+  const std::string& there = snapshot.configuration();
+  const std::string& here = p.snapshot_key;
+  if (there != here && without_paths(there) != without_paths(here))
     throw SnapshotError(fmt::format("the snapshot is of another configuration: {}",
-                                    first_other_line(snapshot.configuration(), p.snapshot_key)));
-  if (snapshot.files() != p.files())
-    throw SnapshotError(
-        "the snapshot is of another program, layout or board: the files that the configuration names have changed "
-        "since");
+                                    first_other_line(without_paths(there), without_paths(here))));
+  if (snapshot.files() != p.files())  // the same files may have other names
+    throw SnapshotError(fmt::format(
+        "the snapshot is of another program, layout or board: {}",
+        there == here ? "the files that the configuration names have changed since" : first_other_line(there, here)));
   try {
     state::load_or_leave(p, snapshot.state());
   } catch (const state::StateError& error) {

@@ -9,7 +9,7 @@ namespace cmrc {
 
 namespace {
 
-constexpr std::string_view kind = "run";
+constexpr std::string_view run_state = "run";
 
 struct Content {
   report::Time time{};
@@ -35,12 +35,12 @@ std::string Snapshot::to_bytes() const {
   state::Saved whole = state::save_with_tables(Content{time_, configuration_, files_, state_->text});
   const std::size_t head = whole.text.size() - state_->text.size();
   for (state::Table table : state_->tables) table.offset += head, whole.tables.push_back(table);
-  return state::seal(kind, {}, std::move(whole));
+  return state::seal(run_state, {}, std::move(whole));
 }
 
 Snapshot Snapshot::from_bytes(std::string_view bytes) {
   Content content;
-  state::Saved whole = state::opened(bytes, kind, {});
+  state::Saved whole = state::opened(bytes, run_state, {});
   state::load(content, whole.text);
   const std::size_t head = whole.text.size() - content.state.size();
   for (state::Table& table : whole.tables) table.offset -= head;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <sstream>
 
 #include "cmrc/programs/dsp_image.hpp"
@@ -35,6 +36,18 @@ std::string contents_of_files(const Config& config) {
 std::string key_of(Config config) {
   config.run.turn_order = 0;
   return to_toml(config);
+}
+
+std::string without_paths(const std::string& toml) {
+  std::string table, line, rest;
+  for (std::istringstream lines(toml); std::getline(lines, line);) {
+    if (line.starts_with('[')) table = line.substr(1, line.find(']') - 1);
+    const std::string name = table + "." + line.substr(0, line.find(' '));
+    const auto all = keys();
+    if (std::none_of(all.begin(), all.end(), [&](const Key& key) { return key.path && key.name == name; }))
+      rest += line + "\n";
+  }
+  return rest;
 }
 
 std::string result_key_of(Config config) {

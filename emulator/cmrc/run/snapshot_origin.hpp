@@ -10,8 +10,10 @@
 
 namespace cmrc {
 
-/// What must be equal in two runs if one continues from the other's snapshot.
+/// What must be equal in two runs if one continues from the other's snapshot, apart from the paths of files.
 std::string key_of(Config config);
+/// A configuration in TOML without its lines of paths.
+std::string without_paths(const std::string& toml);
 
 /// What must be equal in two runs, together with `digest_of_inputs`, for equal results: the whole configuration except
 /// the turn order, strictness (which affects the exit status) and the paths of files.

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "state/visitor.hpp"
+
 namespace cmrc {
 namespace {
 
@@ -55,6 +57,12 @@ void BlockAudit::removed(std::size_t block, report::Time time) {
 }
 void BlockAudit::dropped(std::size_t block, report::Time time) {
   pass(block, State::taken, State::absent, time, "given up");
+}
+
+void BlockAudit::list_state(state::Visitor& list) {
+  list("blocks", blocks_);
+  list("checks", checks_);
+  list("violations", violations_);
 }
 
 }  // namespace cmrc

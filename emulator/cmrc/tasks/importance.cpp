@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <stdexcept>
 
-#include "cmrc/configuration/config.hpp"
 #include "cmrc/tasks/job_kinds.hpp"
 
 namespace cmrc {
@@ -22,13 +22,6 @@ const KindRow* row_of(std::uint32_t x, std::uint32_t y) {
 }
 
 }  // namespace
-
-ImportanceParameters importance_parameters(const Config& config) {
-  const Intervals n = intervals(config);
-  const auto& s = config.scheduling;
-  return {s.equation, n.servo, n.crane_point, n.agv_slowed, s.gamma_refreshes, s.alpha_refreshes, s.beta_refreshes,
-          s.p,        s.q,     s.b,           s.a};
-}
 
 std::uint32_t importance(const ImportanceParameters& n, std::uint32_t x, std::uint32_t y, std::int64_t t) {
   t = std::min<std::int64_t>(t, 0xFFFF);

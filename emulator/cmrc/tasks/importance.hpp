@@ -5,12 +5,12 @@
 
 namespace cmrc {
 
-struct Config;
-enum class Equation7;
+/// The readings of equation (7).
+enum class Equation7 { restored, as_printed };
 
 /// The parameters of equation (7) besides x, y and t: numbers of refreshes, and importances.
 struct ImportanceParameters {
-  Equation7 equation{};       ///< restored
+  Equation7 equation = Equation7::restored;
   std::int64_t n_servo = 8;   ///< N_p
   std::int64_t n_crane = 64;  ///< N_t
   std::int64_t n_agv = 160;   ///< N^_a of the block's AGV
@@ -22,7 +22,6 @@ struct ImportanceParameters {
   std::int64_t b = 0x100;
   std::int64_t a = 0x40;
 };
-ImportanceParameters importance_parameters(const Config& config);
 
 /// J, 0..FFFFh, larger is earlier; 0 means that the block must not run yet. t counts refreshes; t and J saturate at
 /// FFFFh. \throws std::invalid_argument for a kind that equation (7) does not rank.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "cmrc/configuration/config.hpp"
 #include "cmrc/tasks/task_list.hpp"
 #include "cmrc/tasks/words.hpp"
 
@@ -30,12 +29,6 @@ static_assert(std::ranges::none_of(kind_rows,
 std::vector<std::string> job_kinds() {
   std::vector<std::string> all;
   for (const KindRow& row : kind_rows) all.emplace_back(row.name);
-  return all;
-}
-
-std::vector<std::string> job_kinds(std::span<const UserTask> tasks) {
-  std::vector<std::string> all = job_kinds();
-  for (const UserTask& task : tasks) all.push_back("user." + task.name);
   return all;
 }
 

@@ -3,7 +3,6 @@
 // processes and the kinds that users' tasks may not take follow from the rows.
 #include <array>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,7 +11,6 @@ namespace cmrc {
 
 using Word = std::uint32_t;
 struct Task;
-struct UserTask;
 struct Words;
 
 /// In the order of ruling 29.
@@ -96,8 +94,6 @@ inline constexpr auto kind_rows = [] {
 constexpr const KindRow& row_of(JobKind kind) { return kind_rows[static_cast<std::size_t>(kind)]; }
 /// The keys of the rows.
 std::vector<std::string> job_kinds();
-/// The same, and then those of the user's tasks: "user." and the name.
-std::vector<std::string> job_kinds(std::span<const UserTask> tasks);
 /// The job kind of a program (KIND_*).
 JobKind job_kind(Word kind, const Words& words);
 /// A task of a kind for a robot (0 crane, n AGV n - 1): x, y and program from its row; the area of the AGV if the kind

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "state/visitor.hpp"
+
 namespace cmrc {
 
 TaskList::TaskList(std::size_t capacity) : blocks_(capacity) { order_.reserve(capacity); }
@@ -91,6 +93,14 @@ std::vector<std::size_t> TaskList::by_importance() const {
   std::vector<std::size_t> sorted(order_.begin(), order_.end());
   std::sort(sorted.begin(), sorted.end(), [this](std::size_t a, std::size_t b) { return before(a, b); });
   return sorted;
+}
+
+void TaskList::list_state(state::Visitor& list) {
+  list("blocks", blocks_);
+  list("order", order_);
+  list("insertions", insertions_);
+  list("size", size_);
+  if (list.loads()) any_passed_ = true;
 }
 
 }  // namespace cmrc

@@ -2,6 +2,7 @@
 #include <filesystem>
 
 #include "io/text_form.hpp"
+#include "isa/ascii.hpp"
 #include "machine/boards/board_devices.hpp"
 #include "machine/boards/board_toml.hpp"
 #include "state/sha256.hpp"
@@ -9,18 +10,8 @@
 namespace machine {
 namespace {
 
-std::vector<std::string_view> words_of(std::string_view text) {
-  std::vector<std::string_view> words;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find(' '), text.size());
-    words.push_back(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-  return words;
-}
-
 bool has_key(const DeviceKindRow& row, std::string_view key) {
-  const auto keys = words_of(row.keys);
+  const auto keys = ascii::words(row.keys, " ");
   return std::ranges::find(keys, key) != keys.end();
 }
 
@@ -36,7 +27,7 @@ class DeviceReader {
     const DeviceKindRow& row = kind(table, device);
     device_.words = std::max<c40::Address>(row.words, 1);
     std::vector<std::string_view> keys{"name", "kind", "base", "waits"};
-    for (const std::string_view key : words_of(row.keys)) keys.push_back(key);
+    for (const std::string_view key : ascii::words(row.keys, " ")) keys.push_back(key);
     unknown_keys(table, row, keys);
     parameters(table, row, device);
     input(table);

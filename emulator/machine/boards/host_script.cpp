@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <optional>
 
+#include "isa/ascii.hpp"
 #include "toolchain/objects/written_integer.hpp"
 
 namespace machine {
@@ -32,12 +32,11 @@ class ScriptReader {
     HostStep all;
     while (next_line())
       for (std::string_view word = token(); !word.empty(); word = token()) {
-        std::uint64_t value = 0;
-        const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value, 16);
-        if (error != std::errc() || end != word.data() + word.size() || value > 0xFFFFFFFF)
+        const auto value = ascii::number<c40::Word>(word, 16);
+        if (!value)
           fail(
               fmt::format("\"{}\" is not a word; a word of up to 8 hexadecimal digits is expected on each line", word));
-        all.words.push_back(static_cast<c40::Word>(value));
+        all.words.push_back(*value);
       }
     return all.words.empty() ? std::vector<HostStep>{} : std::vector{std::move(all)};
   }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <functional>
 #include <limits>
 
@@ -83,10 +82,7 @@ Value apply(std::string_view op, const Value& a, const Value& b) {
 
 /// A number with a point or an exponent; without either it is a whole one, and too large.
 std::optional<double> fraction(std::string_view token) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), value);
-  const bool read = error == std::errc{} && end == token.data() + token.size();
-  return read && token.find_first_of(".eE") != std::string_view::npos ? std::optional(value) : std::nullopt;
+  return token.find_first_of(".eE") != std::string_view::npos ? ascii::number<double>(token) : std::nullopt;
 }
 
 class Parser {
@@ -252,17 +248,14 @@ class Parser {
     if (const std::size_t dot = name.find('.'); dot != std::string::npos)
       for (const std::string_view prefix : {"dsp", "chip"})
         if (name.starts_with(prefix)) {
-          std::size_t n = 0;
           const std::string digits = name.substr(prefix.size(), dot - prefix.size());
-          if (digits.empty() || digits.size() > 2 ||
-              !std::ranges::all_of(digits, [](char c) { return c >= '0' && c <= '9'; }))
-            continue;
-          n = std::stoul(digits);
-          if (n >= debuggee_.chips())
+          const auto n = ascii::number<std::size_t>(digits);
+          if (!n || digits.size() > 2) continue;
+          if (*n >= debuggee_.chips())
             at_ = begin,
-            refuse(fmt::format("there is no {} {}; 0 to {} are possible", prefix, n, debuggee_.chips() - 1));
-          if (NodePtr node = of_chip(name.substr(dot + 1), n)) {
-            node->is_private = node->is_private && n == chip_;
+            refuse(fmt::format("there is no {} {}; 0 to {} are possible", prefix, *n, debuggee_.chips() - 1));
+          if (NodePtr node = of_chip(name.substr(dot + 1), *n)) {
+            node->is_private = node->is_private && *n == chip_;
             return node;
           }
         }

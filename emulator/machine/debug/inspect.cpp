@@ -220,12 +220,11 @@ std::vector<CodePlace> code_named(const std::vector<ProgramView>& programs, std:
   const std::size_t first = chip.value_or(0), behind = chip ? *chip + 1 : programs.size();
   const std::size_t colon = text.rfind(':');
   if (colon != std::string_view::npos) {
-    const std::string_view number = text.substr(colon + 1);
-    if (number.empty() || number.size() > 9 ||
-        !std::ranges::all_of(number, [](char c) { return c >= '0' && c <= '9'; }))
+    const std::string_view digits = text.substr(colon + 1);
+    const auto number = ascii::number<unsigned>(digits);
+    if (!number || digits.size() > 9)
       throw DebugError(fmt::format("\"{}\": FILE:LINE is expected, LINE a number from 1 on", text));
-    std::vector<CodePlace> found =
-        FilesNamed(programs, chip, text.substr(0, colon)).code(std::stoi(std::string(number)));
+    std::vector<CodePlace> found = FilesNamed(programs, chip, text.substr(0, colon)).code(static_cast<int>(*number));
     if (!found.empty()) return found;
     std::map<std::string_view, std::set<std::string_view>> files;  // by their last parts
     for (std::size_t n = first; n < behind; ++n)

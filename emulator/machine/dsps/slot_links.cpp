@@ -6,6 +6,7 @@
 #include <charconv>
 #include <stdexcept>
 
+#include "isa/ascii.hpp"
 #include "machine/dsps/dsp.hpp"
 
 namespace machine {
@@ -25,10 +26,8 @@ std::vector<SlotLink> parse_slot_links(std::string_view text) {
   std::vector<SlotLink> links;
   for (std::size_t from = 0; from < text.size();) {
     const std::size_t comma = std::min(text.find(',', from), text.size());
-    std::string_view rest = text.substr(from, comma - from);
-    while (rest.starts_with(' ')) rest.remove_prefix(1);
-    while (rest.ends_with(' ')) rest.remove_suffix(1);
-    const std::string_view one = rest;
+    const std::string_view one = ascii::trimmed(text.substr(from, comma - from), " ");
+    std::string_view rest = one;
     const auto unclear = [&] {
       return std::invalid_argument{
           fmt::format("\"{}\" is not a link; SLOT.PORT:SLOT.PORT is expected, as 0.1:1.4", one)};

@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <charconv>
 #include <cmath>
 
 #include "io/nearest.hpp"
+#include "isa/ascii.hpp"
 #include "machine/networks/network.hpp"
 
 namespace machine {
@@ -34,24 +34,11 @@ static_assert([] {
 constexpr double most_microseconds = 1e12;
 
 std::optional<double> number(std::string_view text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !(value >= 0 && value <= most_microseconds))
-    return {};
-  return value;
+  const auto value = ascii::number<double>(text);
+  return value && *value >= 0 && *value <= most_microseconds ? value : std::nullopt;
 }
 
 Time microseconds(double value) { return Time{std::llround(value * 1e6)}; }
-
-std::vector<std::string_view> split(std::string_view text) {
-  std::vector<std::string_view> parts;
-  for (std::size_t from = 0;;) {
-    const std::size_t to = text.find(',', from);
-    parts.push_back(text.substr(from, to - from));
-    if (to == std::string_view::npos) return parts;
-    from = to + 1;
-  }
-}
 
 }  // namespace
 
@@ -96,7 +83,7 @@ void set_pulses(NetworkAction& action, double width_us, std::optional<double> pe
 }
 
 NetworkAction parse_action(std::string_view text, const NetworkDescription& network) {
-  const std::vector<std::string_view> parts = split(text);
+  const std::vector<std::string_view> parts = ascii::split(text, ',');
   const auto at = number(parts[0]);
   if (parts.size() < 3 || !at)
     throw NetworkError("AT_US,ACTION,TARGET is expected, as 12.5,cut,0.3:1.0 or 20,reset,1 or 5,pulse,index,2");

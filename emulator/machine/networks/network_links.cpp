@@ -6,6 +6,7 @@
 #include <charconv>
 #include <map>
 
+#include "isa/ascii.hpp"
 #include "machine/networks/network.hpp"
 
 namespace machine {
@@ -21,12 +22,11 @@ void join(std::vector<NetworkLink>& links, std::size_t from, std::size_t to, int
 std::size_t chip_named(std::string_view text, const std::vector<std::string>& chips) {
   if (const auto named = std::find(chips.begin(), chips.end(), text); named != chips.end())
     return static_cast<std::size_t>(named - chips.begin());
-  std::size_t number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc{} || end != text.data() + text.size() || number >= chips.size())
+  const auto number = ascii::number<std::size_t>(text);
+  if (!number || *number >= chips.size())
     throw NetworkError(fmt::format("there is no chip {}; the network has {}", text,
                                    chips.size() == 1 ? "chip 0" : fmt::format("chips 0 to {}", chips.size() - 1)));
-  return number;
+  return *number;
 }
 
 std::size_t link_named(std::string_view text, const std::vector<std::string>& chips,
@@ -57,8 +57,8 @@ PortName parse_port(std::string_view text, const std::vector<std::string>& chips
   } catch (const NetworkError& error) {
     throw NetworkError(fmt::format("{}: {}", text, error.what()));
   }
-  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), out.port);
-  if (error != std::errc{} || end != number.data() + number.size() || out.port < 0 || out.port >= c40::port_count)
+  out.port = ascii::number<int>(number).value_or(-1);
+  if (out.port < 0 || out.port >= c40::port_count)
     throw NetworkError(
         fmt::format("{}: chip {} has no port {}; 0 to {} are possible", text, out.chip, number, c40::port_count - 1));
   return out;

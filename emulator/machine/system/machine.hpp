@@ -26,7 +26,7 @@
 #include "c40/chip/board.hpp"
 #include "c40/values/types.hpp"
 #include "machine/dsps/slot_links.hpp"
-#include "machine/networks/net.hpp"
+#include "machine/networks/net_description.hpp"
 #include "machine/system/bus_topology.hpp"
 #include "machine/system/scripted_events.hpp"
 #include "machine/time/time.hpp"
@@ -51,6 +51,8 @@ struct Image;
 }
 
 namespace machine {
+
+class Net;
 
 using Word = std::uint32_t;
 // Offset: a C40's address minus the window's base. The host's program uses the offsets of window A.

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "machine/dsps/slot_links.hpp"
-#include "machine/networks/net.hpp"
+#include "machine/networks/net_description.hpp"
 #include "machine/system/bus_topology.hpp"
 
 namespace machine {

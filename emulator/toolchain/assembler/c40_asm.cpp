@@ -4,12 +4,12 @@
 // Assembles one source file to a COFF executable. Exit status 2 and no output file if anything is wrong.
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cstdio>
 #include <optional>
 #include <string>
 
 #include "io/output_file.hpp"
+#include "isa/ascii.hpp"
 #include "toolchain/assembler/assembler.hpp"
 #include "toolchain/objects/coff.hpp"
 #include "toolchain/objects/source_map.hpp"
@@ -29,12 +29,10 @@ std::pair<std::string, toolchain::Word> parse_assignment(const std::string& text
   const auto equals = text.find('=');
   const std::string number = equals == std::string::npos ? "1" : text.substr(equals + 1);
   const bool hex = number.starts_with("0x");
-  toolchain::Word value = 0;
-  const char* end = number.data() + number.size();
-  const auto [stop, error] = std::from_chars(number.data() + (hex ? 2 : 0), end, value, hex ? 16 : 10);
-  if (error != std::errc{} || stop != end || equals == 0)
+  const auto value = ascii::number<toolchain::Word>(number.substr(hex ? 2 : 0), hex ? 16 : 10);
+  if (!value || equals == 0)
     throw std::invalid_argument(fmt::format("'{}' is not NAME=NUMBER (decimal or 0x...)\n{}", text, usage));
-  return {text.substr(0, equals), value};
+  return {text.substr(0, equals), *value};
 }
 
 Arguments parse(int count, char** values) {

@@ -51,12 +51,7 @@ std::vector<std::string> Reader::macro_arguments(std::string_view text) const {
     const bool scoped = i + 1 < text.size() && is_digit(text[i + 1]);
     if (!in_quotes && c == '?' && !scoped) out.back() += std::to_string(local_scope_);
   }
-  for (std::string& argument : out) {
-    const auto first = argument.find_first_not_of(" \t\r");
-    const auto last = argument.find_last_not_of(" \t\r");
-    argument = first == std::string::npos ? std::string() : argument.substr(first, last - first + 1);
-    argument = without_quotes(argument);
-  }
+  for (std::string& argument : out) argument = without_quotes(std::string(ascii::trimmed(argument)));
   if (out.size() == 1 && out[0].empty()) out.clear();
   return out;
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <optional>
 #include <vector>
 
@@ -26,18 +25,7 @@ std::string_view name_at(std::string_view text, std::size_t start, bool (*is_par
   return text.substr(start, end - start);
 }
 
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-std::optional<std::size_t> count_of(std::string_view text) {
-  std::size_t value = 0;
-  text = trimmed(text);
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
-}
+std::optional<std::size_t> count_of(std::string_view text) { return ascii::number<std::size_t>(ascii::trimmed(text)); }
 
 class Substitution {
  public:
@@ -162,11 +150,11 @@ class Functions {
   /// Moves the first item of the list `from` into `to`; 0 if there is none.
   long take_member(const std::string& to, const std::string& from) {
     const std::string* list = symbols_.find(from);
-    if (list == nullptr || trimmed(*list).empty()) return 0;
+    if (list == nullptr || ascii::trimmed(*list).empty()) return 0;
     const std::string items = *list;
     const auto comma = items.find(',');
     symbols_.owner(from)[from] = comma == std::string::npos ? std::string() : items.substr(comma + 1);
-    symbols_.owner(to)[to] = std::string(trimmed(std::string_view(items).substr(0, comma)));
+    symbols_.owner(to)[to] = std::string(ascii::trimmed(std::string_view(items).substr(0, comma)));
     return 1;
   }
 
@@ -180,7 +168,7 @@ std::vector<std::string> split_arguments(std::string_view text) {
   for (std::size_t i = 0; i <= text.size(); ++i) {
     if (i < text.size() && text[i] == '"') quoted = !quoted;
     if (i == text.size() || (text[i] == ',' && !quoted && !(i > start && text[i - 1] == '\''))) {
-      out.emplace_back(trimmed(text.substr(start, i - start)));
+      out.emplace_back(ascii::trimmed(text.substr(start, i - start)));
       start = i + 1;
     }
   }

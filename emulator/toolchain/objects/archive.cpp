@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <optional>
 #include <string_view>
 
+#include "isa/ascii.hpp"
 #include "toolchain/objects/coff.hpp"
 
 namespace toolchain {
@@ -23,12 +23,6 @@ std::string_view trimmed(std::string_view text) {
   return last == std::string_view::npos ? std::string_view() : text.substr(0, last + 1);
 }
 
-std::optional<std::size_t> number(std::string_view text) {
-  std::size_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
-}
-
 /// For messages: a damaged library may contain any bytes.
 std::string shown(std::string_view name) {
   std::string out(name);
@@ -40,7 +34,7 @@ std::string shown(std::string_view name) {
 /// "name/", "name", or "/17": a place in the table of long names.
 std::string member_name(std::string_view field, std::string_view long_names) {
   if (field.size() > 1 && field[0] == '/') {
-    const auto at = number(field.substr(1));
+    const auto at = ascii::number<std::size_t>(field.substr(1));
     if (at && *at < long_names.size()) {
       const auto name = long_names.substr(*at);
       return shown(name.substr(0, name.find_first_of("/\n")));
@@ -62,7 +56,7 @@ std::vector<ArchiveMember> archive_members(std::span<const std::byte> bytes, con
     if (text.size() - at < header_size)
       throw CoffError(fmt::format("{}: cut short: a member's header at byte {}", name, at));
     const auto header = text.substr(at, header_size);
-    const auto size = number(trimmed(header.substr(48, 10)));
+    const auto size = ascii::number<std::size_t>(trimmed(header.substr(48, 10)));
     if (!size || header.substr(58, 2) != "`\n")
       throw CoffError(fmt::format("{}: no header of a library's member at byte {}", name, at));
     at += header_size;

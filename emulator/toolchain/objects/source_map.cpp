@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <optional>
 #include <set>
 #include <sstream>
 #include <stdexcept>
 
 #include "io/input_file.hpp"
+#include "isa/ascii.hpp"
 
 namespace toolchain {
 namespace {
@@ -23,11 +23,9 @@ std::string_view next_word(std::string_view& line) {
 template <typename Number>
 Number next_number(std::string_view& line, int base) {
   const std::string_view word = next_word(line);
-  Number value{};
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value, base);
-  if (error != std::errc{} || end != word.data() + word.size())
-    throw std::invalid_argument(fmt::format("source map: \"{}\" is not a number", word));
-  return value;
+  const auto value = ascii::number<Number>(word, base);
+  if (!value) throw std::invalid_argument(fmt::format("source map: \"{}\" is not a number", word));
+  return *value;
 }
 
 /// A source file: under its own name, else in the folder `beside`, there at last under the last part of its name.

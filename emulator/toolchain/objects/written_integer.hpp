@@ -1,9 +1,10 @@
 #pragma once
 // Whole numbers as a user writes them: 300000h, 0x300000 or decimal.
-#include <charconv>
 #include <cstdint>
 #include <optional>
 #include <string_view>
+
+#include "isa/ascii.hpp"
 
 namespace toolchain {
 
@@ -14,9 +15,7 @@ inline std::optional<std::uint64_t> written_integer(std::string_view text) {
     text.remove_prefix(2), base = 16;
   else if (text.ends_with('h') || text.ends_with('H'))
     text.remove_suffix(1), base = 16;
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, base);
-  return error == std::errc{} && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
+  return ascii::number<std::uint64_t>(text, base);
 }
 
 }  // namespace toolchain

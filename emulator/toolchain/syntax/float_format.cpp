@@ -1,4 +1,5 @@
 #include "toolchain/syntax/float_format.hpp"
+#include "isa/ascii.hpp"
 
 #include <algorithm>
 #include <array>
@@ -133,11 +134,10 @@ Real real_of(std::int64_t number) {
 }
 
 std::optional<Real> parse_real(std::string_view text) {
-  double nearest = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), nearest);
-  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(nearest)) return std::nullopt;
+  const auto nearest = ascii::number<double>(text);
+  if (!nearest || !std::isfinite(*nearest)) return std::nullopt;
   if (!text.empty() && text[0] == '-') return -*parse_real(text.substr(1));
-  return Real{nearest, compare(decimal_of(text), exact_decimal(nearest))};
+  return Real{*nearest, compare(decimal_of(text), exact_decimal(*nearest))};
 }
 
 std::optional<isa::Word> to_single(Real value) { return convert({8, 23}, value); }

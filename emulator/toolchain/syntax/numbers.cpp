@@ -1,8 +1,6 @@
 // Numbers and characters in the source text.
 #include <fmt/format.h>
 
-#include <charconv>
-
 #include "isa/ascii.hpp"
 #include "toolchain/syntax/diagnostics.hpp"
 #include "toolchain/syntax/parser.hpp"
@@ -11,11 +9,7 @@ namespace toolchain {
 namespace {
 
 std::optional<std::int64_t> integer_in_base(std::string_view digits, int base) {
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value, base);
-  if (digits.empty() || error != std::errc{} || end != digits.data() + digits.size() || value >> 63 != 0)
-    return std::nullopt;
-  return static_cast<std::int64_t>(value);
+  return digits.starts_with('-') ? std::nullopt : ascii::number<std::int64_t>(digits, base);
 }
 
 bool all_of(std::string_view text, std::string_view allowed) {

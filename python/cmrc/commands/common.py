@@ -177,12 +177,10 @@ def check_files(
 
 
 def check_outside(role: str, folder: str | Path, written: Mapping[str, OptionalPath]) -> None:
-    """Checks that no output is a file of a folder that is read, links followed. Raises ValueError."""
+    """Checks that no output lies in a folder that is read, or is a file of it, links followed. Raises ValueError."""
     there = {_identity(path): (option, path) for option, path in written.items() if path is not None}
     there.pop(None, None)
-    if not there:
-        return
-    for place, _, names in os.walk(folder):
+    for place, _, names in os.walk(folder) if there else []:
         for name in names:
             found = there.get(_identity(os.path.join(place, name)))
             if found is not None:
@@ -191,6 +189,9 @@ def check_outside(role: str, folder: str | Path, written: Mapping[str, OptionalP
                     f"{option}: {path} is the same file as {role} ({os.path.join(place, name)}); another name is "
                     "expected"
                 )
+    for option, new in written.items():
+        if new is not None and Path(folder).resolve() in Path(new).resolve().parents:
+            raise ValueError(f"{option}: {new}: is in {role} {folder}; a place outside is expected")
 
 
 def _identity(path: str | Path) -> tuple[int, int] | None:

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cmrc import files
+from cmrc import _core, files
 from cmrc.commands import streams
 from cmrc.commands.common import (
     Commands,
@@ -22,8 +22,9 @@ from cmrc.commands.common import (
     picture,
     write_each,
 )
+from cmrc.errors import Error
 from cmrc.progress import ProgressLine, shown
-from cmrc.simulation import ConfigError, Setting, configured
+from cmrc.simulation import Setting, configured
 
 if TYPE_CHECKING:
     from cmrc.sweeps import Sweep
@@ -114,8 +115,10 @@ def _named(grid: Grid) -> Iterator[Mapping[str, Setting]]:
     if grid.config is not None:
         yield {"fixed.config": grid.config}
         try:
-            yield configured(grid.config, None, None, (), {}).to_dict()
-        except (ConfigError, OSError):
+            base = configured(grid.config, None, None, (), {})
+            yield base.to_dict()
+            _core.cmrc.inputs_digest(base)  # what the programs include is an input, too, since it has been read
+        except (Error, OSError):
             pass  # its runs are refused
     yield grid.fixed
     for axis in grid.axes:
@@ -124,13 +127,11 @@ def _named(grid: Grid) -> Iterator[Mapping[str, Setting]]:
 
 def _check_outputs(given: argparse.Namespace, folder: Path, named: Iterable[Mapping[str, Setting]]) -> None:
     """No output may be an input of the sweep, or lie in its folder. Raises ValueError."""
+    named = list(named)
     written = {"--csv": given.csv, "--plot": given.plot}
     tls = {f"--tls-{name}": vars(given)[f"tls_{name}"] for name in ("ca", "cert", "key")}
     check_files({"FILE.toml": given.file, **tls}, written, named)
-    for option, path in written.items():
-        if path is not None and folder.resolve() in Path(path).resolve().parents:
-            raise ValueError(f"{option}: {path}: is in the sweep's folder {folder}; a place outside is expected")
-    check_outside("a file of the sweep", folder, written)
+    check_outside("the sweep's folder", folder, written)
     picture("--plot", given.plot)
 
 

@@ -1,4 +1,6 @@
-#include "cmrc/tasks/user_tasks.hpp"
+#include "cmrc/processes/user_tasks.hpp"
+
+#include "state/visitor.hpp"
 
 namespace cmrc {
 namespace {
@@ -57,5 +59,13 @@ void UserTasks::each_passed(std::int64_t tick, const std::function<bool(const Ta
       passed(block_of(i, due), due, allowed_for(row.task), due + row.period <= tick);
   }
 }
+
+void UserTasks::Row::list_state(state::Visitor& list) {
+  list("next", next);
+  list("out", out);
+  list("stopped", stopped);
+}
+
+void UserTasks::list_state(state::Visitor& list) { list("rows", rows_); }
 
 }  // namespace cmrc

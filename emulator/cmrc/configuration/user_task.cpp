@@ -1,4 +1,4 @@
-#include "cmrc/tasks/user_task.hpp"
+#include "cmrc/configuration/user_task.hpp"
 
 #include <fmt/format.h>
 
@@ -212,6 +212,12 @@ void check_period(const UserTask& task, double refresh_frequency) {
 
 std::uint32_t importance(const UserTask& task, std::int64_t t) {
   return t >= task.due_refreshes ? task.importance : task.importance_waiting;
+}
+
+std::vector<std::string> job_kinds(std::span<const UserTask> tasks) {
+  std::vector<std::string> all = job_kinds();
+  for (const UserTask& task : tasks) all.push_back("user." + task.name);
+  return all;
 }
 
 }  // namespace cmrc

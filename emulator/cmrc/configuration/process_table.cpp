@@ -1,4 +1,4 @@
-#include "cmrc/processes/process_table.hpp"
+#include "cmrc/configuration/process_table.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,7 +9,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "cmrc/processes/process_rows.hpp"
+#include "cmrc/configuration/process_rows.hpp"
 #include "cmrc/tasks/job_kinds.hpp"
 
 namespace cmrc {

@@ -1,4 +1,5 @@
-// The speeds of the joints on the straight ways of the job.
+#include "cmrc/programs/straight_ways.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "cmrc/configuration/dock_job.hpp"
 #include "cmrc/configuration/job_places.hpp"
 #include "cmrc/programs/program_constants.hpp"
 #include "cmrc/programs/segment_duration.hpp"

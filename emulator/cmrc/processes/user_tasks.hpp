@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "cmrc/configuration/user_task.hpp"
 #include "cmrc/processes/host_services.hpp"
-#include "cmrc/tasks/user_task.hpp"
 
 namespace state {
 class Visitor;

@@ -1,13 +1,13 @@
-#include "cmrc/processes/process_rows.hpp"
+#include "cmrc/configuration/process_rows.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <optional>
 #include <span>
 
+#include "isa/ascii.hpp"
 #include "state/enumerators.hpp"
 
 namespace cmrc {
@@ -38,14 +38,6 @@ static_assert(robot_names.size() == state::enumerator_count<Robots>() &&
               account_names.size() == state::enumerator_count<Account>() &&
               release_names.size() == state::enumerator_count<Subprocess::Release>());
 static_assert(step_names.size() == state::enumerator_count<Step::Kind>());
-
-template <typename Number>
-std::optional<Number> number_of(std::string_view text) {
-  Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 template <std::size_t n>
 std::string list_of(const std::array<std::string_view, n>& names) {
@@ -106,9 +98,9 @@ class Row {
     for_each(field, right, [&](const toml::node& node) {
       const std::string text = node.value_or(std::string());
       const std::size_t arrow = text.find("->");
-      const auto source = number_of<unsigned>(std::string_view(text).substr(0, arrow));
+      const auto source = ascii::number<unsigned>(std::string_view(text).substr(0, arrow));
       const auto target =
-          arrow == std::string::npos ? std::nullopt : number_of<unsigned>(std::string_view(text).substr(arrow + 2));
+          arrow == std::string::npos ? std::nullopt : ascii::number<unsigned>(std::string_view(text).substr(arrow + 2));
       if (!source || !target) refuse(place(node), key(field), fmt::format("\"{}\" names no consent", text), right);
       all.push_back({*source, *target});
     });
@@ -158,10 +150,10 @@ class Row {
     Step step{.kind = known->kind, .task = std::string(argument)};
     bool fits = argument.empty() == known->argument.empty();
     if (step.kind == Step::Kind::leg) {
-      step.leg = number_of<unsigned>(argument).value_or(0);
+      step.leg = ascii::number<unsigned>(argument).value_or(0);
       fits = step.leg >= 1 && step.leg <= 3;
     } else if (step.kind == Step::Kind::hold) {
-      step.seconds = number_of<double>(argument).value_or(-1);
+      step.seconds = ascii::number<double>(argument).value_or(-1);
       fits = step.seconds >= 0 && step.seconds <= 86400;
     }
     if (step.kind != Step::Kind::task) step.task.clear();

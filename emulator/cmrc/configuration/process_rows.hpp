@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "cmrc/processes/process_table.hpp"
+#include "cmrc/configuration/process_table.hpp"
 
 namespace cmrc {
 

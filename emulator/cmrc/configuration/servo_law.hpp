@@ -1,26 +1,18 @@
 #pragma once
-// The servo's law from the configuration ([control]; docs/control.md): the words that PID reads, and whether the loops
-// are stable.
+// The servo's law from the configuration ([control]; docs/control.md), and whether its loops are stable.
 #include <array>
 #include <cstddef>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "cmrc/configuration/config.hpp"
-#include "cmrc/processes/host_services.hpp"
 #include "cmrc/tasks/words.hpp"
 #include "plant/parameters/config.hpp"
-
-namespace state {
-class Visitor;
-}
 
 namespace cmrc {
 
 inline constexpr std::size_t control_channels = 5;
-inline constexpr std::size_t control_row = 11;  ///< words of one channel, in the order of PC_K to PC_SHARE_BEFORE
 inline constexpr std::size_t control_sway = 4;  ///< words against sway
 
 /// The values of PID's law by channel of drives and encoders; SI units.
@@ -63,34 +55,5 @@ struct ControlFault {
   std::string what, right;
 };
 std::optional<ControlFault> control_fault(const Config& config, double period_s);
-
-/// The words of CR_CONTROL_BLOCK in shared memory. A joint's row changes only while the joint rests, and PID's words
-/// only between PID's runs.
-class ControlBlock {
- public:
-  ControlBlock(const Config& config, const Words& words);
-  /// The whole block and its generation, before the run.
-  void initial(const std::function<void(Word offset, Word value)>& put) const;
-  /// The operator has changed a setting.
-  void change(const Config& config);
-  /// PID has finished a run: these joints rest.
-  void pid_ended(Word rests) { rests_ = rests, seen_ = true; }
-  /// Writes what may be written now.
-  void refresh(HostServices& services);
-  bool pending() const { return pending_; }
-  void list_state(state::Visitor& list);
-
- private:
-  std::vector<Word> row_words(std::size_t channel, double share_before) const;
-  void compare();
-
-  const Words& words_;
-  plant::CraneParameters crane_;
-  ControlLaw now_, wanted_;
-  Word generation_ = 1;
-  Word rests_ = 0;
-  bool seen_ = false;     // PID has run since the last change
-  bool pending_ = false;  // now_ and wanted_ differ
-};
 
 }  // namespace cmrc

@@ -45,6 +45,8 @@ std::string to_toml(const UserTask& task);
 std::int64_t period_refreshes(const UserTask& task, double refresh_frequency);
 /// Checks that the task's period is a whole number of refreshes. \throws ConfigError
 void check_period(const UserTask& task, double refresh_frequency);
+/// The keys of all kinds of jobs: those of the rows (tasks/job_kinds.hpp), and of each task "user." and its name.
+std::vector<std::string> job_kinds(std::span<const UserTask> tasks);
 /// J of task `task` after t refreshes of waiting.
 std::uint32_t importance(const UserTask& task, std::int64_t t);
 
