@@ -44,14 +44,15 @@ Json summary(const Summary& of) {
 }
 
 Json why_late(const WhyLate& of) {
-  return {{"jobs", of.chains},
-          {"jobs_with_deadline", of.with_deadline},
-          {"lateness_ps", of.lateness},
-          {"usual_ps", of.usual ? Json(*of.usual) : Json(nullptr)},
-          {"parts_ps", shares(of.parts)},
-          {"behind_ps", shares(of.behind)},
-          {"dropped_previous_out", of.dropped_previous_out},
-          {"dropped_host_late", of.dropped_host_late}};
+  Json all = {{"jobs", of.chains},
+              {"jobs_with_deadline", of.with_deadline},
+              {"lateness_ps", of.lateness},
+              {"usual_ps", of.usual ? Json(*of.usual) : Json(nullptr)},
+              {"parts_ps", shares(of.parts)},
+              {"behind_ps", shares(of.behind)}};
+  for (const DropCause& cause : drop_causes)
+    all["dropped_" + name(cause.wait)] = of.dropped[static_cast<std::size_t>(cause.wait)];
+  return all;
 }
 
 Json jitter(const Jitter& of) {

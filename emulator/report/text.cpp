@@ -139,11 +139,9 @@ std::string reasons(const RunReport& report) {
                           duration(static_cast<double>(task.lateness.worst)));
     text += ".\n";
     const WhyLate& why = task.why_late;
-    if (why.dropped_previous_out > 0)
-      text += fmt::format("    {} dropped: the previous block was not done when the next was due\n",
-                          why.dropped_previous_out);
-    if (why.dropped_host_late > 0)
-      text += fmt::format("    {} dropped: the host skipped the refresh of its tick\n", why.dropped_host_late);
+    for (const DropCause& cause : drop_causes)
+      if (const std::uint64_t dropped = why.dropped[static_cast<std::size_t>(cause.wait)]; dropped > 0)
+        text += fmt::format("    {} dropped: {}\n", dropped, cause.text);
     if (why.chains > 0)
       text += fmt::format("    on average over {}, beyond a usual run{}:\n",
                           why.chains == 1 ? "one job" : fmt::format("{} jobs", why.chains),

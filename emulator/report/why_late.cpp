@@ -3,10 +3,10 @@
 namespace report {
 
 std::string name(Wait wait) {
-  static constexpr const char* names[wait_count] = {"host_late",   "not_due",     "host_refresh", "host_lock",
-                                                    "doorbell",    "claim",       "claim_bus_a",  "claim_bus_b",
-                                                    "lock",        "behind_list", "blocked",      "no_dsp",
-                                                    "own_dsp_out", "lost_run",    "watchdog",     "previous_out"};
+  static constexpr const char* names[wait_count] = {
+      "host_late",   "not_due",     "host_refresh", "host_lock",    "doorbell",         "claim",
+      "claim_bus_a", "claim_bus_b", "lock",         "behind_list",  "blocked",          "no_dsp",
+      "own_dsp_out", "lost_run",    "watchdog",     "previous_out", "stopped_by_error", "left_out"};
   return names[static_cast<std::size_t>(wait)];
 }
 

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "report/event.hpp"
@@ -43,10 +44,24 @@ enum class Wait : std::uint8_t {
   lost_run,      ///< failed runs, from the claim to the failure, or to where the watchdog took the block
   watchdog,      ///< from the failure of its DSP until the host put the block back
   previous_out,  ///< a dropped tick: the block of an earlier tick was not done
+  stopped_by_error,  ///< a dropped tick: an error had stopped the servo, or was not decided yet
+  left_out,          ///< a dropped tick: an experiment left it out (scheduling.servo_loss_share, servo_served_every)
 };
-inline constexpr std::size_t wait_count = 16;
+inline constexpr std::size_t wait_count = 18;
 std::string name(Wait wait);
 using WaitTimes = std::array<std::int64_t, wait_count>;  ///< ps
+
+/// Why a tick was dropped, as the terminal says it; in a report it is "dropped_" and the cause's name.
+struct DropCause {
+  Wait wait;
+  std::string_view text;
+};
+inline constexpr DropCause drop_causes[] = {
+    {Wait::previous_out, "the previous block was not done when the next was due"},
+    {Wait::host_late, "the host skipped the refresh of its tick"},
+    {Wait::stopped_by_error, "an error had stopped the servo, or was not decided yet"},
+    {Wait::left_out, "left out by the experiment (scheduling.servo_*)"},
+};
 
 /// A block that was in the way.
 struct BlockingJob {
@@ -97,8 +112,8 @@ struct WhyLate {
   std::uint64_t with_deadline = 0;  ///< those of them with a deadline
   std::int64_t lateness = 0;
   std::vector<Share> parts;
-  std::vector<Share> behind;  ///< ps by kind of the blocks in the way
-  std::uint64_t dropped_previous_out = 0, dropped_host_late = 0;
+  std::vector<Share> behind;                        ///< ps by kind of the blocks in the way
+  std::array<std::uint64_t, wait_count> dropped{};  ///< dropped ticks by cause
   std::optional<std::int64_t> usual;
 };
 

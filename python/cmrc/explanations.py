@@ -22,6 +22,8 @@ PARTS = {
     "lost_run": "runs were lost, because their DSP failed",
     "watchdog": "the failure of its DSP was not noticed yet",
     "previous_out": "the block of an earlier tick was not done",
+    "stopped_by_error": "an error had stopped the servo, or was not decided yet",
+    "left_out": "the experiment left this tick out (scheduling.servo_*)",
     "execution.slow_clock": "its run was longer, because the DSP's clock was slow",
     "execution.execute": "its run was longer: more instructions",
     "slack": "there was less time than a usual run takes",

@@ -94,6 +94,7 @@ def test_left_out_ticks_are_dropped_ones(settings: dict[str, Any], share: float,
     lost = [sorted(m["number"] for m in result.report["misses"] if m["kind"] == "pid") for result in results]
     assert lost[0] == lost[1]  # the same ticks on every machine
     task = results[0].report["tasks"]["pid"]
+    assert task["why_late"]["dropped_left_out"] == task["dropped"]
     assert task["dropped"] == task["misses"] and task["dropped"] / task["released"] == pytest.approx(share, abs=0.05)
     if run:
         breaks = np.flatnonzero(np.diff(lost[0]) != 1)

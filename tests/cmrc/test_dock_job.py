@@ -148,6 +148,47 @@ def test_a_dock_is_judged_alike_whether_a_file_names_it_or_not(tmp_path: Path) -
         core.dock_of(core.config(settings={**NARROW, **layout, "kernels.trajectory": "quintic_shaper"}))
 
 
+def overspeed_for(seconds: float) -> dict[str, float]:
+    return {f"slewing.{drive}.overspeed_time_s": seconds for drive in ("slew", "rotate")}
+
+
+def test_a_drive_trips_only_if_it_is_too_fast_for_long_enough() -> None:
+    """At the top of a way of 42 s the slewing comes to 0.1266 rad/s. Of X = p + (l/g) p'' with a rope of 12 m it is
+    above 0.1257 rad/s for 1.0 s."""
+    for seconds in (0.0001, 0.9):
+        with pytest.raises(cmrc.ConfigError, match=rf"above 0.1257 rad/s, .* after {seconds} s .slewing.*time_s"):
+            core.dock_of(core.config(settings={**NARROW, **overspeed_for(seconds)}))
+    for seconds in (1.2, 10000):
+        core.dock_of(core.config(settings={**NARROW, **overspeed_for(seconds)}))
+
+
+SLOWED = {"scheduling.work_mode": "slowed_crane", "scheduling.slow_factor": 2.0}
+
+
+def test_a_slowed_crane_is_judged_by_its_own_speeds() -> None:
+    core.dock_of(core.config(settings={**NARROW, **SLOWED}))
+    for other in ({"scheduling.work_mode": "slowed_agv"}, {"scheduling.slow_factor": 1.0}):
+        with pytest.raises(cmrc.ConfigError, match="slewing needs 0.126"):
+            core.dock_of(core.config(settings={**NARROW, **SLOWED, **other}))
+
+
+@pytest.mark.parametrize(
+    ("key", "bad", "good"),
+    [("scheduling.work_mode", "full_load", "slowed_crane"), ("scheduling.slow_factor", 1.0, 1.5)],
+)
+def test_a_slowed_crane_is_not_made_too_fast_during_a_run(key: str, bad: Any, good: Any) -> None:
+    settings = {**NARROW, **SLOWED, "report.reference": "none", "run.duration_s": 0.05}
+    what = rf"{key}: on the straight way .* slewing needs .* a crane as slow as before is expected"
+    change = {"at_s": 0.02, "action": "set", "key": key}
+    with pytest.raises(cmrc.ConfigError, match=what):
+        cmrc.Simulation(settings=settings, events=[{**change, "value": bad}])
+    simulation = cmrc.Simulation(settings=settings)
+    with pytest.raises(cmrc.ConfigError, match=what):
+        simulation.at(0.02, "set", key=key, value=bad)
+    simulation.at(0.02, "set", key=key, value=good)
+    simulation.run()
+
+
 NEAR = "[home]\nx_m = 14\ny_m = -4\nz_m = 11\n[portal]\nleg_m = 0\n" + ONE
 FASTER = {"at_s": 0.02, "action": "set", "key": "control.slew_speed_limit_rad_s", "value": 0.12}
 

@@ -211,6 +211,62 @@ def test_a_pid_that_was_given_up_is_still_demanded(tmp_path: Path) -> None:
     assert pid["released"] == 1980 and pid["dropped"] == pytest.approx(400, abs=2)
 
 
+@pytest.mark.parametrize("crane", ["slewing", "gantry"])
+def test_without_torque_compensation_pid_gets_no_work(crane: str) -> None:
+    """Torque compensation hangs at the tick at 300 ms, and is not tried again. The drives wait 100 ms for codes."""
+    settings = {
+        "dock.crane": crane,
+        "dsps": 3,
+        "watchdog.recomputations_max": 0,
+        "watchdog.retries_max": 0,
+        "run.after_stop_s": 0.5,
+        "report.reference": "none",
+    }
+    hang = {"at_s": 0.30005, "action": "hang", "dsp": 0}
+    result = package.run(duration_s=1.5, settings=settings, events=[hang])
+    report = result.report
+    [stopped] = failures(report, "stopped")
+    assert "sub-process 3 (torque compensation); the drives brake" in stopped["message"]
+    assert report["braked"] and report["stop_reason"] == "drives_stopped"
+    assert report["account_end_s"] == pytest.approx(stopped["time_s"] + 0.1 + 0.5, abs=0.003)
+
+    # What is dropped is dropped because of the error, also before it was decided; no host was late.
+    stop = stopped["time_s"] * 1000
+    for kind, last in (("pid", stop), ("torque_compensation", 300)):
+        task = report["tasks"][kind]
+        why = task["why_late"]
+        assert task["on_time"] == pytest.approx(last - 20, abs=2), kind
+        assert task["released"] == pytest.approx(report["account_end_s"] * 1000 - 20, abs=1), kind
+        assert why["dropped_stopped_by_error"] > 570 and why["dropped_host_late"] == why["dropped_left_out"] == 0, kind
+        assert task["dropped"] - why["dropped_stopped_by_error"] - why["dropped_previous_out"] in (0, 1), kind
+    assert report["host"]["skipped_refreshes"] == 0
+    assert "dropped: an error had stopped the servo" in result.text and "host skipped" not in result.text
+    last = len(result.missed) - 1
+    assert next(iter(result.missed[last]["parts_ps"])) == "stopped_by_error"
+    assert "an error had stopped the servo, or was not decided yet" in result.explain(last)
+
+    clear = {"at_s": 0.8, "action": "set", "key": "errors.clear", "value": True}
+    cleared = run([hang, clear], **settings, duration_s=1.2)
+    assert cleared["stop_reason"] == "completed" and not cleared["braked"]
+    for kind in ("pid", "torque_compensation"):
+        assert cleared["tasks"][kind]["on_time"] == pytest.approx(1180 - (800 - stop), abs=4), kind
+
+
+def test_ticks_that_pass_while_a_host_is_paused_are_the_hosts(tmp_path: Path) -> None:
+    """Also if an error has stopped the servo; only the tick at which the host is back is the error's."""
+    programs = programs_with(tmp_path, "pid.asm", "kernel_pid")
+    settings = {"machine.programs": programs, "duration_s": 0.4, "dsps": 3, "watchdog.retries_max": 0}
+    quiet = run([], **settings)["tasks"]["pid"]
+    paused = run([{"at_s": 0.3, "action": "pause_host", "lasts_ms": 50}], **settings)["tasks"]["pid"]
+    assert quiet["dropped"] == paused["dropped"] > 300
+    assert quiet["why_late"]["dropped_host_late"] == 0
+    assert paused["why_late"]["dropped_host_late"] in (49, 50)
+    assert (
+        paused["why_late"]["dropped_host_late"] + paused["why_late"]["dropped_stopped_by_error"]
+        == quiet["why_late"]["dropped_stopped_by_error"]
+    )
+
+
 def test_a_drive_that_is_off_does_no_work() -> None:
     """Both DSPs fail; the codes stay, also that of the hoist with its load. The drives time out 100 ms later."""
     events = [{"at_s": 0.5, "action": "fail", "dsp": dsp} for dsp in range(2)]

@@ -70,6 +70,16 @@ def test_and_so_with_lower_speed_limits(way: tuple[float, ...]) -> None:
     assert told(way, **limits) == pytest.approx(laid(dsp, "trajectory_crane", way), rel=2e-6)
 
 
+@pytest.mark.parametrize("way", WAYS[:6])
+def test_and_so_of_a_slowed_crane(way: tuple[float, ...]) -> None:
+    """Intervals are whole refreshes: 64 of them by 1.3034 are 83, so the factor is 83/64."""
+    dsp = Dsp()
+    dsp.put("CR_STRETCH", 83 / 64)
+    slowed = {"scheduling__work_mode": "slowed_crane", "scheduling__slow_factor": 1.3034}
+    assert told(way, **slowed) == pytest.approx(laid(dsp, "trajectory_crane", way), rel=2e-6)
+    assert told(way, **slowed | {"scheduling__work_mode": "slowed_agv"}) == told(way)
+
+
 @pytest.mark.parametrize(
     "way", [(0.5, 0.0, 0.0, 0.0), (0.1, 0.1, 3.0, 0.0), (0.2, 0.2, 0.1, -0.4), (1.0, 1.0, -3.0, 0.5)]
 )

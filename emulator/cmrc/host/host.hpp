@@ -146,7 +146,7 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
     return load_block(task, job_kind(task.kind, words_), clock_.at(tick.released), clock_.at(tick.deadline),
                       tick.number);
   }
-  void drop_tick(const Task& task, const NominalTick& tick, std::size_t block) override;
+  void drop_tick(const Task& task, const NominalTick& tick, std::size_t block, report::Wait cause) override;
   using HostServices::write;
   void write(Word offset, std::span<const Word> words) override;
   bool servo_resting() const override { return servo_.resting(); }

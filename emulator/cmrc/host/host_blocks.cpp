@@ -48,11 +48,11 @@ void Host::drop_block(const Task& task, std::int64_t due, std::optional<Time> de
   ledger_.skipped(job_kind(task.kind, words_), clock_.at(due), deadline, std::nullopt, now_, task.robot);
 }
 
-void Host::drop_tick(const Task& task, const NominalTick& tick, std::size_t block) {
+void Host::drop_tick(const Task& task, const NominalTick& tick, std::size_t block, report::Wait cause) {
   note(EventKind::miss,
        {task.kind, task.tick, static_cast<std::uint32_t>(report::Outcome::dropped), words_.block(block), 0});
   ledger_.skipped(job_kind(task.kind, words_), clock_.at(tick.released), clock_.at(tick.deadline), tick.number, now_,
-                  task.robot);
+                  task.robot, cause);
 }
 
 void Host::write(Word offset, std::span<const Word> words) { port_->write(offset, words); }
@@ -175,26 +175,28 @@ void Host::count_rest(Time end, Ledger& account) const {
     });
   };
   const auto count = [&](const Task& task, std::int64_t released, std::optional<Time> deadline,
-                         std::optional<std::int64_t> number, bool dropped) {
+                         std::optional<std::int64_t> number, std::optional<report::Wait> dropped) {
     const JobKind job = job_kind(task.kind, words_);
     if (dropped)
-      account.skipped(job, clock_.at(released), deadline, number, end, task.robot);
+      account.skipped(job, clock_.at(released), deadline, number, end, task.robot, *dropped);
     else
       account.never_loaded(job, clock_.at(released), deadline, number, end, task.robot);
   };
+  const auto late = [](bool dropped) { return dropped ? std::optional(report::Wait::host_late) : std::nullopt; };
   servo_.each_passed(
       last, [&](std::size_t block) { return account.is_open(block); },
-      [&](const Task& task, const NominalTick& tick, bool dropped) {
+      [&](const Task& task, const NominalTick& tick, std::optional<report::Wait> dropped) {
         count(task, tick.released, clock_.at(tick.deadline), tick.number, dropped);
       });
   processes_.each_passed(last, in_the_way,
                          [&](const Task& task, std::int64_t due, std::int64_t deadline, bool dropped) {
-                           count(task, due, clock_.at(deadline), std::nullopt, dropped);
+                           count(task, due, clock_.at(deadline), std::nullopt, late(dropped));
                          });
-  user_tasks_.each_passed(
-      last, in_the_way, [&](const Task& task, std::int64_t due, std::optional<Time> allowed, bool dropped) {
-        count(task, due, allowed ? std::optional(clock_.at(due) + *allowed) : std::nullopt, std::nullopt, dropped);
-      });
+  user_tasks_.each_passed(last, in_the_way,
+                          [&](const Task& task, std::int64_t due, std::optional<Time> allowed, bool dropped) {
+                            count(task, due, allowed ? std::optional(clock_.at(due) + *allowed) : std::nullopt,
+                                  std::nullopt, late(dropped));
+                          });
 }
 
 }  // namespace cmrc

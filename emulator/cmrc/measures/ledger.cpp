@@ -141,7 +141,7 @@ Ledger::Open Ledger::without_block(JobKind kind, Time released, std::optional<Ti
 }
 
 void Ledger::skipped(JobKind kind, Time released, std::optional<Time> deadline, std::optional<std::int64_t> tick,
-                     Time found, std::uint32_t robot) {
+                     Time found, std::uint32_t robot, report::Wait cause) {
   const Time end = deadline.value_or(found);
   const Open open = without_block(kind, released, deadline, tick, robot);
   report::Job job;
@@ -157,8 +157,11 @@ void Ledger::skipped(JobKind kind, Time released, std::optional<Time> deadline, 
   jobs.missed.add(released);
   MissedJob missed = missed_job(open, report::Outcome::dropped, end);
   missed.given_up = found;
+  missed.dropped_by = cause;
   for (const auto& [block, other] : open_) {
-    if (other.kind == kind && other.name.robot == robot) missed.previous = other.name.number;
+    if (other.kind != kind || other.name.robot != robot) continue;
+    missed.previous = other.name.number;
+    missed.dropped_by = report::Wait::previous_out;
   }
   if (watcher_ != nullptr)
     watcher_->ended({open.name, report::Outcome::dropped, true, released, deadline, {}, end, true});

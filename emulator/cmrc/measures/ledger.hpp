@@ -48,8 +48,9 @@ class Ledger {
                std::optional<std::int64_t> tick, std::uint32_t robot = 0);
   /// A nominal tick for which no block could be released; the host found this at `found`.
   /// \param tick number of the nominal tick; none: for a kind without ticks, counted together with its jobs
+  /// \param cause why, if no earlier block of the task is in its way
   void skipped(JobKind kind, Time released, std::optional<Time> deadline, std::optional<std::int64_t> tick, Time found,
-               std::uint32_t robot = 0);
+               std::uint32_t robot = 0, report::Wait cause = report::Wait::host_late);
   /// A job of an account that ends at `end`: released before, but the host has loaded no block for it yet.
   void never_loaded(JobKind kind, Time released, std::optional<Time> deadline, std::optional<std::int64_t> tick,
                     Time end, std::uint32_t robot = 0);

@@ -36,6 +36,7 @@ struct MissedJob {
       execution;                 ///< ps of its last run, of all parts, by cause; empty if it has no run that counts
   std::optional<Time> given_up;  ///< after this time no run could follow
   std::optional<std::int64_t> previous;
+  report::Wait dropped_by = report::Wait::host_late;  ///< of a dropped tick
 };
 
 }  // namespace cmrc

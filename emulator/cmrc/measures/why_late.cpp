@@ -98,9 +98,9 @@ void WhyLate::missed(const MissedJob& job, const Timeline& timeline, BlockAudit&
   Sums& sums = sums_.at(job.name.kind);
   Chain chain{job, {}, {}};
   if (job.tries.empty()) {  // a dropped tick
-    const Wait wait = job.previous ? Wait::previous_out : Wait::host_late;
-    ++(job.previous ? sums.summary.dropped_previous_out : sums.summary.dropped_host_late);
-    chain.waits[static_cast<std::size_t>(wait)] = (job.end - job.released).count();
+    const auto wait = static_cast<std::size_t>(job.dropped_by);
+    ++sums.summary.dropped[wait];
+    chain.waits[wait] = (job.end - job.released).count();
   }
   for (std::size_t i = 0; i < job.tries.size(); ++i) {
     const Try& attempt = job.tries[i];

@@ -9,6 +9,7 @@
 #include "cmrc/tasks/task_list.hpp"
 #include "cmrc/tasks/words.hpp"
 #include "report/event.hpp"
+#include "report/why_late.hpp"
 
 namespace cmrc {
 
@@ -34,8 +35,9 @@ class HostServices {
   virtual void drop_within(const Task& task, std::int64_t due, std::optional<report::Time> allowed) = 0;
   /// Loads a block of the servo. \returns its place in the list
   virtual std::size_t load_tick(const Task& task, const NominalTick& tick) = 0;
-  /// No block could be released for this tick. \param block place of the block before it
-  virtual void drop_tick(const Task& task, const NominalTick& tick, std::size_t block) = 0;
+  /// No block could be released for this tick. \param block place of the block before it \param cause why, if that
+  /// block is not in the way
+  virtual void drop_tick(const Task& task, const NominalTick& tick, std::size_t block, report::Wait cause) = 0;
   /// Writes words of a job area; they arrive before a block loaded in the same refresh can be claimed.
   virtual void write(Word offset, std::span<const Word> words) = 0;
   void write(Word offset, Word word) { write(offset, std::span<const Word>(&word, 1)); }

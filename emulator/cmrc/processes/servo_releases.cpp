@@ -30,7 +30,7 @@ void ServoReleases::refresh(Servo& servo, std::int64_t grown, HostServices& serv
   const std::int64_t now = services.tick();
   if (!released(servo)) {
     while (servo.next <= now) servo.next += period_;
-  } else if (servo.out || servo.waits || servo.stopped) {
+  } else if (servo.out || servo.waits || stopped(servo)) {
     while (servo.next <= now) drop(servo, services);
   } else {
     while (servo.next + period_ <= now || (servo.next <= now && left_out(servo.next))) drop(servo, services);
@@ -57,8 +57,14 @@ void ServoReleases::load(Servo& servo, std::int64_t grown, HostServices& service
 void ServoReleases::drop(Servo& servo, HostServices& services) {
   Task task = servo.task;
   task.tick = static_cast<std::uint32_t>(servo.next);
-  services.drop_tick(task, nominal(servo.next), servo.block);
+  services.drop_tick(task, nominal(servo.next), servo.block, cause(servo, servo.next, services.tick()));
   servo.next += period_;
+}
+
+report::Wait ServoReleases::cause(const Servo& servo, std::int64_t tick, std::int64_t refresh) const {
+  if (left_out(tick)) return report::Wait::left_out;
+  const bool passed = tick + period_ <= refresh;
+  return !passed && (servo.waits || stopped(servo)) ? report::Wait::stopped_by_error : report::Wait::host_late;
 }
 
 NominalTick ServoReleases::nominal(std::int64_t tick) const {
@@ -79,9 +85,11 @@ void ServoReleases::each_passed(std::int64_t last, const std::function<bool(std:
                                 const Passed& passed) const {
   for (const Servo* servo : {&torque_, &pid_}) {
     if (!released(*servo)) continue;
-    const bool blocked = servo->waits || servo->stopped || (servo->out && open(servo->block));
-    for (std::int64_t next = servo->next; nominal(next).released <= last; next += period_)
-      passed(servo->task, nominal(next), next + period_ <= last || (blocked && next <= last) || left_out(next));
+    const bool blocked = servo->waits || stopped(*servo) || (servo->out && open(servo->block));
+    for (std::int64_t next = servo->next; nominal(next).released <= last; next += period_) {
+      const bool dropped = next + period_ <= last || (blocked && next <= last) || left_out(next);
+      passed(servo->task, nominal(next), dropped ? std::optional(cause(*servo, next, last)) : std::nullopt);
+    }
   }
 }
 

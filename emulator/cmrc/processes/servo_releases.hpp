@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include "cmrc/configuration/config.hpp"
 #include "cmrc/processes/host_services.hpp"
@@ -25,7 +26,8 @@ class ServoReleases {
   bool on() const { return released(pid_); }
   /// \param grown refreshes by which t grows at this refresh
   void refresh(std::int64_t grown, HostServices& services);
-  using Passed = std::function<void(const Task& task, const NominalTick& tick, bool dropped)>;
+  /// \param dropped why it is dropped, if no earlier block is in its way; none: its job was never started
+  using Passed = std::function<void(const Task& task, const NominalTick& tick, std::optional<report::Wait> dropped)>;
   /// Reports the releases up to refresh `last` to which the host has not come.
   /// \param open whether the job of a block is not finished
   void each_passed(std::int64_t last, const std::function<bool(std::size_t block)>& open, const Passed& passed) const;
@@ -40,7 +42,7 @@ class ServoReleases {
   void stop(const Task& task) { servo_of(task).stopped = true, servo_of(task).waits = false; }
   /// Both tasks stop, or are released again.
   void stop_all(bool stopped) { torque_.stopped = pid_.stopped = stopped, torque_.waits = pid_.waits = false; }
-  bool pid_stopped() const { return pid_.stopped; }
+  bool pid_stopped() const { return stopped(pid_); }
 
   /// Torque compensation of the tick of this block of PID, or of one before, is not finished.
   bool torque_is_behind(const Task& pid) const;
@@ -62,6 +64,10 @@ class ServoReleases {
   };
   Servo& servo_of(const Task& task) { return task.kind == pid_.task.kind ? pid_ : torque_; }
   bool released(const Servo& servo) const { return processes_.releases(servo.subprocess, servo.task.robot); }
+  /// Given up. Without torque compensation's feed-forward PID gets no work either, so that the drives' time-out brakes.
+  bool stopped(const Servo& servo) const { return servo.stopped || torque_.stopped; }
+  /// Why a tick is dropped at this refresh, if no earlier block is in its way.
+  report::Wait cause(const Servo& servo, std::int64_t tick, std::int64_t refresh) const;
   bool rests(const Servo& servo) const;
   /// An experiment leaves out this tick (scheduling.servo_loss_share, servo_served_every).
   bool left_out(std::int64_t tick) const;

@@ -9,7 +9,9 @@
 #include "cmrc/tasks/ti_float.hpp"
 
 namespace cmrc {
-SegmentDuration::SegmentDuration(const toolchain::Image& image, const Config& config) {
+SegmentDuration::SegmentDuration(const toolchain::Image& image, const Config& config)
+    : stretch_(static_cast<double>(intervals(config).crane_slowed) /
+               static_cast<double>(intervals(config).crane_point)) {
   const bool shaped = config.kernels.trajectory == TrajectoryBuild::quintic_shaper;
   const std::vector<double> limits = program_constants(image, shaped ? "K_TJ_SHAPED" : "K_TJ_XY1", limits_.size());
   std::ranges::copy(limits, limits_.begin());
@@ -23,7 +25,7 @@ double SegmentDuration::seconds(double plan, double height, double turn) const {
   // The rotator turns the box, and turns against the slewing.
   const double speed = std::max(height_1 * height * per_speed_[1], in_plan + turn_1 * turn * per_speed_[2]);
   const double square = std::max({plan_2 * plan, std::sqrt(plan_4 * plan), height_2 * height, turn_2 * turn});
-  return std::max(speed, std::sqrt(square));
+  return stretch_ * std::max(speed, std::sqrt(square));
 }
 
 }  // namespace cmrc

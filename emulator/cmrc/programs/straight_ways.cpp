@@ -89,41 +89,64 @@ class StraightWays {
     if (!(duration > 0)) return;
     if (shaped_) duration *= stretch(a, b, duration);
     const double delay = shaped_ ? half_swing(a, b) : 0;
+    const double step = (duration + 2 * delay) / samples;
+    std::array<Overspeed, std::tuple_size_v<JointSpeeds>> over{};
     for (int i = 0; i <= samples; ++i) {
-      const double time = i / static_cast<double>(samples) * (duration + 2 * delay);
+      const double time = i * step;
       const Motion at = shaped_ ? shaped(a, b, duration, delay, time) : hanging(a, b, duration, time);
-      for (const JointSpeed& one : speeds(at)) {
+      const JointSpeeds joints = speeds(at);
+      for (std::size_t j = 0; j < joints.size(); ++j) {
         // The hoist is fastest where the rise at a way's beginning, another segment, is not over yet.
-        if (one.joint == plant::Joint::hoist) continue;
-        const double share = std::abs(one.speed) / trip(one.joint);
-        if (share > worst_.share) worst_ = {share, plant::hypot(at.x, at.y), one, a.name, b.name};
+        if (joints[j].joint == plant::Joint::hoist) continue;
+        const double share = std::abs(joints[j].speed) / trip(joints[j].joint);
+        if (share > std::max(1.0, over[j].fastest.share))
+          over[j].fastest = {share, plant::hypot(at.x, at.y), joints[j], a.name, b.name};
+        over[j].add(share, step);
+        if (over[j].seconds >= drive_of(joints[j].joint).overspeed_time && over[j].fastest.share > worst_.share)
+          worst_ = over[j].fastest;
+        if (share <= 1) over[j] = {.share = share};
       }
     }
   }
 
-  /// \throws std::invalid_argument if a joint has been faster than its drive allows
+  /// \throws std::invalid_argument if a joint has been faster than its drive allows, for as long as trips it
   void check_speeds() const {
     if (worst_.share <= 1) return;
+    const char* const key = worst_.joint.key;
     throw std::invalid_argument(fmt::format(
         "on the straight way from {} to {}, {:.1f} m from the crane's column, {} needs {:.4g} rad/s, and its drive "
-        "trips above {:.4g} rad/s, which is slewing.{}.overspeed times its rated speed; expected are ways farther "
-        "from the column, lower speed limits in [control]{} (docs/control.md, Speed limits)",
+        "trips above {:.4g} rad/s, which is slewing.{}.overspeed times its rated speed, after {:g} s "
+        "(slewing.{}.overspeed_time_s); expected are ways farther from the column, lower speed limits in [control]{} "
+        "(docs/control.md, Speed limits)",
         worst_.from, worst_.to, worst_.distance, worst_.joint.name, std::abs(worst_.joint.speed),
-        trip(worst_.joint.joint), worst_.joint.key, shaped_ ? "" : ", or kernels.trajectory = \"quintic_shaper\""));
+        trip(worst_.joint.joint), key, drive_of(worst_.joint.joint).overspeed_time, key,
+        shaped_ ? "" : ", or kernels.trajectory = \"quintic_shaper\""));
   }
 
  private:
-  /// The fastest joint of all ways, by its drive's trip.
+  /// A joint's speed as a share of its drive's trip, where it is fastest.
   struct Worst {
     double share = 0, distance = 0;
     JointSpeed joint{};
     std::string from, to;
   };
+  /// The time in which a joint is faster than its drive's trip without a break, so far.
+  struct Overspeed {
+    double share = 0;  // at the sample before
+    double seconds = 0;
+    Worst fastest{};
+    /// The speed is linear between two samples.
+    void add(double next, double step) {
+      const auto [slow, fast] = std::minmax({share, next});
+      if (fast > 1) seconds += step * (slow >= 1 ? 1 : (fast - 1) / (fast - slow));
+      share = next;
+    }
+  };
 
-  double trip(plant::Joint joint) const {
-    const plant::DriveParameters& drive = crane_.drives[static_cast<std::size_t>(joint)];
-    return drive.overspeed * drive.rated_joint_speed();
+  const plant::DriveParameters& drive_of(plant::Joint joint) const {
+    return crane_.drives[static_cast<std::size_t>(joint)];
   }
+  double trip(plant::Joint joint) const { return drive_of(joint).overspeed * drive_of(joint).rated_joint_speed(); }
   double cosine(double x, double y) const { return (plant::hypot(x, y) - crane_.a0) / crane_.jib; }
   double rope(double x, double y, double z) const {
     const double c = cosine(x, y);
@@ -198,7 +221,7 @@ class StraightWays {
   bool shaped_;
   SegmentDuration duration_;
   int look_points_;
-  Worst worst_;
+  Worst worst_;  // of all drives that trip
 };
 
 }  // namespace

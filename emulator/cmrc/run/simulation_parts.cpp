@@ -76,11 +76,13 @@ void Simulation::Parts::check_sets(std::span<const TimedEvent> events) const {
   Config changed = config;
   for (const TimedEvent* set : sets) {
     changed = with_live(changed, set->key, set->value, set->origin);
-    if (!set->key.starts_with("control.") || set->key.find("speed_limit") == std::string::npos) continue;
+    const bool limit = set->key.starts_with("control.") && set->key.find("speed_limit") != std::string::npos;
+    if (!limit && set->key != "scheduling.work_mode" && set->key != "scheduling.slow_factor") continue;
     try {
       check_speeds(dock_config, changed, image);
     } catch (const std::invalid_argument& error) {
-      refuse(set->origin, set->key, error.what(), "here a lower value is expected");
+      refuse(set->origin, set->key, error.what(),
+             limit ? "here a lower value is expected" : "here a crane as slow as before is expected");
     }
   }
 }

@@ -129,6 +129,8 @@ export const PARTS: Record<string, string> = {
   lost_run: "runs that came to nothing",
   watchdog: "until the watchdog noticed that its DSP had failed",
   previous_out: "the block of an earlier tick was still out",
+  stopped_by_error: "an error had stopped the servo, or was not decided yet",
+  left_out: "the experiment left this tick out",
   not_run: "it has no run of its own: less a usual run",
   slack: "less the slack that it had",
 };
