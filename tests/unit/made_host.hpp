@@ -88,7 +88,7 @@ class Host final : public cmrc::HostServices {
     load(task, tick.deadline);
     return loaded.size();
   }
-  void drop_tick(const cmrc::Task&, const cmrc::NominalTick& tick, std::size_t) override {
+  void drop_tick(const cmrc::Task&, const cmrc::NominalTick& tick, std::size_t, report::Wait) override {
     told.push_back(fmt::format("drop {}", tick.number));
   }
   void write(Word offset, std::span<const Word> values) override {
