@@ -155,7 +155,7 @@ struct Pair {
 
   /// Neither address sees the other's update; of two updates of one register J's stays. If this is false, the registers
   /// are as before.
-  bool meet(Core& core, const Op& op) {
+  [[gnu::always_inline]] bool meet(Core& core, const Op& op) {
     j.form(core, op);
     i.form(core, op);
     i.update(core, op);
