@@ -3,7 +3,7 @@ SHELL := /bin/bash
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 
-.PHONY: demo test build configured setup clean page golden lint vectors arithmetic oracles bench costs results coverage mutants fuzz fuzz-quick build-fuzz build-fuzz-quick trust docs docs-test check tidy wheels
+.PHONY: demo test build configured setup clean page golden lint vectors arithmetic oracles bench costs results coverage mutants fuzz fuzz-quick build-fuzz build-fuzz-quick build-clang clang trust docs docs-test check tidy wheels
 
 # Without what only tests and developers need: a seventh of the compilation.
 demo: configured
@@ -64,11 +64,15 @@ fuzz: build-fuzz
 	scripts/fuzz $(T)
 fuzz-quick: build-fuzz build-fuzz-quick
 	scripts/fuzz --quick $(T)
-build-fuzz build-fuzz-quick:
+build-clang build-fuzz build-fuzz-quick:
 	@scripts/setup fuzz
 	@cmake --preset $(@:build-%=%) -DPython_EXECUTABLE=$(CURDIR)/$(PYTHON) > build-configure.log 2>&1 || (cat build-configure.log; exit 1)
 	@rm -f build-configure.log
 	cmake --build --preset $(@:build-%=%)
+
+# The suite with a build by Debian's clang, each source by itself: the golden files come from GCC (docs/trust.md).
+clang: build-clang
+	CMRC_BUILD_DIR=$(CURDIR)/build-clang $(PYTHON) -m pytest -q -n auto --dist worksteal tests
 
 # The suite under the address and undefined-behaviour sanitizers, threads under the thread sanitizer (docs/fuzzing.md).
 trust: setup

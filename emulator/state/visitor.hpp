@@ -297,7 +297,7 @@ class Visitor {
     bytes(&index, sizeof index);
     if (loads() && index >= sizeof...(T)) refuse("an alternative that does not exist");
     if (loads() && index != v.index()) emplace(v, index, std::index_sequence_for<T...>());
-    std::visit([this](auto& alternative) { value(alternative); }, v);
+    std::visit([&](auto& alternative) { value(alternative); }, v);
   }
   template <class V, std::size_t... I>
   static void emplace(V& v, std::size_t index, std::index_sequence<I...>) {

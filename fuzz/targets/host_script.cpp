@@ -15,7 +15,7 @@ using machine::BoardDevices;
 using machine::HostStep;
 
 constexpr std::size_t most = 8192;
-constexpr c40::Address places = 4, words_each = 0x10;
+constexpr c40::Address words_each = 0x10;
 
 std::vector<machine::DeviceDescription> described(const std::vector<HostStep>& steps, fuzz::Input& input) {
   std::vector<machine::DeviceDescription> all;

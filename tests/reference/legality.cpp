@@ -22,7 +22,8 @@ bool is_condition(u32 code) { return code < 21 && code != 11; }
 bool is_short_indirect(u32 byte) { return byte < 26u << 3; }
 bool is_long_indirect(u32 half) { return half < 8u << 11 || (half < 26u << 11 && (half & 0xFF) == 0); }
 
-constexpr u32 register_mode = 1, direct_mode = 2, indirect_mode = 4, immediate_mode = 8;
+// Bit G of a set: the mode of that G. 0 is a register, 3 an immediate.
+constexpr u32 direct_mode = 2, indirect_mode = 4;
 constexpr u32 memory_modes = direct_mode | indirect_mode;
 constexpr u32 all_modes = 15;
 

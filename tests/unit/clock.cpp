@@ -26,7 +26,8 @@ TEST_CASE("ticks stand at the floor of their exact instant") {
   constexpr std::pair<std::int64_t, std::int64_t> frequencies[] = {
       {20'000'000, 1}, {25'000'000, 1}, {30'000'000, 1}, {100'000'000, 3},    {33'333'333, 1},
       {8'000, 1},      {1, 1},          {7, 3},          {999'999'999'999, 1}};
-  for (const auto& [num, den] : frequencies) {
+  for (const auto& frequency : frequencies) {
+    const std::int64_t num = frequency.first, den = frequency.second;
     CAPTURE(num);
     CAPTURE(den);
     std::mt19937_64 draw(static_cast<std::uint64_t>(num));

@@ -8,6 +8,7 @@
 
 #include "c40/chip/chip.hpp"
 #include "cmrc/configuration/dock_job.hpp"
+#include "cmrc/programs/straight_ways.hpp"
 #include "cmrc/run/ideal_run.hpp"
 #include "cmrc/run/job_causes.hpp"
 #include "cmrc/run/setup.hpp"

@@ -13,7 +13,7 @@ namespace {
 
 using Kind = NetworkEvent::Kind;
 
-constexpr std::array kinds{
+constexpr std::array happening_kinds{
     std::pair{Kind::lost, "a word is lost on a link that is cut"},
     std::pair{Kind::dead, "a link can never move a word again"},
     std::pair{Kind::cut, "an action cuts a link"},
@@ -165,7 +165,7 @@ void NetworkDebuggee::watch_shared(SharedListener* listener, std::vector<c40::Ad
 std::vector<std::pair<std::string, std::string>> NetworkDebuggee::happenings() const {
   std::vector<std::pair<std::string, std::string>> all{{"fault", "a chip cannot continue"},
                                                        {"end", "a chip's program has ended, or waits forever"}};
-  for (const auto& [kind, what] : kinds) all.emplace_back(std::string(machine::name(kind)), what);
+  for (const auto& [kind, what] : happening_kinds) all.emplace_back(std::string(machine::name(kind)), what);
   return all;
 }
 

@@ -14,7 +14,7 @@ namespace toolchain {
 namespace {
 
 constexpr std::size_t deepest_include = 64;
-constexpr std::size_t lines_between_looks = 4096;  // whether the assembly is to be stopped
+constexpr std::int64_t lines_between_looks = 4096;  // whether the assembly is to be stopped
 constexpr std::size_t longest_line = 1 << 16;
 constexpr std::int64_t most_lines = 1'000'000;  // Only macros that call themselves have more.
 

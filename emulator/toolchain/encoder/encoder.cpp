@@ -365,7 +365,7 @@ Word encode_ldp(const HalfSyntax& half, const EncodeContext& context) {
         half.offset,
         is_ti ? "'ldp' takes an address, and DP, AR0 to AR7 or nothing after it"
               : "'ldp' takes an address or a page, and DP or nothing after it (AR0 to AR7 with --dialect ti)"};
-  const Word ldiu = ldiu_immediate | isa::code(reg) << 16;
+  const Word ldiu = ldiu_immediate | Word{isa::code(reg)} << 16;
   const Candidate ldpk = candidates("ldpk", isa::Cpu::c40).front();
   try {
     const OperandEncoder encoder(ldpk, half, nullptr, context);

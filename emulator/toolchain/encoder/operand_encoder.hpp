@@ -48,7 +48,7 @@ class OperandEncoder {
 
   [[noreturn]] void miss(Mismatch::Rank rank, std::size_t offset, std::string message) const;
 
-  const HalfSyntax& half() const { return *halves_[half_]; }
+  const HalfSyntax& half() const { return *halves_[static_cast<std::size_t>(half_)]; }
   const std::vector<OperandSyntax>& operands() const { return half().operands; }
   const OperandSyntax& operand(std::size_t i) const { return operands()[i]; }
   void need(std::size_t count) const;  ///< Exactly this number of operands.

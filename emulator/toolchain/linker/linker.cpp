@@ -12,6 +12,7 @@
 #include "toolchain/linker/placement.hpp"
 #include "toolchain/objects/archive.hpp"
 #include "toolchain/objects/coff.hpp"
+#include "toolchain/objects/section_places.hpp"
 
 namespace toolchain {
 namespace {

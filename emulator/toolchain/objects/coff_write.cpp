@@ -274,12 +274,12 @@ Object executable_of(const Image& image) {
       continue;
     }
     numbers.push_back(out.sections.size());
-    ObjectSection& copy = out.sections.emplace_back();
-    copy.name = section.name;
-    copy.address = section.address;
-    copy.size = section.size;
-    copy.words = section.words;
-    copy.loaded = section.loaded;
+    ObjectSection& written = out.sections.emplace_back();
+    written.name = section.name;
+    written.address = section.address;
+    written.size = section.size;
+    written.words = section.words;
+    written.loaded = section.loaded;
     // A section's header has room for eight characters; the whole name is that of the section's symbol, as in objects.
     if (section.name.size() > 8)
       out.symbols.push_back({.name = section.name,
