@@ -1,7 +1,9 @@
 #pragma once
 // The known word that a user most likely meant.
 #include <algorithm>
+#include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <iterator>
 #include <numeric>
 #include <string>
@@ -11,9 +13,20 @@
 
 namespace io {
 
+/// A bit for each letter of the word; two letters may share one.
+inline std::uint64_t letters(std::string_view word) {
+  std::uint64_t found = 0;
+  for (const char letter : word) found |= std::uint64_t{1} << (static_cast<unsigned char>(letter) & 63);
+  return found;
+}
+
 /// Number of letters to change, add, leave out, or exchange with the next one; `most + 1` if it is more than `most`.
 inline std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t most) {
   if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) > most) return most + 1;
+  // Each letter that only one of the words has is a change. Most words differ by more of these than is asked for.
+  const std::uint64_t in_a = letters(a), in_b = letters(b);
+  const int only_in_one = std::max(std::popcount(in_a & ~in_b), std::popcount(in_b & ~in_a));
+  if (static_cast<std::size_t>(only_in_one) > most) return most + 1;
   std::vector<std::size_t> before_last(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 1, least_before = 0; i <= a.size(); ++i) {

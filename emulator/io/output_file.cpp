@@ -36,6 +36,15 @@ fs::path behind_links(fs::path path) {
   return path;
 }
 
+/// Standard output or error, if the shell has led it into this file. -1: neither.
+int stream_into(const struct ::stat& file) {
+  for (const int stream : {STDOUT_FILENO, STDERR_FILENO})
+    if (struct ::stat other{};
+        ::fstat(stream, &other) == 0 && other.st_dev == file.st_dev && other.st_ino == file.st_ino)
+      return stream;
+  return -1;
+}
+
 constexpr ::mode_t everybody = 0666;  // less the umask
 
 std::vector<std::string> lost;
@@ -108,9 +117,11 @@ OutputFile::OutputFile(const std::string& path) : given_(path), target_(path), s
   if (!there && errno != ENOENT) fail(std::strerror(errno));
   if (there && S_ISDIR(found.st_mode))
     throw CannotOpen(fmt::format("{}: is a directory; a file's name is expected", path));
-  direct_ = there && !S_ISREG(found.st_mode);
+  const int stream = there && S_ISREG(found.st_mode) ? stream_into(found) : -1;
+  direct_ = there && (!S_ISREG(found.st_mode) || stream >= 0);
   if (direct_) {
-    const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY);
+    const int descriptor = stream < 0 ? ::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY)
+                                      : ::fcntl(stream, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
     if (descriptor < 0) fail(std::strerror(errno));
     buffer_ = std::make_unique<Buffer>(descriptor);
   } else {

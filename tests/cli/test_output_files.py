@@ -449,6 +449,20 @@ def test_an_output_file_never_gets_what_is_printed(folder: Path) -> None:
     assert "stop:" not in (folder / "t").read_text()
 
 
+@pytest.mark.parametrize("output", ["out", "/dev/stdout", "to_out"])
+@pytest.mark.parametrize("mode", ["w", "a"])
+def test_a_file_with_what_is_printed_gets_an_output_too(folder: Path, output: str, mode: str) -> None:
+    """As a terminal or a pipe would. Replaced, it would lose one of them."""
+    (folder / "to_out").symlink_to("out")
+    (folder / "out").write_text("before\n")
+    with (folder / "out").open(mode) as out:
+        ended = subprocess.run([EMULATOR, *SHORT, "--report", output], check=False, cwd=folder, stdout=out, timeout=60)
+    text = (folder / "out").read_text()
+    assert ended.returncode == 0
+    assert text.startswith("before\n") == (mode == "a")
+    assert '"schema_version"' in text and "\nhash " in text and not list(folder.glob("*.part"))
+
+
 # ---- long names
 
 

@@ -1,6 +1,7 @@
 """The debugger over networks and the dock: one instant for all chips, what it shows, and that looking changes
 nothing."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -266,3 +267,33 @@ waits:  cmpi 0,r0
     debugger.set_register("R0", 1)
     stopped = debugger.go()
     assert stopped.reason == "over" and "branches to itself" in stopped.text  # past the place behind the call
+
+
+def test_the_pc_of_a_docks_dsp_is_set_between_its_instructions() -> None:
+    """An idle DSP continues at its new place, looks for work, and rests again. In an access it cannot leave."""
+    debugger = dock(0.03, 2, **{"machine.slots": 3}).debug()
+    with pytest.raises(DebugError, match="the PC of DSP 2 cannot be set: no board is in the slot"):
+        debugger.set_register("pc", "pc", chip=2)
+    seen = set()
+    for n in range(60):
+        debugger.go_to(0.015 + n * 131e-6)
+        for chip in (0, 1):
+            idle = re.search(rf"^DSP {chip}: idle", debugger.page("dsps"), re.MULTILINE) is not None
+            before = debugger.value("instructions", chip=chip)
+            try:
+                debugger.set_register("pc", "pc", chip=chip)
+            except DebugError as error:
+                assert str(error).endswith("waits for a bus or a link; its instruction has to end first (stepi)")
+                assert not idle
+                seen.add("in an access")
+                continue
+            if idle:
+                debugger.step("instruction", chip=chip)
+                assert debugger.value("instructions", chip=chip) == before + 1
+                seen.add("idle")
+    assert seen == {"in an access", "idle"}
+    assert debugger.go().reason == "over"
+    changed = debugger._core.state()
+    debugger.go_to(0.015)
+    debugger.go()
+    assert debugger._core.state() == changed

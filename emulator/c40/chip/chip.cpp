@@ -196,7 +196,7 @@ bool Chip::timer_drives_dma(int timer) const {
   return engine_->peripherals().timer_drives_dma(static_cast<std::size_t>(timer));
 }
 void Chip::hold(bool held) { engine_->hold(held); }
-void Chip::stand_until(Cycles cycle) { engine_->stand_until(cycle); }
+void Chip::stand_until(Cycles cycle, Cause cause) { engine_->stand_until(cycle, cause); }
 void Chip::let_peripherals_reach(Cycles cycle) { engine_->peripherals().advance_to(cycle); }
 bool Chip::halted() const { return engine_->state().held || engine_->state().faulted; }
 

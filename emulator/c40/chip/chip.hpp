@@ -252,7 +252,7 @@ class Chip {
   bool dormant() const;
   void hold(bool held);
   /// Time passes without execution; timers still change their pins.
-  void stand_until(Cycles cycle);
+  void stand_until(Cycles cycle, Cause cause = Cause::halted);
   /// The same for a chip that waits for an access: the chip's own time does not advance.
   void let_peripherals_reach(Cycles cycle);
   /// Held in reset, or stopped by a fault.

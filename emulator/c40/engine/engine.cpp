@@ -176,9 +176,9 @@ void Engine::watch_pins(PinListener* listener, unsigned outputs, unsigned inputs
   peripherals_.pins_changed();
 }
 
-void Engine::stand_until(Cycles cycle) {
+void Engine::stand_until(Cycles cycle, Cause cause) {
   touch();
-  pass(Cause::halted, cycle);
+  pass(cause, cycle);
   if (pins_.watched() && !state_.held) peripherals_.advance_to(state_.cycle);
 }
 

@@ -53,7 +53,7 @@ class Engine {
   void complete(bool write, Word value, Cycles arbitration, Cycles transfer);
   void watch_pins(PinListener* listener, unsigned outputs, unsigned inputs);
   void hold(bool held);
-  void stand_until(Cycles cycle);
+  void stand_until(Cycles cycle, Cause cause);
   bool waits_in_idle() const { return state_.core.idle && may_interrupt() && interrupts::pending(state_) == 0; }
   void settle_counts();
   /// While a window's listener is asked: brings the state up to the access.

@@ -117,6 +117,18 @@ void DockDebuggee::set_trace(std::size_t n, c40::TraceSink* sink) {
   chip.set_trace(sink);
 }
 
+void DockDebuggee::changed_by_hand(std::optional<std::size_t> /*moved*/) { simulation_.machine().look_again(); }
+
+std::optional<std::string> DockDebuggee::holds_pc(std::size_t n) {
+  const auto slot = static_cast<unsigned>(n);
+  const machine::Machine& machine = simulation_.machine();
+  if (!machine.plugged(slot)) return "no board is in the slot";
+  if (machine.standing(slot)) return "the DSP stands still, and only a reset ends that";
+  if (machine.in_reset(slot)) return "the DSP is held in reset";
+  if (machine.in_access(slot)) return "the DSP waits for a bus or a link; its instruction has to end first (stepi)";
+  return std::nullopt;
+}
+
 Time DockDebuggee::now() const { return simulation_.time(); }
 
 std::optional<std::string> DockDebuggee::over() const {

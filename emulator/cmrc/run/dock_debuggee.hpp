@@ -26,6 +26,8 @@ class DockDebuggee final : public machine::debug::Debuggee, private report::Even
   machine::Time time_of(std::size_t n, c40::Cycles cycle) const override;
   std::string describe(std::size_t n) override;
   void set_trace(std::size_t n, c40::TraceSink* sink) override;
+  void changed_by_hand(std::optional<std::size_t> moved) override;
+  std::optional<std::string> holds_pc(std::size_t n) override;
   machine::Time now() const override;
   std::optional<std::string> over() const override;
   void run_until(machine::Time time) override;

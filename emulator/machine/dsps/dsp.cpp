@@ -241,6 +241,15 @@ void Dsp::hang(Time now) {
   set_next();
 }
 
+void Dsp::look_again(Time now) {
+  if (state_ != State::idle) return;
+  chip_.stand_until(clock_.tick_at_or_after(now), c40::Cause::idle);
+  if (chip_.dormant()) return;
+  state_ = State::running;
+  own_next_ = clock_.at(chip_.cycle());
+  set_next();
+}
+
 void Dsp::settle(Time now) {
   switch (state_) {
     case State::out:

@@ -74,6 +74,8 @@ class Dsp final : public Scheduler::Processor,
   void fail(Time now);
   void freeze(Time now);
   void hang(Time now);
+  /// Its registers were changed: it may not be idle any more.
+  void look_again(Time now);
   void unplug(Time now);
   /// Attaches a link to one of its ports, and the actor of the link.
   void attach(int port, c40::Link& link, int side, Scheduler::Actor& wire);
@@ -100,6 +102,9 @@ class Dsp final : public Scheduler::Processor,
   bool booted() const { return plugged() && answered_; }
   bool standing() const { return state_ == State::dead; }
   bool in_reset() const { return state_ == State::booting; }
+  bool in_access() const {
+    return state_ == State::access || state_ == State::port || state_ == State::blocked || state_ == State::resuming;
+  }
   c40::Chip& chip() { return chip_; }
   const c40::Chip& chip() const { return chip_; }
   const SlotStatistics& statistics() const { return statistics_; }
@@ -213,9 +218,6 @@ class Dsp final : public Scheduler::Processor,
   /// The first instant at which a net may change a pin of the board.
   Time nets_reach() const;
   Time next_of_links_and_pins() const;
-  bool in_access() const {
-    return state_ == State::access || state_ == State::port || state_ == State::blocked || state_ == State::resuming;
-  }
   /// While the processor is before or in an access, a DMA that moves words over a link to another slot continues.
   bool dma_goes_on() const {
     return wires_.size() > 1 && in_access() && !dma_waits_ && chip_.dma_busy() && chip_.watches_ports();

@@ -360,6 +360,10 @@ bool Machine::plugged(unsigned slot) const { return parts_->dsps.at(slot).plugge
 bool Machine::booted(unsigned slot) const { return parts_->dsps.at(slot).booted(); }
 bool Machine::standing(unsigned slot) const { return parts_->dsps.at(slot).standing(); }
 bool Machine::in_reset(unsigned slot) const { return parts_->dsps.at(slot).in_reset(); }
+bool Machine::in_access(unsigned slot) const { return parts_->dsps.at(slot).in_access(); }
+void Machine::look_again() {
+  for (Dsp& dsp : parts_->dsps) dsp.look_again(parts_->time);
+}
 c40::Chip& Machine::chip(unsigned slot) { return parts_->dsps.at(slot).chip(); }
 const c40::Chip& Machine::chip(unsigned slot) const { return parts_->dsps.at(slot).chip(); }
 Spent Machine::spent(unsigned slot) const { return parts_->dsps.at(slot).spent(parts_->time); }

@@ -240,6 +240,10 @@ class Machine {
   bool booted(unsigned slot) const;    ///< a board is in the slot, and its program has run since its last reset
   bool standing(unsigned slot) const;  ///< halted by a fault, Action::fail or Action::hang
   bool in_reset(unsigned slot) const;  ///< RESET is low
+  /// Its processor waits for a bus or a link, or will at once: the instruction under way cannot be taken back.
+  bool in_access(unsigned slot) const;
+  /// To be called after registers or words of chips were changed between two runs: one may not be idle any more.
+  void look_again();
   c40::Chip& chip(unsigned slot);
   const c40::Chip& chip(unsigned slot) const;
   Spent spent(unsigned slot) const;  ///< up to time()
