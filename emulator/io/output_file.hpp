@@ -22,8 +22,8 @@ class CannotOpen : public std::runtime_error {
 ///
 /// If the file system allows it, the file beside the target has no name until commit, so that nothing is left even if
 /// the program is killed. A link stays a link: the file to which the link leads is replaced. An existing file's mode is
-/// kept. A target that is not a regular file (a terminal, a pipe, a device) is written directly. So is a file into which
-/// the shell has led standard output or error: what is printed there would be lost with the old file.
+/// kept. A target that is not a regular file (a terminal, a pipe, a device) is written directly. So is a file into
+/// which the shell has led standard output or error: what is printed there would be lost with the old file.
 class OutputFile {
  public:
   /// \throws CannotOpen if the target cannot be written, before anything else happens
