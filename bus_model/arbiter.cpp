@@ -15,7 +15,7 @@ unsigned first_after(std::uint64_t mask, unsigned last) {
 }  // namespace
 
 void Arbiter::add_master(bool first_level) {
-  const bool first = config_.arbitration == Arbitration::host_fair ? masters_ == 0 : first_level;
+  const bool first = config_.arbitration == Arbitration::host_fair ? config_.host_bridge && masters_ == 0 : first_level;
   first_level_ |= std::uint32_t{first} << masters_;
   masters_ += 1;
 }

@@ -1,6 +1,5 @@
 #pragma once
-// Which master gets the bus next (plant-and-bus.md 3.1, 3.6). The numbers of the masters are those of their bus. If the
-// bus has a host bridge, the bridge is master 0.
+// Which master gets the bus next (plant-and-bus.md 3.1, 3.6). The numbers of the masters are those of their bus.
 #include <cstdint>
 
 #include "bus_model/config.hpp"
@@ -34,7 +33,8 @@ class Arbiter {
   /// The master that has GNT# while no master requests the bus; `nobody` if there is none.
   unsigned parked() const {
     if (masters_ == 0 || config_.parking == Parking::none) return nobody;
-    return config_.parking == Parking::first ? 0 : last_owner_;
+    if (config_.parking == Parking::last_owner) return last_owner_;
+    return config_.host_bridge ? 0 : nobody;
   }
   /// Before this clock the last owner keeps GNT#, even if another master requests the bus (the multi-transaction
   /// timer).

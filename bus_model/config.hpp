@@ -46,6 +46,7 @@ struct BusConfig {
   Clocks multi_transaction_timer =
       0;  ///< MTT of the 430TX: for so many clocks an owner that requests the bus again comes first; 0: none
   unsigned line_words = 8;  ///< words of a cache line, a power of two
+  bool host_bridge = true;  ///< master 0 is the host bridge; without one host_fair and Parking::first favour nobody
 };
 
 struct MasterConfig {

@@ -42,7 +42,7 @@ enum class EventKind : std::uint16_t {
   remove = 6,   ///< host: block offset, kind, generation
   requeue = 7,  ///< host: block offset, kind, generation, old owner's slot, recomputations so far (watchdog)
   bus_transaction =
-      8,               ///< bus: master, word address, words, 1 write | 2 interlocked | 4 prefetch, clocks to first data
+      8,  ///< bus: master, word address, words, 1 write | 2 interlocked | 4 prefetch, clocks from REQ# to FRAME#
   semaphore = 9,       ///< bus: number, 1 acquired | 0 released | 2 taken by the host from this owner, owner (master)
   latch = 10,          ///< plant: torque codes of joints 0 to 4, two's complement
   interrupt = 11,      ///< dsp: IIOF pin
@@ -52,14 +52,14 @@ enum class EventKind : std::uint16_t {
   reset = 15,          ///< dsp: 1 booted | 0 held
   fence = 16,          ///< host: mask of slots that may write
   dropped_write = 17,  ///< dsp: bus, address, value (a fenced slot's write)
-  process = 18,        ///< host: process 1 to 8, 1 started | 0 ended, robot (0 crane, n AGV n - 1)
-  miss = 19,           ///< host: kind, tick, class (report::Outcome), block offset
-  landed = 20,         ///< plant: container, place
-  locked = 21,         ///< plant: container (twist locks closed)
-  opened = 22,         ///< plant: container (twist locks open)
-  delivered = 23,      ///< plant: container
-  starved = 24,        ///< host: robot (0 crane, n AGV n - 1), point: the interpolation buffer ran dry
-  scripted = 25,       ///< host: action (machine::Action), number of what it acts on, amount low and high word
+  process = 18,    ///< host: process 1 to 8, 1 started | 0 ended, robot (0 crane, n AGV n - 1; of process 4 its AGV)
+  miss = 19,       ///< host: kind, tick, class (report::Outcome), block offset
+  landed = 20,     ///< plant: container, place
+  locked = 21,     ///< plant: container (twist locks closed)
+  opened = 22,     ///< plant: container (twist locks open)
+  delivered = 23,  ///< plant: container
+  starved = 24,    ///< host: 0 (the crane), point: a PID block found the interpolation buffer empty
+  scripted = 25,   ///< host: action (machine::Action), number of what it acts on, amount low and high word
   set = 27,   ///< host: number of the key in the schema, its new value (integer or bits of a double) low and high word
   push = 26,  ///< plant: AGV, speed, front, rear (a set-point enters the AGV's FIFO)
   link_lost = 29,  ///< dsp: word lost on the link, 1 to the DSP | 0 from it, bytes of it that had crossed

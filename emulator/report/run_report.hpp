@@ -91,7 +91,7 @@ struct MasterReport {
   std::uint64_t transactions = 0;
   std::uint64_t words_read = 0;
   std::uint64_t words_written = 0;
-  Summary wait;  ///< bus clocks from request to the first data phase
+  Summary wait;  ///< bus clocks from the request to the first FRAME#
   std::uint64_t retries = 0;
   std::uint64_t disconnects = 0;
 };

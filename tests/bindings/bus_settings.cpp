@@ -44,7 +44,8 @@ void bind_bus_settings(py::module_& m) {
       .def_readwrite("grant_clocks", &BusConfig::grant_clocks)
       .def_readwrite("fast_back_to_back", &BusConfig::fast_back_to_back)
       .def_readwrite("multi_transaction_timer", &BusConfig::multi_transaction_timer)
-      .def_readwrite("line_words", &BusConfig::line_words);
+      .def_readwrite("line_words", &BusConfig::line_words)
+      .def_readwrite("host_bridge", &BusConfig::host_bridge);
   py::class_<MasterConfig>(m, "MasterConfig")
       .def(py::init<>())
       .def_readwrite("name", &MasterConfig::name)

@@ -35,6 +35,7 @@ class Board:
     max_burst: list[int]
     targets: list[Timing]
     off: int = 2
+    host_bridge: bool = True  # master 0 is the host
 
 
 @dataclass
@@ -66,7 +67,8 @@ class Bus:
 
     def __post_init__(self) -> None:
         count = len(self.masters)
-        level = [m == 0 for m in range(count)] if self.board.rule == "host_fair" else self.board.first_level
+        host = 0 if self.board.host_bridge else None
+        level = [m == host for m in range(count)] if self.board.rule == "host_fair" else self.board.first_level
         high = [m for m in range(count) if level[m]]
         low = [m for m in range(count) if not level[m]]
         self.ring = [*high, -1]
@@ -123,7 +125,11 @@ class Bus:
             if stay is None and frame_at is None:
                 asking = self.asking(clock)
                 if asking:
-                    held = {"none": None, "last_owner": self.owner, "first": 0}[self.board.parking]
+                    held = {
+                        "none": None,
+                        "last_owner": self.owner,
+                        "first": 0 if self.board.host_bridge else None,
+                    }[self.board.parking]
                     just = [m for m in asking if self.masters[m].asks == min(self.masters[a].asks or 0 for a in asking)]
                     if held in just:
                         frame_at = (max(clock, free), held or 0)

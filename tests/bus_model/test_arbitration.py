@@ -24,6 +24,7 @@ def event_driven(board: Board, jobs: list[list[Job]], clocks: int) -> tuple[pci.
     config.parking = getattr(pci.Parking, board.parking)
     config.grant_clocks = board.grant
     config.multi_transaction_timer = board.keep
+    config.host_bridge = board.host_bridge
     bus = pci.Bus(config)
     for timer, first, burst in zip(board.timer, board.first_level, board.max_burst, strict=True):
         master = pci.MasterConfig()
@@ -67,6 +68,7 @@ def test_random_traffic_as_on_a_bus_that_steps_clock_by_clock(rule: str, seed: i
         [draw.random() < 0.4 for _ in range(masters)],
         [draw.choice([0, 0, 6]) for _ in range(masters)],
         TARGETS,
+        host_bridge=draw.random() < 0.6,
     )
     busy = draw.choice([3, 30, 200])  # gaps, from a crowded bus to a mostly idle one
     jobs = [
@@ -110,6 +112,7 @@ def test_which_master_is_served_when_all_ask() -> None:
     # A master that has just ended asks one clock later: the fixed order falls to the next one in between.
     assert set(crowd(pci.Arbitration.fixed, plain, 9)) == {0, 1}
     assert crowd(pci.Arbitration.host_fair, plain, 9) == [0, 1, 0, 2, 0, 3, 0, 1, 0]
+    assert crowd(pci.Arbitration.host_fair, plain, 9, host_bridge=False) == [0, 1, 2, 3, 0, 1, 2, 3, 0]
     assert crowd(pci.Arbitration.two_level, [True, True, False, False], 9) == [0, 1, 2, 0, 1, 3, 0, 1, 2]
 
 

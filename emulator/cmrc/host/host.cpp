@@ -309,15 +309,19 @@ void Host::semaphore_read(Word taken) {
 }
 
 // With a constant pause the host could stay in step with polling DSPs, and never find the list free. So it varies in 16
-// steps of a quarter of the key's value, or of a bus clock if this is longer: accesses begin at bus clocks. In an ideal
-// run no access takes time: without a pause the host would ask at one instant without an end.
+// steps of a quarter of the key's value, or of a bus clock if this is longer: accesses begin at bus clocks. Pauses that
+// vary by less than a turn of all DSPs can stay in step with them on a bus that is full, so the steps grow with the
+// time waited. In an ideal run no access takes time: without a pause the host would ask at one instant without an end.
 void Host::try_again() {
-  constexpr double shortest_ns = 1;
+  constexpr double shortest_ns = 1, of_waited = 1.0 / 128;
   dither_ ^= dither_ << 13, dither_ ^= dither_ >> 17, dither_ ^= dither_ << 5;
   step_ = Step::retry;
   const double clock_ns = config_.run.ideal ? 0 : 1e9 / config_.bus.clock_hz;
-  const double pause_ns = config_.host.semaphore_retry_ns, steps = dither_ % 16;
-  const double varied_ns = std::max(pause_ns * (1 + steps / 4.0), pause_ns + steps * clock_ns);
+  const double pause_ns = config_.host.semaphore_retry_ns;
+  const double waited_ns = static_cast<double>((now_ - refused_since_).count()) / 1000;
+  const double step_ns =
+      std::clamp(waited_ns * of_waited, std::max(pause_ns / 4, clock_ns), std::max(pause_ns / 2, 4 * clock_ns));
+  const double varied_ns = pause_ns + (dither_ % 16) * step_ns;
   wake_at_ = now_ + nanoseconds(std::max(shortest_ns, varied_ns));
 }
 
@@ -407,9 +411,14 @@ void Host::add_wind(report::WindReport& wind) const {
   wind.waits = wind_.waits;
 }
 
-report::HostReport Host::report() const {
+report::HostReport Host::report(Time end) const {
   report::HostReport all = counts_;
-  all.refresh_duration = durations_.summary();
+  report::Distribution durations = durations_;
+  if (counts_.refreshes > 0) {
+    if (refresh_at_ <= clock_.at(tick_)) durations.add((end - clock_.at(tick_)).count());
+    all.skipped_refreshes += static_cast<std::uint64_t>(clock_.tick_at_or_before(end - Time{1}) - tick_);
+  }
+  all.refresh_duration = durations.summary();
   all.list_length = lengths_.summary();
   return all;
 }

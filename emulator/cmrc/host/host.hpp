@@ -85,8 +85,9 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   void boot_requested(Time now) override;
   void read_done(std::uint32_t tag, std::span<const machine::Word> words, Time now, machine::HostPort& port) override;
 
-  /// The host's counts; the observer adds the times of the semaphore.
-  report::HostReport report() const;
+  /// The host's counts up to `end`, with the refresh that is under way then, and the ticks before then that have none.
+  /// The observer adds the times of the semaphore.
+  report::HostReport report(Time end) const;
   /// Adds the waits for less wind.
   void add_wind(report::WindReport& wind) const;
   const ContainerCycles& cycles() const { return cycles_; }

@@ -227,7 +227,7 @@ report::RunReport make_report(ReportInputs e) {
   }
   report.control_cost = {report.errors ? std::optional(report.errors->error_m2s) : std::nullopt,
                          e.observer.drive_effort(), e.config.report.control_cost_rho_m2};
-  report.host = e.host.report();
+  report.host = e.host.report(now);
   report.wind = {.limit_m_s = e.config.dock.wind_limit_m_s,
                  .watched = e.observer.wind().watched(),
                  .above = e.observer.wind().above()};

@@ -166,6 +166,7 @@ Machine::Parts::Parts(Config given, const toolchain::Image& image, plant::Dock* 
   for (const std::string& name : config.topology.buses) {
     pci::BusConfig bus = config.bus;
     bus.name = name;
+    bus.host_bridge = std::ranges::find(config.topology.host, buses.size()) != config.topology.host.end();
     buses.emplace_back(bus);
   }
   build_targets();
