@@ -11,6 +11,7 @@ from locations import ROOT
 
 
 def script(name: str) -> ModuleType:
+    sys.path.append(str(ROOT / "scripts"))  # it may import what stands beside it
     loader = importlib.machinery.SourceFileLoader(name, str(ROOT / "scripts" / name))
     spec = importlib.util.spec_from_loader(name, loader)
     assert spec is not None

@@ -13,6 +13,7 @@ from locations import ROOT
 from script_modules import script
 
 mutants, coverage, tidy = script("mutants"), script("coverage"), script("tidy")
+languages = sys.modules["mutant_languages"]
 
 
 @pytest.mark.parametrize(("line", "expected"), [
@@ -28,26 +29,54 @@ mutants, coverage, tidy = script("mutants"), script("coverage"), script("tidy")
     ("  create(path, 0666);", {"  ;"}),
 ])  # fmt: skip
 def test_a_line_is_changed_where_it_is_code(line: str, expected: set[str]) -> None:
-    assert set(mutants.changes(line)) == expected
+    assert set(languages.changes_of_line(line)) == expected
 
 
-def test_mutants_are_those_of_the_seed_and_of_every_room() -> None:
-    one = [next(mutants.drawn(7, number)) for number in range(300)]
-    assert one == [next(mutants.drawn(7, number)) for number in range(300)]
-    assert one != [next(mutants.drawn(8, number)) for number in range(300)]
-    first, second = itertools.islice(mutants.drawn(7, 0), 2)
+@pytest.mark.parametrize(("text", "expected"), [
+    ("if a < limit and not late:\n    stop()\n", {
+        1: {"if a <= limit and not late:", "if a >= limit and not late:", "if a < limit or not late:", "if a < limit and  late:"},
+        2: {"    pass"},
+    }),
+    ("def f(*rest, key=8):\n    return min(rest) * 0.5  # 3 < 4\n", {
+        1: {"def f(*rest, key=9):", "def f(*rest, key=7):"},
+        2: {"    return max(rest) * 0.5  # 3 < 4", "    return min(rest) / 0.5  # 3 < 4", "    return min(rest) * 0.505  # 3 < 4",
+            "    return min(rest) * -0.5  # 3 < 4"},
+    }),
+    ('"""Text, 3 < 4."""\nx: int | None = None\n', {}),
+])  # fmt: skip
+def test_a_line_of_python_is_changed_where_it_stays_python(text: str, expected: dict[int, set[str]]) -> None:
+    found = {}
+    for number, ways in languages.changes_of_python(text).items():
+        lines = text.split("\n")
+        others = {way: "\n".join([*lines[: number - 1], way, *lines[number:]]) for way in ways}
+        if python := {way for way, other in others.items() if languages.is_other_python(text, other)}:
+            found[number] = python
+    assert found == expected
+
+
+@pytest.mark.parametrize("language", languages.LANGUAGES.values(), ids=languages.LANGUAGES)
+def test_mutants_are_those_of_the_seed_and_of_every_room(language: Any) -> None:
+    one = [next(mutants.drawn(language, 7, number)) for number in range(400)]
+    assert one == [next(mutants.drawn(language, 7, number)) for number in range(400)]
+    assert one != [next(mutants.drawn(language, 8, number)) for number in range(400)]
+    first, second = itertools.islice(mutants.drawn(language, 7, 0), 2)
     assert first == one[0] and second != one[1]  # another in the place of one that is no mutant moves no other number
-    rooms = {next(room for room in mutants.ROOMS if file.startswith(room)) for file, *_ in one}
-    assert rooms == set(mutants.ROOMS)
+    assert {language.room_of(file) for file, *_ in one} == set(language.rooms)
 
 
-def test_every_room_has_tests_that_are_put_first() -> None:
-    assert [place for place in mutants.AIMED if place in mutants.ROOMS] == mutants.ROOMS
-    for room in mutants.ROOMS:  # a folder of a room stands before the room
-        assert mutants.aimed_at(f"{room}/some.cpp") == mutants.AIMED[room]
-    assert mutants.aimed_at("emulator/cmrc/timelines/some.cpp") != mutants.AIMED["emulator/cmrc"]
-    folders = {folder for aimed in mutants.AIMED.values() for folder in aimed} | set(mutants.LAST)
-    assert all((ROOT / "tests" / folder).is_dir() for folder in folders)
+@pytest.mark.parametrize("language", languages.LANGUAGES.values(), ids=languages.LANGUAGES)
+def test_every_room_has_tests_that_are_put_first(language: Any) -> None:
+    for place, aimed in language.aimed.items():  # a folder of a room stands before the room
+        assert language.aimed_at(f"{place}/some.file") == aimed and any((ROOT / place).glob("*"))
+        assert all((ROOT / "tests" / folder).is_dir() for folder in [*aimed, *mutants.LAST])
+
+
+def test_every_folder_of_cpp_and_python_is_a_room() -> None:
+    cpp, python = languages.LANGUAGES["c++"], languages.LANGUAGES["python"]
+    rooms = {str(path.relative_to(ROOT)) for path in (ROOT / "emulator").iterdir() if path.is_dir()}
+    assert {*rooms, "bus_model", "plant", "python/bindings"} == set(cpp.rooms)
+    packages = {str(path.parent.relative_to(ROOT)) for path in (ROOT / "python/cmrc").glob("**/__init__.py")}
+    assert packages == set(python.rooms)
 
 
 def line(number: int, count: int, *branches: tuple[int, bool]) -> dict[str, Any]:
