@@ -255,6 +255,31 @@ def test_where_the_hash_alone_differs_a_sentence_says_so(result: cmrc.Result) ->
     )
 
 
+def many_apart(result: cmrc.Result, metrics: int) -> cmrc.Difference:
+    """Two reports that differ in this number of metrics."""
+    left, right = copy.deepcopy(result.report), copy.deepcopy(result.report)
+    left["host"] = {**left["host"], **{f"number_{n}": n for n in range(metrics)}}
+    right["host"] = {**right["host"], **{f"number_{n}": n + 1 for n in range(metrics)}}
+    return cmrc.diff(left, right)
+
+
+def test_a_difference_says_how_many_metrics_it_leaves_out_if_any(result: cmrc.Result) -> None:
+    found = many_apart(result, 12)
+    assert "host.number_11: 11 -> 12 (+1)" in found.text(most=12) and "more" not in found.text(most=12)
+    assert "host.number_11" not in found.text(most=11) and found.text(most=11).endswith("  and 1 more\n")
+
+
+def test_a_notebook_shows_two_hundred_metrics_that_differ(result: cmrc.Result) -> None:
+    assert many_apart(result, 60)._repr_html_().count("<tr><td>metric</td>") == 60
+    assert many_apart(result, 300)._repr_html_().count("<tr><td>metric</td>") == 200
+
+
+def test_a_long_value_is_cut_where_it_would_not_fit(result: cmrc.Result) -> None:
+    left, right = copy.deepcopy(result.report), copy.deepcopy(result.report)
+    left["configuration"]["dock.layout"], right["configuration"]["dock.layout"] = "f" * 70, "g" * 71
+    assert f"dock.layout: {'f' * 70} -> {'g' * 67}...\n" in cmrc.diff(left, right).text()
+
+
 def test_two_runs_of_the_same_are_the_same(result: cmrc.Result) -> None:
     again = cmrc.run(dsps=1, duration_s=0.04, turn_order=3, keep_events=True)
     found = cmrc.diff(result, again)
