@@ -94,6 +94,12 @@ def test_a_trace_that_ends_early(diff) -> None:
     assert "the second trace has ended, the other continues at its line 4" in result.stdout
 
 
+def test_a_line_that_is_too_long_is_named_by_its_number(diff) -> None:
+    long = "0.000300000000 [host] refresh number=" + 70_000 * "1"
+    result = diff(EVENTS, EVENTS + long + "\n")
+    assert result.returncode == 2 and "line 5: not a line of a trace: a line longer than 65535" in result.stderr
+
+
 @pytest.mark.parametrize(
     ("left", "right", "message"),
     [
