@@ -208,6 +208,12 @@ def test_registers_that_the_last_step_has_changed_are_marked(program: Path) -> N
     assert "*" in done.stdout and "*R0" not in last
 
 
+def test_an_empty_line_does_not_repeat_a_step_of_a_file(program: Path, tmp_path: Path) -> None:
+    steps = script(tmp_path, "stepi 3")
+    done = debug(program, stdin=f"source {steps}\n\nassert instructions == 3\n")
+    assert done.returncode == 0, done.stdout
+
+
 def test_a_stop_condition_ends_steps_that_are_counted(program: Path) -> None:
     done = debug(program, stdin="break add\nstepi 50\nassert pc == add\nassert instructions < 20\n")
     assert done.returncode == 0 and "breakpoint: " in done.stdout, done.stdout

@@ -431,8 +431,8 @@ def test_an_explanation_leaves_out_what_is_less_than_a_twentieth_of_the_time() -
 
 
 def test_causes_that_just_make_up_the_lateness_together_avoid_it_together() -> None:
-    text = explained({"lock": 60, "doorbell": 40}, 100)
-    assert "No single cause made it late: without another DSP or the host held the list and a sleeping DSP" in text
+    text = explained({"lock": 60, "doorbell": 40, "claim": 30, "slack": -30}, 100)
+    assert "without another DSP or the host held the list and a sleeping DSP had to be woken together" in text
 
 
 def test_what_a_job_still_needed_is_the_rest_of_its_run_and_no_slack() -> None:
