@@ -205,6 +205,20 @@ def test_clearing_drops_what_is_posted() -> None:
     assert memory[7] == 9
 
 
+def test_clearing_forgets_the_words_that_were_read_ahead() -> None:
+    """Another master may have written there since: the processor that is reset reads anew."""
+    bus, (bridge,), memory = make()
+    bridge.read(0, 0)
+    assert finish_read(bus, bridge)[0] == 0
+    assert bridge.look_up(1) is not None
+    bus.advance_to(60)
+    bridge.clear(60)
+    memory[1] = 7
+    assert bridge.look_up(1) is None
+    bridge.read(1, 60)
+    assert finish_read(bus, bridge)[0] == 7
+
+
 def test_impossible_bridges_are_refused() -> None:
     bus = pci.Bus()
     config = pci.BridgeConfig()

@@ -220,6 +220,15 @@ def test_memory_is_read_in_whole_words_on_both_sides_of_its_place(
         assert base64.b64decode(found.data) == base64.b64decode(near.data)[begin : begin + 4 * words]
 
 
+def test_bytes_behind_the_end_of_memory_are_counted(program: Path) -> None:
+    with Editor() as editor:
+        editor.begin(program=str(program), stopOnEntry=True, stopAtEnd=True)
+        editor.configured()
+        editor.stopped()
+        found = editor.ask(editor.client.read_memory("0x003FFFFF", 12), responses.ReadMemoryResponse)
+        assert len(base64.b64decode(found.data)) == 4 and found.unreadableBytes == 8
+
+
 def test_the_dock_has_a_thread_for_each_dsp_and_source_that_is_built_in() -> None:
     settings = [word for word in AT_ONCE_OPTIONS if word != "--set"]
     with Editor() as editor:
