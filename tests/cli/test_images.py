@@ -230,6 +230,8 @@ BROKEN = [
     (":00000001FF\n", "contains no byte"),
     (":0100000055AA\n:020000040FFFEC\n:0100000055AA\n:00000001FF\n", "span more than 64 MiB"),
     ("S1040000AA51\n", "ends without its last record"),
+    ("S1040000AA51\nS5030002FA\nS9030000FC\n", "1 lines of data before this count, which says 2"),
+    ("S5030001FB\nS9030000FC\n", "0 lines of data before this count, which says 1"),
     ("S1040000AA50\nS9030000FC\n", "checksum is 50h; 51h is expected"),
     ("S4040000AA51\n", "not S4"),
     ("S101FE\nS9030000FC\n", "ends within its address"),

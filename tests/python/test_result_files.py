@@ -172,6 +172,15 @@ def test_an_older_report_has_what_makes_its_run_again(result: cmrc.Result) -> No
     assert cmrc.run(settings=settings).hash == result.hash
 
 
+def test_signals_of_different_lengths_are_refused_by_name(result: cmrc.Result, tmp_path: Path) -> None:
+    result.save(tmp_path / "whole")
+    arrays = io.BytesIO()
+    np.savez(arrays, time_s=np.zeros(4), s_m=np.zeros(3))
+    apart = edited(tmp_path / "whole", tmp_path / "apart", "signals.npz", arrays.getvalue())
+    with pytest.raises(ValueError, match=f"{re.escape(str(apart))}: .*signals of different lengths"):
+        cmrc.Result.load(apart)
+
+
 def test_a_pickle_among_the_signals_is_not_executed(result: cmrc.Result, tmp_path: Path) -> None:
     class Evil:
         def __reduce__(self) -> tuple[object, ...]:
