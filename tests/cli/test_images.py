@@ -7,6 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from cmrc import c40
 from command_line import emulator
 
 SOURCE = """
@@ -218,6 +219,13 @@ here:   nop
         "exec", tmp_path / "dma.asm", "--poke", "2FFB02h=77h", "--until", "2FFB12h==77h", "--max-cycles", "2000"
     )
     assert "until: 002FFB12h holds 00000077h" in done.stdout, done.stdout + done.stderr
+
+
+def test_an_intel_segment_counts_in_sixteen_bytes(tmp_path: Path) -> None:
+    """Record type 2, of the 8086: segment 1000h begins at byte 10000h, word 4000h of 32 bits."""
+    (tmp_path / "rom").write_text(":0400000001020304F2\n:020000021000EC\n:0400000005060708E2\n:00000001FF\n")
+    words = c40.read_rom(tmp_path / "rom", width=32)
+    assert len(words) == 0x4001 and (words[0], words[0x4000]) == (0x04030201, 0x08070605)
 
 
 BROKEN = [
