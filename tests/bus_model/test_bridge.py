@@ -205,6 +205,36 @@ def test_clearing_drops_what_is_posted() -> None:
     assert memory[7] == 9
 
 
+def test_of_a_burst_that_is_cleared_only_the_words_that_moved_have_landed() -> None:
+    whole, (bridge,), _ = make()
+    for i in range(8):
+        bridge.write(i, 1 + i, 0)
+    whole.advance_to(200)
+    last = whole.attempts[0].last
+    bus, (bridge,), memory = make()
+    for i in range(8):
+        bridge.write(i, 1 + i, 0)
+    bus.advance_to(last - 2)
+    bridge.clear(last - 2)
+    bus.advance_to(200)
+    there = [i for i in range(8) if memory[i] != 0]
+    assert 0 < len(there) < 8 and [landing[:2] for landing in bridge.landings] == [(i, 1 + i) for i in there]
+
+
+def test_clearing_forgets_the_words_that_were_read_ahead() -> None:
+    """Another master may have written there since: the processor that is reset reads anew."""
+    bus, (bridge,), memory = make()
+    bridge.read(0, 0)
+    assert finish_read(bus, bridge)[0] == 0
+    assert bridge.look_up(1) is not None
+    bus.advance_to(60)
+    bridge.clear(60)
+    memory[1] = 7
+    assert bridge.look_up(1) is None
+    bridge.read(1, 60)
+    assert finish_read(bus, bridge)[0] == 7
+
+
 def test_impossible_bridges_are_refused() -> None:
     bus = pci.Bus()
     config = pci.BridgeConfig()

@@ -346,6 +346,12 @@ def test_impossible_parameters_are_refused() -> None:
         bus.add_master(config(pci.MasterConfig, latency_timer=33))
     with pytest.raises(ValueError, match="within 16 clocks"):
         bus.add_memory(config(pci.TargetConfig, read_initial=15))
+    with pytest.raises(ValueError, match="within 16 clocks"):
+        bus.add_memory(config(pci.TargetConfig, devsel=2, write_initial=15))
+    bus.add_memory(config(pci.TargetConfig, devsel=2, write_initial=14, read_initial=14), 1 << 20, 1)
+    bus.add_memory(pci.TargetConfig(), (1 << 32) - 100, 100)  # the last words of all
+    with pytest.raises(ValueError, match="within 2\\^32 words"):
+        bus.add_memory(pci.TargetConfig(), (1 << 32) - 99, 100)
     bus.add_memory(pci.TargetConfig(), 0, 100)
     with pytest.raises(ValueError, match="overlaps"):
         bus.add_memory(pci.TargetConfig(), 99, 100)

@@ -7,6 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from cmrc import c40
 from command_line import emulator
 
 SOURCE = """
@@ -220,6 +221,13 @@ here:   nop
     assert "until: 002FFB12h holds 00000077h" in done.stdout, done.stdout + done.stderr
 
 
+def test_an_intel_segment_counts_in_sixteen_bytes(tmp_path: Path) -> None:
+    """Record type 2, of the 8086: segment 1000h begins at byte 10000h, word 4000h of 32 bits."""
+    (tmp_path / "rom").write_text(":0400000001020304F2\n:020000021000EC\n:0400000005060708E2\n:00000001FF\n")
+    words = c40.read_rom(tmp_path / "rom", width=32)
+    assert len(words) == 0x4001 and (words[0], words[0x4000]) == (0x04030201, 0x08070605)
+
+
 BROKEN = [
     (":020000040030CA\n", "ends without its last record"),
     (":0200000400", "an odd number|5 bytes|by its count"),
@@ -230,6 +238,8 @@ BROKEN = [
     (":00000001FF\n", "contains no byte"),
     (":0100000055AA\n:020000040FFFEC\n:0100000055AA\n:00000001FF\n", "span more than 64 MiB"),
     ("S1040000AA51\n", "ends without its last record"),
+    ("S1040000AA51\nS5030002FA\nS9030000FC\n", "1 lines of data before this count, which says 2"),
+    ("S5030001FB\nS9030000FC\n", "0 lines of data before this count, which says 1"),
     ("S1040000AA50\nS9030000FC\n", "checksum is 50h; 51h is expected"),
     ("S4040000AA51\n", "not S4"),
     ("S101FE\nS9030000FC\n", "ends within its address"),

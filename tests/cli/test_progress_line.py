@@ -150,3 +150,17 @@ def test_a_line_is_never_longer_than_its_terminal(tmp_path: Path, columns: int) 
     assert any(" of 20.0 s" in line for line in lines) and "\n" not in terminal.shown.decode()
     assert max(map(len, lines)) <= columns - 1
     assert columns < 60 or any("missed" in line for line in lines)
+
+
+@pytest.mark.parametrize("columns", [20, 40])
+def test_a_line_of_the_package_is_never_longer_than_its_terminal_either(columns: int) -> None:
+    from cmrc.progress import ProgressLine
+
+    terminal = Terminal(columns)
+    with open(terminal.side, "w", encoding="utf-8") as stream, ProgressLine("work", stream) as line:
+        line.show("x" * 100, now=True)
+        line.show("short", now=True)
+    terminal.rest()
+    terminal.close()
+    lines = terminal.shown.decode().split("\r")
+    assert lines[1] == "work: " + (columns - 7) * "x" and max(map(len, lines)) == columns - 1

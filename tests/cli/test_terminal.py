@@ -41,6 +41,8 @@ def harmless(text: bytes) -> str:
             b"\xc0\x9b \xe0\x80\x9b \xed\xa0\x80 \xf5\x80\x80\x80",
             r"\xC0\x9B \xE0\x80\x9B \xED\xA0\x80 \xF5\x80\x80\x80",
         ),  # overlong, surrogate, too large
+        # The last character before the surrogates, the last surrogate, the first character behind them; the largest.
+        (b"\xed\x9f\xbf \xed\xbf\xbf \xee\x80\x80 \xf4\x8f\xbf\xbf", "\ud7ff \\xED\\xBF\\xBF \ue000 \U0010ffff"),
     ],
 )
 def test_printable(given: str | bytes, shown: str) -> None:

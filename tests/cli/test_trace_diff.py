@@ -94,6 +94,12 @@ def test_a_trace_that_ends_early(diff) -> None:
     assert "the second trace has ended, the other continues at its line 4" in result.stdout
 
 
+def test_a_line_that_is_too_long_is_named_by_its_number(diff) -> None:
+    long = "0.000300000000 [host] refresh number=" + 70_000 * "1"
+    result = diff(EVENTS, EVENTS + long + "\n")
+    assert result.returncode == 2 and "line 5: not a line of a trace: a line longer than 65535" in result.stderr
+
+
 @pytest.mark.parametrize(
     ("left", "right", "message"),
     [
@@ -108,3 +114,9 @@ def test_what_is_no_trace_is_bad_input(diff, left: str, right: str, message: str
     assert result.returncode == 2
     assert message in result.stderr
     assert "a.trace and b.trace" in result.stderr
+
+
+def test_the_instructions_of_a_dsp_that_the_scene_has_not_are_refused(diff) -> None:
+    trace = "# cmrc instruction trace 1\n# emulator --dsps 1\n0 [dsp 1] 00300000 00000000  part  ; sha256=aaaa\n"
+    result = diff(trace, trace.replace("aaaa", "bbbb"))
+    assert result.returncode == 2 and "b.trace: line 3: dsp 1 in a scene of 1 DSPs" in result.stderr

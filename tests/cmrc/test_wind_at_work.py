@@ -79,6 +79,48 @@ def test_a_load_that_is_jammed_on_a_vehicle_gets_into_the_cones() -> None:
     assert len(run.tries) == 2 and max(run.tries) <= 2 and run.missed == 0
 
 
+class Told:
+    """A run of which only the dock's events are known."""
+
+    ended = False
+
+    def __init__(self, *kinds: str) -> None:
+        self.kinds = kinds
+
+    def run_until(self, time_s: float) -> None:
+        pass
+
+    def dock_events(self) -> list[tuple[float, str, int]]:
+        return [(float(n), kind, 0) for n, kind in enumerate(self.kinds)]
+
+    def report_json(self) -> str:
+        return json.dumps({"wind": {"above_share": 0.25, "waited_s": 3.0}})
+
+
+@pytest.mark.parametrize(
+    ("kinds", "tries", "missed"),
+    [
+        (("locked", "opened"), (1, 1), 0),
+        (("missed", "missed", "locked", "missed", "opened"), (3, 2), 0),
+        (("missed", "locked", "opened"), (2, 1), 0),
+        (("locked", "missed", "missed"), (1,), 2),
+    ],
+)
+def test_each_landing_has_its_own_tries(
+    kinds: tuple[str, ...], tries: tuple[int, ...], missed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In docs/wind.md: a touch that missed on the ship is no try on the vehicle."""
+    monkeypatch.setattr(landings._core.cmrc, "Simulation", lambda config: Told(*kinds))
+    run = landings.land(12.0, 10_000, 90.0, seed=1, limit_s=4.0)
+    assert (run.tries, run.missed) == (tries, missed) and (run.above_share, run.waited_s) == (0.25, 3.0)
+
+
+def test_the_table_of_landings_counts_every_landing_once() -> None:
+    runs = [landings.Run(12.0, 1e4, (1, 2), 0, 0.5, 1.0), landings.Run(12.0, 1e4, (4,), 2, 0.1, 6.0)]
+    row = [cell.strip() for cell in landings.table(runs).splitlines()[-1].strip("|").split("|")]
+    assert row == ["12", "2", "4", "1", "1", "0", "2", "50.0 %", "30.0 %", "4"]
+
+
 def test_no_lift_begins_in_too_much_wind_and_work_continues_when_it_falls(tmp_path: Path) -> None:
     wind: dict[str, Any] = {"dock__wind_mean_m_s": 19.0, "dock__wind_gust_m_s": 2.47, "run__seed": SEED}
     simulation = simulate(24.0, tmp_path, OVER_A_CONTAINER, **wind)

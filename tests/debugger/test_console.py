@@ -208,6 +208,23 @@ def test_registers_that_the_last_step_has_changed_are_marked(program: Path) -> N
     assert "*" in done.stdout and "*R0" not in last
 
 
+def test_an_empty_line_does_not_repeat_a_step_of_a_file(program: Path, tmp_path: Path) -> None:
+    steps = script(tmp_path, "stepi 3")
+    done = debug(program, stdin=f"source {steps}\n\nassert instructions == 3\n")
+    assert done.returncode == 0, done.stdout
+
+
+def test_a_stop_condition_ends_steps_that_are_counted(program: Path) -> None:
+    done = debug(program, stdin="break add\nstepi 50\nassert pc == add\nassert instructions < 20\n")
+    assert done.returncode == 0 and "breakpoint: " in done.stdout, done.stdout
+
+
+def test_the_text_of_a_log_may_have_an_if_of_its_own(program: Path) -> None:
+    """The last one begins the condition."""
+    done = debug(program, stdin="break add log 4 if it is {r0} if r0 == 4\ncontinue 100 us\nstops\n")
+    assert re.findall(r"4 if it is .*", done.stdout) == ["4 if it is 4 (00000004h)", "4 if it is {r0}, met 1 times"]
+
+
 def test_an_empty_line_does_the_last_step_again(program: Path) -> None:
     once, thrice = debug(program, stdin="stepi\n\n\nprint cycle\n"), debug(program, stdin="stepi 3\nprint cycle\n")
     assert once.stdout.splitlines()[-1] == thrice.stdout.splitlines()[-1]

@@ -200,6 +200,35 @@ def test_memory_instructions_and_changes_by_hand(program: Path) -> None:
         assert editor.value("[total]").startswith(f"{100 + SUMS[-1]} ") and editor.value("f(r3)") == "1.5"
 
 
+@pytest.mark.parametrize(
+    ("offset", "count", "first", "words"),
+    [(-4, 4, -1, 1), (-5, 4, -2, 2), (-8, 1, -2, 1), (-3, 2, -1, 1), (-3, 4, -1, 2), (5, 4, 1, 2), (7, 1, 1, 1)],
+)
+def test_memory_is_read_in_whole_words_on_both_sides_of_its_place(
+    program: Path, offset: int, count: int, first: int, words: int
+) -> None:
+    """Every word that has one of the wanted bytes."""
+    with Editor() as editor:
+        editor.begin(program=str(program), stopOnEntry=True, stopAtEnd=True)
+        editor.configured()
+        editor.stopped()
+        place = "0x00300008"
+        near = editor.ask(editor.client.read_memory("0x00300004", 40), responses.ReadMemoryResponse)
+        found = editor.ask(editor.client.read_memory(place, count, offset=offset), responses.ReadMemoryResponse)
+        assert int(found.address, 16) == int(place, 16) + first
+        begin = 4 * (4 + first)
+        assert base64.b64decode(found.data) == base64.b64decode(near.data)[begin : begin + 4 * words]
+
+
+def test_bytes_behind_the_end_of_memory_are_counted(program: Path) -> None:
+    with Editor() as editor:
+        editor.begin(program=str(program), stopOnEntry=True, stopAtEnd=True)
+        editor.configured()
+        editor.stopped()
+        found = editor.ask(editor.client.read_memory("0x003FFFFF", 12), responses.ReadMemoryResponse)
+        assert len(base64.b64decode(found.data)) == 4 and found.unreadableBytes == 8
+
+
 def test_the_dock_has_a_thread_for_each_dsp_and_source_that_is_built_in() -> None:
     settings = [word for word in AT_ONCE_OPTIONS if word != "--set"]
     with Editor() as editor:

@@ -123,6 +123,30 @@ def test_a_line_with_several_addresses_has_one_number_and_one_count(tmp_path: Pa
         assert not refused["verified"] and "a number, >= or > and a number" in refused["message"]
 
 
+def test_a_uri_may_end_with_an_escape(tmp_path: Path) -> None:
+    with Editor() as editor:
+        editor.wait(responses.Initialized)
+        editor.client.send_request("initialize", {"adapterID": "c40", "pathFormat": "uri"})
+        editor.client.send_request("launch", {"program": str(write_program(tmp_path)), "stopAtEnd": True})
+        editor.wait(events.InitializedEvent)
+        (answer,) = breakpoints(editor, "file:///nowhere/a%20b%C3%BC", 1)
+        assert "of /nowhere/a b\u00fc or after it" in answer["message"]
+        (answer,) = breakpoints(editor, "file:///nowhere/a%2", 1)
+        assert "of /nowhere/a%2 or after it" in answer["message"]
+
+
+@pytest.mark.parametrize(("count", "hit"), [("3", 3), (">= 3", 3), ("> 3", 4), (">0", 1)])
+def test_a_hit_condition_names_the_first_hit_that_stops(tmp_path: Path, count: str, hit: int) -> None:
+    path = tmp_path / "round.asm"
+    path.write_text("start:  ldi 0,r0\nagain:  addi 1,r0\n        b again\n")
+    with Editor() as editor:
+        begun(editor, str(path))
+        breakpoints(editor, str(path), 2, hitCondition=count)
+        editor.client.continue_(1)
+        editor.stopped()
+        assert editor.value("r0").startswith(f"{hit - 1} ")
+
+
 @pytest.mark.parametrize("command", ["next", "stepIn", "stepBack", "reverseContinue"])
 def test_a_step_of_a_running_machine_ends_the_run(tmp_path: Path, command: str) -> None:
     path = tmp_path / "endless.asm"

@@ -186,3 +186,14 @@ def test_a_trace_numbers_the_tasks_of_the_configuration(tmp_path: Path) -> None:
     trace.write_text("\n".join([events.HEADER, *lines, ""]))
     [batch] = events.of_trace(trace)
     assert batch["task"].to_pylist() == [events.built_in_tasks()[0], "user 0", "user 1"]
+
+
+def test_a_long_trace_is_read_in_pieces_and_each_event_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from cmrc import events
+
+    monkeypatch.setattr(events, "BATCH", 3)
+    for count in (2, 3, 6, 7):
+        lines = [f"{n}.000000000000 [host] doorbell slot={n}" for n in range(count)]
+        (tmp_path / "t").write_text("\n".join([events.HEADER, *lines, ""]))
+        batches = list(events.of_trace(tmp_path / "t"))
+        assert [slot for batch in batches for slot in batch["slot"].to_pylist()] == list(range(count))

@@ -152,6 +152,30 @@ def test_nmi_needs_no_enabling() -> None:
     assert [at // 10_000_000 for at in interrupts(network, 0)] == [2, 3, 4]
 
 
+COUNTS_NMI = (
+    "        ldi 0,r2\n        ldhi hi16(isr),r0\n        or lo16(isr),r0\n        sti r0,*+ar1(1)\nwait:   b wait\n"
+    + COUNT
+)
+
+
+def test_who_drives_a_net_ends_the_pulses_on_it() -> None:
+    def act(network: Any) -> None:
+        network.pulse("wire", 20, width_us=1, period_us=10, count=5)
+        network.drive("wire", True, 45)
+
+    network = run([assembled(COUNTS_NMI)], ["wire: >0.NMI"], 80, act)
+    assert [at // 10_000_000 for at in interrupts(network, 0)] == [2, 3, 4]
+
+
+def test_a_second_row_of_pulses_begins_with_its_first() -> None:
+    def act(network: Any) -> None:
+        network.pulse("wire", 20, width_us=1, period_us=10, count=2)
+        network.pulse("wire", 45, width_us=1, period_us=10, count=2)
+
+    network = run([assembled(COUNTS_NMI)], ["wire: >0.NMI"], 90, act)
+    assert [at // 5_000_000 for at in interrupts(network, 0)] == [4, 6, 9, 11]
+
+
 def test_a_general_purpose_input_reads_the_level() -> None:
     """FLAG of IIOF2 is bit 10 of IIF."""
     text = "wait:   ldi iif,r1\n        and 400h,r1\n        bnz wait\n        addi 1,r2\nback:   ldi iif,r1\n        and 400h,r1\n        bz back\n        b wait\n"

@@ -9,6 +9,7 @@ import struct
 import subprocess
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import cmrc
 import numpy as np
@@ -171,6 +172,15 @@ def test_an_older_report_has_what_makes_its_run_again(result: cmrc.Result) -> No
     assert cmrc.run(settings=settings).hash == result.hash
 
 
+def test_signals_of_different_lengths_are_refused_by_name(result: cmrc.Result, tmp_path: Path) -> None:
+    result.save(tmp_path / "whole")
+    arrays = io.BytesIO()
+    np.savez(arrays, time_s=np.zeros(4), s_m=np.zeros(3))
+    apart = edited(tmp_path / "whole", tmp_path / "apart", "signals.npz", arrays.getvalue())
+    with pytest.raises(ValueError, match=f"{re.escape(str(apart))}: .*signals of different lengths"):
+        cmrc.Result.load(apart)
+
+
 def test_a_pickle_among_the_signals_is_not_executed(result: cmrc.Result, tmp_path: Path) -> None:
     class Evil:
         def __reduce__(self) -> tuple[object, ...]:
@@ -253,6 +263,31 @@ def test_where_the_hash_alone_differs_a_sentence_says_so(result: cmrc.Result) ->
     assert (
         found.first in found.text() and found.first in found._repr_html_() and found.to_dict()["first"] == found.first
     )
+
+
+def many_apart(result: cmrc.Result, metrics: int) -> cmrc.Difference:
+    """Two reports that differ in this number of metrics."""
+    left, right = copy.deepcopy(result.report), copy.deepcopy(result.report)
+    left["host"] = {**left["host"], **{f"number_{n}": n for n in range(metrics)}}
+    right["host"] = {**right["host"], **{f"number_{n}": n + 1 for n in range(metrics)}}
+    return cmrc.diff(left, right)
+
+
+def test_a_difference_says_how_many_metrics_it_leaves_out_if_any(result: cmrc.Result) -> None:
+    found = many_apart(result, 12)
+    assert "host.number_11: 11 -> 12 (+1)" in found.text(most=12) and "more" not in found.text(most=12)
+    assert "host.number_11" not in found.text(most=11) and found.text(most=11).endswith("  and 1 more\n")
+
+
+def test_a_notebook_shows_two_hundred_metrics_that_differ(result: cmrc.Result) -> None:
+    assert many_apart(result, 60)._repr_html_().count("<tr><td>metric</td>") == 60
+    assert many_apart(result, 300)._repr_html_().count("<tr><td>metric</td>") == 200
+
+
+def test_a_long_value_is_cut_where_it_would_not_fit(result: cmrc.Result) -> None:
+    left, right = copy.deepcopy(result.report), copy.deepcopy(result.report)
+    left["configuration"]["dock.layout"], right["configuration"]["dock.layout"] = "f" * 70, "g" * 71
+    assert f"dock.layout: {'f' * 70} -> {'g' * 67}...\n" in cmrc.diff(left, right).text()
 
 
 def test_two_runs_of_the_same_are_the_same(result: cmrc.Result) -> None:
@@ -365,3 +400,51 @@ def test_what_never_ran_would_still_have_had_to_run() -> None:
         f"no DSP was running, the job would have been done {spare / 1e6:.4g} us before its deadline"
         in result.explain(waited[0])
     )
+
+
+US = 1_000_000  # ps
+
+
+def explained(parts_us: dict[str, int], lateness_us: int, outcome: str = "late", **more: Any) -> str:
+    """Of a job that was due 1 s after the start, and has these parts of a chain."""
+    miss = {
+        "kind": "pid", "number": 7, "robot": 0, "outcome": outcome, "release_ps": 10**12 - 900 * US,
+        "deadline_ps": 10**12, "end_ps": 10**12 + lateness_us * US, "lateness_ps": lateness_us * US, "usual_ps": None,
+        "unavoidable_ps": None, "parts_ps": {part: us * US for part, us in parts_us.items()}, "behind": [],
+        "runs": [{}], "previous": None, **more,
+    }  # fmt: skip
+    return cmrc.Result({"misses": [miss], "misses_left_out": 0}, "", cmrc.Table()).explain()
+
+
+def behind(number: int, share_us: int, from_us: int) -> dict[str, Any]:
+    claimed = {"claimed_ps": from_us * US, "overtook": False}
+    return {
+        "kind": "identify",
+        "number": number,
+        "robot": 1,
+        "dsp": 2,
+        "share_ps": share_us * US,
+        "from_ps": from_us * US,
+    } | claimed
+
+
+def test_a_job_was_blocked_since_the_first_block_in_its_way_not_since_the_longest() -> None:
+    text = explained({"blocked": 50}, 50, behind=[behind(3, 10, 40), behind(4, 40, 70)])
+    assert "It was blocked for 50 us, since 0.00004 s, by identify number 4 of AGV 0 on DSP 2" in text
+
+
+def test_an_explanation_leaves_out_what_is_less_than_a_twentieth_of_the_time() -> None:
+    text = explained({"claim": 1000, "lock": 60, "doorbell": 40}, 1100)
+    assert "1 ms passed while a DSP executed" in text and "60 us passed while another DSP" in text
+    assert "40 us passed" not in text
+
+
+def test_causes_that_just_make_up_the_lateness_together_avoid_it_together() -> None:
+    text = explained({"lock": 60, "doorbell": 40, "claim": 30, "slack": -30}, 100)
+    assert "without another DSP or the host held the list and a sleeping DSP had to be woken together" in text
+
+
+def test_what_a_job_still_needed_is_the_rest_of_its_run_and_no_slack() -> None:
+    """It ran 30 us less than a usual run takes when its account ended, 100 us too late."""
+    text = explained({"lock": 200, "execution.execute": -30, "slack": -70}, 100, "unfinished")
+    assert "the job would have been done 70 us before its deadline" in text

@@ -21,6 +21,14 @@ def test_columns_are_flat_and_typed() -> None:
     assert table.row(1)["kind"] == "identify"
 
 
+def test_rows_are_counted_from_either_end() -> None:
+    table = Table.from_rows(ROWS)
+    assert [table.row(n)["kind"] for n in (0, 1, -1, -2)] == ["pid", "identify", "identify", "pid"]
+    for n in (2, -3):
+        with pytest.raises(IndexError, match=f"there is no row {n}; 0 to 1 is expected"):
+            table.row(n)
+
+
 def test_pandas() -> None:
     pytest.importorskip("pandas")
     frame = Table.from_rows(ROWS).to_pandas()

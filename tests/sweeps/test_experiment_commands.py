@@ -12,7 +12,7 @@ import cmrc
 import pytest
 from cmrc.__main__ import main
 from cmrc.commands.common import numbers, setting
-from cmrc.progress import ProgressLine
+from cmrc.progress import ProgressLine, of_sweep
 from cmrc.sweeps import Status
 from locations import BUILD
 
@@ -253,6 +253,28 @@ def test_a_notebook_shows_a_line_that_goes_away_and_begins_again(monkeypatch: py
         show(done, 1.0)
         now[0] += 1.5
     assert "0.5 of 1 s simulated, about 2 s left" in stream.getvalue() and "\n" not in stream.getvalue()
+
+
+def test_the_time_that_is_left_is_that_of_runs_which_are_run() -> None:
+    """Runs that were there before, or that are refused, took no time."""
+    status = Status(12, 8, 3, refused=2, workers=2, elapsed_s=30.0, planned=12)
+    assert of_sweep(status) == "8 of 12 runs on 2 workers, about 40 s left"
+
+
+def test_work_that_begins_again_has_a_line_and_a_beginning_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The work before was interrupted."""
+    import io
+
+    stream = io.StringIO()
+    now = [100.0]
+    monkeypatch.setattr("cmrc.progress.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("sys.stderr", stream)
+    show = cmrc.show_progress("run")
+    show(0.75, 1.0)
+    for done in (0.0, 0.5):
+        now[0] += 20.0
+        show(done, 1.0)
+    assert stream.getvalue() == "run: 0.5 of 1 s simulated, about 20 s left\n"
 
 
 def test_long_commands_show_something_before_their_first_step_is_done(

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -54,6 +55,16 @@ def test_parts_are_read_in_order_and_compacted(tmp_path: Path) -> None:
         assert keys(again) == [1, 2, 3]
 
 
+def test_failed_runs_are_removed_from_a_folder_of_one_part(tmp_path: Path) -> None:
+    """A sweep that is over has one part. With ``again_failed`` the failed runs in it have to go."""
+    with Folder(tmp_path / "s") as folder:
+        folder.write([row(1), row(2, status=store.FAILED), row(3, status=store.REFUSED)])
+        folder.compact()
+        assert keys(folder) == [1, 2, 3]
+        folder.compact(without=store.FAILED)
+        assert keys(folder) == [1, 3] and len(folder.parts()) == 1
+
+
 def test_a_row_in_two_parts_counts_once(tmp_path: Path) -> None:
     """This state remains when a compaction is killed before it has removed the old parts."""
     with Folder(tmp_path / "s") as folder:
@@ -83,6 +94,14 @@ def test_a_second_sweep_is_refused_and_names_the_first(tmp_path: Path) -> None:
         assert done.returncode == 1 and "one sweep at a time" in done.stderr
     with Folder(tmp_path / "s"):
         pass
+
+
+def test_nothing_of_the_user_before_is_left_in_the_lock(tmp_path: Path) -> None:
+    """The name of the process or of its machine may have been longer."""
+    (tmp_path / "s").mkdir()
+    (tmp_path / "s" / store.LOCK).write_text("process 4194304 on " + "long" * 50)
+    with Folder(tmp_path / "s"):
+        assert (tmp_path / "s" / store.LOCK).read_text() == f"process {os.getpid()} on {socket.gethostname()}"
 
 
 def test_other_folders_are_refused_by_name(tmp_path: Path) -> None:

@@ -30,6 +30,13 @@ def test_places_and_short_names() -> None:
             metrics.value(REPORT, bad)
 
 
+def test_of_two_kinds_whose_names_begin_alike_a_place_means_the_longer_one_that_fits() -> None:
+    """A task of the user may be named like the first part of another kind."""
+    report = {"tasks": {"home": {"misses": 1}, "home.crane": {"misses": 2}, "home.crane.late": {"misses": 3}}}
+    for name, misses in (("home", 1), ("home.crane", 2), ("home.crane.late", 3)):
+        assert metrics.value(report, f"tasks.{name}.misses") == misses
+
+
 def test_a_controller_that_has_done_nothing_yet_has_no_number_of_misses() -> None:
     for on_time, misses in ((0, math.nan), (1, 0)):
         booting = {"tasks": {"pid": {"misses": 0, "on_time": on_time}}}

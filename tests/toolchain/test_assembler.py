@@ -159,6 +159,17 @@ def test_labels_may_have_the_names_of_instructions() -> None:
     ]
 
 
+def test_a_structure_is_as_large_as_its_offset_and_its_members() -> None:
+    source = "none\t.struct 3\nsize\t.endstruct\none\t.struct 3\nx\t.int\n\t.endstruct\n\t.word size,none,one,one.x\n"
+    assert words(source) == [3, 3, 4, 3]
+
+
+def test_the_least_and_the_greatest_number_of_some_bits() -> None:
+    assert words("\t.byte -128,255\n\t.hword -32768,65535\n") == [128, 255, 32768, 65535]
+    for line in (".byte -129", ".byte 256", ".hword -32769", ".hword 65536"):
+        assert "does not fit in" in errors(f"\t{line}\n")[0][2]
+
+
 def test_structures_name_places_in_records() -> None:
     source = """
 point   .struct

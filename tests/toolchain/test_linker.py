@@ -187,6 +187,14 @@ limit = 0xDEADBEEF
     assert image.entry == 0x40000001 and contents(image)[".text"][1][1] == 0xDEADBEEF
 
 
+@pytest.mark.parametrize(("given", "words"), [(0, 0x400), (1, 0x400), (2, 2)])
+def test_a_stack_and_a_heap_without_a_size_get_one(given: int, words: int) -> None:
+    """TI's run-time library has a stack of 0 words and a heap of 1."""
+    image = link(f'\tnop\ns .usect ".stack",{given}\nh .usect ".sysmem",{given}\no .usect "other",{given}\n')
+    sizes = {section.name: section.size for section in image.sections}
+    assert (sizes[".stack"], sizes[".sysmem"], sizes.get("other", 0)) == (words, words, given)
+
+
 def test_all_errors_of_a_link_come_at_once_with_object_and_place() -> None:
     errors = link_errors(
         "\t.ref lost,far\n\tnop\n\tcall lost\n\t.word lost\n",

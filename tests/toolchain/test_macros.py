@@ -25,6 +25,24 @@ n       .set    77
     assert words(source) == [0x08400306, 1, 2, 6, 7, 29, 7, 77]
 
 
+def test_a_repeat_goes_on_behind_a_macro_in_it() -> None:
+    source = """
+put     .macro  n
+        .loop   3
+        .word   n
+        .break  n = 2
+        .endloop
+        .endm
+        .eval   0,n
+        .loop   5
+        .eval   n+1,n
+        put     n
+        .break  n = 3
+        .endloop
+"""
+    assert words(source) == [1, 1, 1, 2, 3, 3, 3]
+
+
 def test_functions_of_substitution_symbols() -> None:
     source = """
         .asg    abcab,s
