@@ -116,7 +116,12 @@ def test_arbiters_timers_and_cards_are_keys(arbiter: str) -> None:
 @pytest.mark.parametrize("topology", ["dual", "host_on_both", "single"])
 def test_a_bus_without_the_host_is_parked_on_nobody(topology: str) -> None:
     """`bus.parking = "host"`: no DSP takes the host's place on bus B. One DSP alone never has to wait for another."""
-    settings = {"bus.topology": topology, "bus.parking": "host", "report.reference": "none", "machine.boot": "preloaded"}
+    settings = {
+        "bus.topology": topology,
+        "bus.parking": "host",
+        "report.reference": "none",
+        "machine.boot": "preloaded",
+    }
     buses = package.run(settings=settings, dsps=1, duration_s=0.05).report["buses"]
     assert {bus["masters"]["DSP 0"]["wait_clocks"]["best"] for bus in buses.values()} == {2}
     assert buses["A"]["masters"]["host"]["wait_clocks"]["best"] == 0
