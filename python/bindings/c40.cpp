@@ -59,7 +59,7 @@ void bind_processor(py::module_& m) {
               toolchain::Image program;
               ~Owner() { processor.cast<Processor&>().forget_ends(program); }
             };
-            auto owner = std::make_shared<Owner>(self, program);
+            auto owner = std::shared_ptr<Owner>(new Owner{self, program});
             auto& p = self.cast<Processor&>();
             if (const auto why = p.devices.stateless()) throw state::StateError(*why);
             const bool alone = p.devices.empty();
