@@ -249,6 +249,22 @@ def test_drives_that_have_timed_out_come_back_by_themselves_so_often() -> None:
     assert rates(simulation, 8.9)["l"] > 0.1
 
 
+# ---- what is not done
+
+
+def test_what_the_operator_clears_before_it_is_done_has_no_distance_of_a_response() -> None:
+    drive = [at(LEG, "fail_drive", joint="luff"), at(LEG + 0.1, "repair_drive", joint="luff"), clear(LEG + 0.4)]
+    pause = [at(LEG, "pause_host", lasts_ms=200), clear(LEG + 0.6)]
+    for events, cleared in ((drive, LEG + 0.4), (pause, LEG + 0.6)):
+        report, simulation = run(6, *events)
+        error = only(report)
+        assert error["cleared_s"] == pytest.approx(cleared, abs=0.001) and not error["stands"]
+        assert (error["done_s"], error["moved_until_done_m"]) == (None, None)
+        assert error["moved_most_m"] >= error["moved_until_noticed_m"]
+        text = simulation.report_json_and_text()[1]
+        assert "not done before it was cleared" in text and "until the response was done" not in text
+
+
 def test_a_pid_that_does_not_come_any_more_leaves_an_error_that_stands() -> None:
     # The avoidance of four vehicles keeps the only DSP from the servo: the worst run of today.
     settings = {
