@@ -249,6 +249,44 @@ def test_drives_that_have_timed_out_come_back_by_themselves_so_often() -> None:
     assert rates(simulation, 8.9)["l"] > 0.1
 
 
+STOPPED_AND_TIMED_OUT = {
+    "long after": [at(LEG, "fail_drive", joint="luff"), at(LEG + 1.5, "pause_host", lasts_ms=200)],
+    "in its second": [at(LEG, "fail_drive", joint="luff"), at(LEG + 0.3, "pause_host", lasts_ms=200)],
+    "no DSP for a while": [
+        at(LEG, "fail_drive", joint="luff"),
+        at(LEG + 1.5, "unplug", dsp=0),
+        at(LEG + 1.8, "plug", dsp=0),
+    ],
+}
+
+
+@pytest.mark.parametrize("order", STOPPED_AND_TIMED_OUT)
+def test_a_retry_does_not_move_a_crane_that_another_error_has_stopped(order: str) -> None:
+    events = [*STOPPED_AND_TIMED_OUT[order], at(8, "repair_drive", joint="luff"), clear(9)]
+    report, simulation = run(13, *events, **{"errors.go_on_s": 1.0})
+    errors = {error["origin"]: error for error in report["errors_handled"]}
+    assert set(errors) == {"drive fault", "drive time-out"} == {error["origin"] for error in report["errors_handled"]}
+    stop, retry = errors["drive fault"], errors["drive time-out"]
+    assert (stop["response"], retry["response"]) == ("stop", "retry")
+    assert stop["done_s"] < LEG + 1.1
+    # It only ended the time-out: no other try began before the operator came.
+    assert (retry["done_s"], retry["moved_until_done_m"]) == (None, None)
+    assert retry["moved_most_m"] >= retry["moved_until_noticed_m"]
+    for at_s in (6.5, 7.5, 8.9):
+        assert rates(simulation, at_s)["l"] < 0.012, at_s  # it still returns to the place at which its path has stopped
+    assert retry["cleared_s"] == stop["cleared_s"] == pytest.approx(9, abs=0.001)
+    assert rates(simulation, 12.9)["l"] > 0.1 and simulation.exit_status == 0
+
+
+def test_a_load_that_is_being_set_down_reaches_its_place_after_a_time_out() -> None:
+    events = [at(LOWERING, "fail_drive", joint="luff"), at(LOWERING + 0.2, "pause_host", lasts_ms=200)]
+    report, simulation = run(29, *events, **{"errors.go_on_s": 1.0})
+    fault, late = report["errors_handled"]
+    assert (fault["response"], late["response"]) == ("set down", "retry")
+    assert late["done_s"] < fault["done_s"] and not late["stands"] and fault["stands"]
+    assert "landed" in {kind for _, kind, *_ in simulation.dock_events()}
+
+
 # ---- what is not done
 
 
