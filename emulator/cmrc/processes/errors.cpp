@@ -175,12 +175,12 @@ void Errors::carry_out(ErrorEntry& entry, Time now, HostServices& services) {
         entry.stands = false;
         return finish(entry, now, services);
       }
-      // The drives work again with PID's codes. The crane does not move, and its set-point waits until the joints are
-      // back on their path.
+      // After a short gap the joints still move: their brakes stop them before the set-point and the drives hold them.
       ++timeouts_;
       late_after_ = services.tick();
       hands_.hold_crane(true);
       if (wanted_ || path_.rate(services.tick()) != 0) go_to_rate(0, 0);
+      drives_changed_ = true;
       go_on_at_ = services.tick() + ticks(std::max(config_.stop_s, 1.0));
       break;
     case Response::second_sensor:
@@ -203,6 +203,7 @@ void Errors::finish(ErrorEntry& entry, Time now, HostServices& services) {
 
 void Errors::refresh(Time now, HostServices& services) {
   const bool due = go_on_at_ && services.tick() >= *go_on_at_, goes_on = due && !must_stand();
+  if (due) drives_changed_ = true;
   if (goes_on) {
     hands_.hold_crane(false);
     go_to_rate(1, config_.go_on_s);
@@ -214,10 +215,10 @@ void Errors::refresh(Time now, HostServices& services) {
       path_.change(services.tick(), path_.target(), std::max<std::int64_t>(0, path_.reached() - services.tick()));
     wanted_.reset();
     drives_changed_ = false;
-    services.write(words_.cr_base + words_.cr_path, path_.words(drives_));
+    services.write(words_.cr_base + words_.cr_path, path_.words(go_on_at_ && !due ? 0 : drives_));
     services.write(words_.cr_base + words_.cr_stopped, Word{1});
   }
-  if (due && wanted_is_written()) go_on_at_.reset();
+  if (due && wanted_is_written() && !drives_changed_) go_on_at_.reset();
   for (ErrorEntry& entry : entries_) {
     if (entry.done || entry.cleared || !entry.decided) continue;
     const bool stood = wanted_is_written() && path_.target() == 0 && services.tick() >= path_.reached();
@@ -261,10 +262,10 @@ void Errors::clear(Time now, HostServices& services) {
   }
   if (!crane) return;
   hands_.set_crane_down(false);
-  hands_.hold_crane(false);
   drives_ = five;
   drives_changed_ = true;
-  go_on_at_.reset();
+  if (go_on_at_) return;
+  hands_.hold_crane(false);
   go_to_rate(1, config_.go_on_s);
 }
 

@@ -133,7 +133,8 @@ class Errors {
   std::int64_t late_after_ = 0;  // the same for time-outs
   bool servo_stopped_ = false;   // by an error
   std::int64_t timeouts_ = 0;    // time-outs after which the crane has continued by itself
-  std::optional<std::int64_t> go_on_at_;  // after a time-out, unless the crane must stand then
+  // After a time-out: all drives are off until then, and the crane goes on, unless it must stand.
+  std::optional<std::int64_t> go_on_at_;
 };
 
 }  // namespace cmrc
