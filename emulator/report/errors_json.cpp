@@ -22,7 +22,7 @@ Json errors_json(const std::vector<HandledError>& errors) {
                     {"cleared_s", seconds(of.cleared)},
                     {"stands", of.stands},
                     {"moved_until_noticed_m", of.moved_until_noticed_m},
-                    {"moved_until_done_m", of.moved_until_done_m},
+                    {"moved_until_done_m", of.moved_until_done_m ? Json(*of.moved_until_done_m) : Json(nullptr)},
                     {"moved_most_m", of.moved_most_m}});
   return list;
 }

@@ -18,13 +18,15 @@ std::string in_words(const HandledError& error) {
                          : fmt::format("    noticed at {}\n", at(error.noticed));
   if (error.decided)
     text += fmt::format("    decided at {}: {}; {}\n", at(*error.decided), error.response,
-                        error.done ? "done at " + at(*error.done) : "not done by the end");
+                        error.done      ? "done at " + at(*error.done)
+                        : error.cleared ? "not done before it was cleared"
+                                        : "not done by the end");
   else
     text += "    no DSP has decided what to do\n";
   text += fmt::format(
-      "    the load moved {:.3f} m until the error was noticed, {:.3f} m until the response was done, at most {:.3f} "
-      "m\n",
-      error.moved_until_noticed_m, error.moved_until_done_m, error.moved_most_m);
+      "    the load moved {:.3f} m until the error was noticed, {}at most {:.3f} m\n", error.moved_until_noticed_m,
+      error.moved_until_done_m ? fmt::format("{:.3f} m until the response was done, ", *error.moved_until_done_m) : "",
+      error.moved_most_m);
   if (error.cleared)
     text += fmt::format("    cleared by the operator at {}\n", at(*error.cleared));
   else if (error.stands)

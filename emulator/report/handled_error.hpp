@@ -18,15 +18,14 @@ struct HandledError {
   Time noticed{};
   std::optional<Time> decided;  ///< by an error block on a DSP
   std::string response;         ///< "stop", "hold", "set down", "retry", "second sensor"; empty: no DSP decided
-  std::optional<Time> done;     ///< the response was carried out
+  std::optional<Time> done;     ///< the response was carried out; empty: not before it was cleared, or by the end
   std::optional<Time> cleared;  ///< by the operator
   bool stands = false;          ///< at the end of the run the robot waits for the operator
   /// Distances of the load (for an AGV's error: of the AGV) from its place when the error happened or was noticed; from
   /// the plant, m.
-  /// plant, m.
   double moved_until_noticed_m = 0;
-  double moved_until_done_m = 0;  ///< or the end of the run
-  double moved_most_m = 0;        ///< until it was cleared, or the end of the run
+  std::optional<double> moved_until_done_m;
+  double moved_most_m = 0;  ///< until it was cleared; without an operator until it was done; or until the end
 };
 
 /// Part of the report for a terminal; empty without errors.

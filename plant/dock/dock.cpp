@@ -102,7 +102,13 @@ void Dock::set_torque_code(int joint, int code, Time t) {
 
 void Dock::enable_drives(std::uint32_t mask, Time t) {
   self_->advance(t);
-  self_->core.state.shadow_enable = mask & ((1U << joint_count) - 1U);
+  DockState& state = self_->core.state;
+  const std::uint32_t asked = mask & ((1U << joint_count) - 1U);
+  // The time-out of a drive that has had no code yet begins here.
+  for (std::size_t j = 0; j < joint_count; ++j)
+    if (bit(asked & ~state.shadow_enable, j) && state.updated[j] == 0 && state.shadow[j] == 0)
+      state.updated[j] = state.latch;
+  state.shadow_enable = asked;
 }
 
 void Dock::fail_drive(int joint, bool failed, Time t) {

@@ -70,7 +70,7 @@ struct DockState {
   std::array<int, joint_count> shadow{}, code{};  // torque codes: written, and taken at the latch
   std::vector<std::array<int, joint_count>> underway;  // codes under way to the drives, by latch modulo drive_delay
   std::uint32_t shadow_enable = 0, enabled = 0;
-  std::array<std::int64_t, joint_count> updated{};  // number of the last latch before the code was written
+  std::array<std::int64_t, joint_count> updated{};  // last latch before the code was written, or first switched on
   std::uint32_t stopped = 0;                        // drives that have had no code for drive_timeout
   std::uint32_t failed_drives = 0;
   ProtectionState protection;

@@ -58,6 +58,13 @@ def test_failures_of_a_run(
         assert not NUMBER_ALONE.search(details)
 
 
+@pytest.mark.parametrize("settings", [{"host.start_ms": 110.0}, {"dock.drive_timeout_ms": 15.0}])
+def test_drives_that_are_switched_on_late_have_not_failed(settings: dict[str, Any]) -> None:
+    report = cmrc.run(dsps=2, duration_s=0.2, settings={"report.reference": "none", **settings}).report
+    assert report["failures"] == []
+    assert report["tasks"]["pid"]["on_time"] > 50
+
+
 @pytest.mark.parametrize(("crane", "third"), [("default_dock", "phi"), ("gantry_dock", "trolley")])
 def test_events_of_a_dock_in_python(crane: str, third: str) -> None:
     dock = _core.plant.Dock(getattr(_core.plant, crane)(1))

@@ -52,6 +52,31 @@ def test_a_drive_times_out_when_its_last_code_is_older_than_100_ms() -> None:
     assert dock.drive_status(0, 101 * MS + latch) == LATE | BRAKE
 
 
+def test_the_time_out_of_a_drive_without_a_code_begins_when_it_is_switched_on() -> None:
+    dock = plant.Dock(plant.default_dock(1))
+    dock.enable_drives(0b11, 250 * MS)
+    dock.set_torque_code(1, 100, 300 * MS)
+    assert [dock.drive_status(joint, 350 * MS) for joint in (0, 1, 2)] == [READY, READY, READY | BRAKE]
+    assert [dock.drive_status(joint, 353 * MS) for joint in (0, 1)] == [LATE | BRAKE, READY]
+    dock.enable_drives(0b111, 360 * MS)
+    stopped = [(e.index, e.time) for e in dock.events if e.kind.startswith("drive_")]
+    latch = MS // 8
+    assert stopped == [(0, 350 * MS + latch)]
+    dock.advance_to(480 * MS)
+    stopped = [(e.index, e.time) for e in dock.events if e.kind.startswith("drive_")]
+    assert stopped[1:] == [(1, 400 * MS + latch), (2, 460 * MS + latch)]
+
+
+def test_a_drive_that_is_switched_on_does_not_continue_with_an_old_code() -> None:
+    dock = plant.Dock(plant.default_dock(1))
+    for joint, at in ((0, 0), (1, 10 * MS)):
+        dock.set_torque_code(joint, 500, at)
+    dock.enable_drives(0b11, 250 * MS)
+    dock.advance_to(260 * MS)
+    assert [dock.drive_status(joint, 260 * MS) for joint in (0, 1)] == [LATE | BRAKE] * 2
+    assert dock.signal.torque[0] == dock.signal.torque[1] == 0
+
+
 def test_the_drives_estimate_is_its_motors_speed() -> None:
     dock = moving()
     signal = dock.signal

@@ -181,7 +181,7 @@ std::vector<report::HandledError> handled_errors(std::span<const ErrorEntry> ent
     const RecordedPath& way = ways.try_emplace(entry.robot, dock, entry.robot).first->second;
     const Time begin = handled.happened.value_or(handled.noticed);
     handled.moved_until_noticed_m = distance(way.at(begin), way.at(handled.noticed));
-    handled.moved_until_done_m = distance(way.at(begin), way.at(handled.done.value_or(end)));
+    if (handled.done) handled.moved_until_done_m = distance(way.at(begin), way.at(*handled.done));
     handled.moved_most_m =
         way.farthest(begin, handled.cleared.value_or(entry.stands ? end : handled.done.value_or(end)));
     all.push_back(std::move(handled));

@@ -30,6 +30,15 @@ bool Errors::standing() const {
                      [](const ErrorEntry& entry) { return entry.stands && !entry.cleared; });
 }
 
+// A load that is being set down must reach its place; so after a time-out its ramp continues.
+bool Errors::must_stand() const {
+  return servo_stopped_ || std::any_of(entries_.begin(), entries_.end(), [](const ErrorEntry& entry) {
+           const bool of_crane = entry.origin != ErrorOrigin::block && entry.origin != ErrorOrigin::landing;
+           const bool stops = entry.response == Response::stop || entry.response == Response::hold;
+           return of_crane && stops && !entry.cleared;
+         });
+}
+
 void Errors::tell(const ErrorEntry& entry, Word phase, HostServices& services) const {
   services.error(static_cast<Word>(number_of(entry) + 1), static_cast<Word>(entry.origin) | entry.of << words_.error_of,
                  entry.robot, phase, static_cast<Word>(entry.response));
@@ -145,7 +154,6 @@ void Errors::carry_out(ErrorEntry& entry, Time now, HostServices& services) {
       }
       hands_.hold_crane(true);
       if (path_.target() != 0 || (wanted_ && wanted_->rate != 0)) go_to_rate(0, config_.stop_s);
-      go_on_at_.reset();
       break;
     case Response::hold:
       if (entry.origin == ErrorOrigin::landing) {
@@ -155,7 +163,6 @@ void Errors::carry_out(ErrorEntry& entry, Time now, HostServices& services) {
       hands_.hold_crane(true);
       if (entry.origin == ErrorOrigin::late) drives_ = 0, drives_changed_ = true;
       go_to_rate(0, 0);
-      go_on_at_.reset();
       break;
     case Response::set_down: hands_.set_crane_down(true); break;
     case Response::retry:
@@ -168,12 +175,12 @@ void Errors::carry_out(ErrorEntry& entry, Time now, HostServices& services) {
         entry.stands = false;
         return finish(entry, now, services);
       }
-      // The drives work again with PID's codes. The crane does not move, and its set-point waits until the joints are
-      // back on their path.
+      // After a short gap the joints still move: their brakes stop them before the set-point and the drives hold them.
       ++timeouts_;
       late_after_ = services.tick();
       hands_.hold_crane(true);
-      if (path_.target() != 0) go_to_rate(0, 0);
+      if (wanted_ || path_.rate(services.tick()) != 0) go_to_rate(0, 0);
+      drives_changed_ = true;
       go_on_at_ = services.tick() + ticks(std::max(config_.stop_s, 1.0));
       break;
     case Response::second_sensor:
@@ -195,8 +202,9 @@ void Errors::finish(ErrorEntry& entry, Time now, HostServices& services) {
 // ---- continuing ----
 
 void Errors::refresh(Time now, HostServices& services) {
-  if (go_on_at_ && services.tick() >= *go_on_at_) {
-    go_on_at_.reset();
+  const bool due = go_on_at_ && services.tick() >= *go_on_at_, goes_on = due && !must_stand();
+  if (due) drives_changed_ = true;
+  if (goes_on) {
     hands_.hold_crane(false);
     go_to_rate(1, config_.go_on_s);
   }
@@ -207,14 +215,15 @@ void Errors::refresh(Time now, HostServices& services) {
       path_.change(services.tick(), path_.target(), std::max<std::int64_t>(0, path_.reached() - services.tick()));
     wanted_.reset();
     drives_changed_ = false;
-    services.write(words_.cr_base + words_.cr_path, path_.words(drives_));
+    services.write(words_.cr_base + words_.cr_path, path_.words(go_on_at_ && !due ? 0 : drives_));
     services.write(words_.cr_base + words_.cr_stopped, Word{1});
   }
+  if (due && wanted_is_written() && !drives_changed_) go_on_at_.reset();
   for (ErrorEntry& entry : entries_) {
     if (entry.done || entry.cleared || !entry.decided) continue;
     const bool stood = wanted_is_written() && path_.target() == 0 && services.tick() >= path_.reached();
     if ((entry.response == Response::stop || entry.response == Response::hold) && stood) finish(entry, now, services);
-    if (entry.response == Response::retry && !go_on_at_ && wanted_is_written()) {
+    if (entry.response == Response::retry && goes_on && wanted_is_written()) {
       entry.stands = false;
       finish(entry, now, services);
     }
@@ -253,10 +262,10 @@ void Errors::clear(Time now, HostServices& services) {
   }
   if (!crane) return;
   hands_.set_crane_down(false);
-  hands_.hold_crane(false);
   drives_ = five;
   drives_changed_ = true;
-  go_on_at_.reset();
+  if (go_on_at_) return;
+  hands_.hold_crane(false);
   go_to_rate(1, config_.go_on_s);
 }
 

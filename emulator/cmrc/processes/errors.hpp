@@ -100,6 +100,8 @@ class Errors {
   /// The path's clock has to change to this rate; the change is written when the servo rests.
   void go_to_rate(double rate, double seconds);
   bool wanted_is_written() const { return !wanted_; }
+  /// An error that has not been cleared has stopped the crane's set-points.
+  bool must_stand() const;
   void tell(const ErrorEntry& entry, Word phase, HostServices& services) const;
   std::int64_t ticks(double seconds) const;
   std::size_t number_of(const ErrorEntry& entry) const { return static_cast<std::size_t>(&entry - entries_.data()); }
@@ -131,7 +133,8 @@ class Errors {
   std::int64_t late_after_ = 0;  // the same for time-outs
   bool servo_stopped_ = false;   // by an error
   std::int64_t timeouts_ = 0;    // time-outs after which the crane has continued by itself
-  std::optional<std::int64_t> go_on_at_;  // after a time-out
+  // After a time-out: all drives are off until then, and the crane goes on, unless it must stand.
+  std::optional<std::int64_t> go_on_at_;
 };
 
 }  // namespace cmrc
