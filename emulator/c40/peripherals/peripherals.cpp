@@ -55,7 +55,7 @@ bool Peripherals::write(Address address, Word value, Cycles at) {
     return true;
   }
   if (is_timer_register(address)) {
-    advance_to(at - 1);
+    advance_to(at);
     if (state_.timers[timer_of(address)].write(timer_register(address), value, at)) timer_event(timer_of(address), at);
     if (pins_.watched()) pins_.tell(at);
     expect();
