@@ -9,7 +9,7 @@ from cmrc._core import c40
 
 LOCAL, SLOW = 0x300000, 0x40000000
 ENABLE, FREEZE, CLEAR = 0x800, 0x400, 0x1000
-NOP, ADD_1_TO_R0, RETI = 0x0C800000, 0x02600001, 0x78000000
+NOP, ADD_1_TO_R0, RETI, RETS = 0x0C800000, 0x02600001, 0x78000000, 0x78800000
 SEGMENT = 32
 
 
@@ -228,3 +228,72 @@ def test_on_chip_code_is_not_cached() -> None:
     processor.pc = 0x2FF800
     processor.step()
     assert processor.get("R0") & 0xFFFFFFFF == 1
+
+
+def run_in_pieces(processor: Any, end: int) -> None:
+    while processor.pc != end:
+        processor.run(3, until=end)
+
+
+def run_step_by_step(processor: Any, end: int) -> None:
+    while processor.pc != end:
+        processor.step()
+
+
+def run_by_the_exact_engine(processor: Any, end: int) -> None:
+    processor.set_exact(True)
+    processor.run(100_000, until=end)
+
+
+WAYS = {
+    "whole": lambda processor, end: processor.run(100_000, until=end),
+    "in pieces": run_in_pieces,
+    "step by step": run_step_by_step,
+    "exact": run_by_the_exact_engine,
+}
+THREE_SEGMENTS, ONE_SEGMENT, ONE_WORD = SLOW + 0xDA, SLOW + 0x48, SLOW
+ROUTINES = {"three": (THREE_SEGMENTS, 44), "one": (ONE_SEGMENT, 30), "word": (ONE_WORD, 1)}
+
+
+def misses_of_the_last_call(calls: list[str], way: str) -> int:
+    """A program on the chip calls routines in slow memory, and changes the cache in between."""
+
+    def run(calls: list[str]) -> Any:
+        text = ""
+        for what in calls:
+            called = {"three": "r8", "one": "r9", "word": "r10"}.get(what)
+            text += f"        callu {called}\n" if called else f"        {what}\n" + "        nop\n" * 8
+        processor, image = small_programs.load(text + "stop:   bu stop\n")
+        for name, (address, words) in zip(("R8", "R9", "R10"), ROUTINES.values(), strict=True):
+            processor.load_words(address, [NOP] * (words - 1) + [RETS])
+            processor.set(name, address)
+        WAYS[way](processor, image.symbols["stop"])
+        assert small_programs.consistent(processor)
+        return processor.causes["cache_miss"]
+
+    return int(run(calls) - run(calls[:-1]))
+
+
+ON, HOLD, THAW, EMPTY = "or 800h,st", "or 400h,st", "andn 400h,st", "or 1000h,st"
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize(
+    ("before", "expected"),
+    [
+        ([], 44),
+        (["three"], 0),
+        (["three", "one", HOLD], 6),  # the first word's segment went for the second of the other routine
+        (["three", "one", HOLD, "three"], 6),
+        (["three", "one", HOLD, "three", EMPTY], 44),
+        (["three", "one", HOLD, "three", EMPTY, THAW], 44),
+        (["three", "one", HOLD, "three", THAW, "word", HOLD], 38),  # the second one's went, too
+        (["three", "one", HOLD, "three", THAW, "word", HOLD, "three"], 38),
+    ],
+)
+def test_a_frozen_cache_hits_the_words_that_it_holds_however_a_program_is_run(
+    before: list[str], expected: int, way: str
+) -> None:
+    """A block that was recorded with hits does not fit where the words are gone: frozen, a missing segment takes the
+    place of no other."""
+    assert misses_of_the_last_call([ON, *before, "three"], way) == expected

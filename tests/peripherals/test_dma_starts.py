@@ -270,6 +270,9 @@ def test_each_start_of_a_half_is_told_once(emulator: Path, tmp_path: Path) -> No
         .text
         ldhi 10h,ar0
         or 0b0h,ar0       ; channel 1
+        ldhi 2fh,r4
+        or 0f800h,r4      ; a word is read between START and the next write of it
+        sti r4,*+ar0(1)
         ldhi 02h,r0
         or 0c000h,r0      ; split, port 5
         ldhi 0302h,r1

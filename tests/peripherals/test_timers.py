@@ -8,6 +8,9 @@ from typing import Any
 
 import pytest
 from cmrc._core import c40, toolchain
+from cmrc.c40 import assemble
+from cmrc.network import Network
+from dma_chips import chip_with, low
 
 CONTROL, COUNTER, PERIOD = 0x100020, 0x100024, 0x100028
 TABLE = 0x2FFA00
@@ -231,6 +234,101 @@ def test_a_write_of_the_counter_overrides_the_tick_of_its_cycle() -> None:
         assert chip.peripheral("TIMER0.counter") == 7
     chip.run(20)
     assert chip.peripheral("TIMER0.counter") in (16, 17)
+
+
+def after_a_write(
+    control: int, period: int, delay: int, register: int, value: int, cycles: int
+) -> tuple[int, bool, bool]:
+    """Counter, TSTAT and TINT of a timer that was started in cycle 0, and written in cycle `delay`: cycle by cycle, the
+    tick first."""
+    counter, status, rose, runs, clock = 0, False, False, True, bool(control & 0x100)
+    for cycle in range(1, cycles + 1):
+        status = status and clock
+        if runs and cycle % 2 == 0:
+            event = counter in (period - 1, period)
+            counter = 0 if event else counter + 1
+            if event:
+                status = not (status and clock)
+                rose = rose or status
+        if cycle == delay:
+            counter = value if register == COUNTER else counter
+            period = value if register == PERIOD else period
+            runs = runs and register != CONTROL
+    return counter, status, rose
+
+
+def written_timer(control: int, period: int, delay: int, register: int, value: int) -> str:
+    """A program that starts timer 0, and reads it three cycles after another write. AR0 is at its control register, R6
+    at 7."""
+    fill = "        nop\n" * (delay - 1)
+    return f"""
+        ldhi 10h,ar0
+        or 20h,ar0
+        ldi {period},r0
+        sti r0,*+ar0(8)
+        ldi {control:#x},r1
+        ldi {value:#x},r2
+        ldi 1,r3
+        sti r3,*+ar0(18h)
+        ldi 2c0h,r3
+START   sti r1,*ar0
+{fill}        sti r2,*+ar0({register - CONTROL})
+        nop
+        nop
+        ldi *+ar0(4),r4
+        ldi *ar0,r5
+stop:   bu stop
+"""
+
+
+HELD = {PULSE: 0x200, CLOCK: 0x300}
+WRITES = [("held", CONTROL, 0), ("period", PERIOD, 9), ("shorter", PERIOD, 1), ("counter", COUNTER, 1)]
+
+
+@pytest.mark.parametrize("way", ["whole", "stepped", "looked at", "exact"])
+@pytest.mark.parametrize("other", ["alone", "timer 1", "timer 1, a cycle later"])
+@pytest.mark.parametrize(("register", "value"), [w[1:] for w in WRITES], ids=[w[0] for w in WRITES])
+@pytest.mark.parametrize("control", [PULSE, CLOCK])
+def test_a_write_in_the_cycle_of_a_tick_comes_after_it_whatever_the_other_timer_does(
+    control: int, register: int, value: int, other: str, way: str
+) -> None:
+    """A tick and its event are not lost; only a counter that is written has the written value afterwards."""
+    starts = {
+        "alone": "        nop\n        nop\n",
+        "timer 1": "        sti r3,*+ar0(10h)\n        nop\n",
+        "timer 1, a cycle later": "        nop\n        sti r3,*+ar0(10h)\n",
+    }[other]
+    for period, delay in itertools.product((1, 2, 3, 9), range(1, 20)):
+        written = HELD[control] if register == CONTROL else value
+        text = written_timer(control, period, delay, register, written).replace("START", starts)
+        chip, image = chip_with(text)
+        chip.set_exact(way == "exact")
+        while chip.pc != image.symbols["stop"]:
+            if way in ("whole", "exact"):
+                chip.run(1000, until=image.symbols["stop"])
+            else:
+                chip.step()
+                assert way == "stepped" or chip.peripheral("TIMER0.control") is not None
+        at = f"period {period}, written {delay} cycles after the start"
+        counter, _status, rose = after_a_write(control, period, delay, register, value, delay + 3)
+        assert low(chip, "R4") == counter, at
+        *_, status, _rose = after_a_write(control, period, delay, register, value, delay + 4)
+        assert (low(chip, "R5") & TSTAT != 0) == status, at
+        *_, rose = after_a_write(control, period, delay, register, value, delay + 5)
+        assert (chip.get("IIF") & 1 << 24 != 0) == rose, at
+
+
+@pytest.mark.parametrize(("register", "value"), [(CONTROL, 0x301), (PERIOD, 9), (COUNTER, 1)])
+def test_a_net_at_the_pin_changes_nothing_for_the_timer(register: int, value: int) -> None:
+    for period, delay in itertools.product((1, 2), range(1, 12)):
+        text = "        .text\nmain:\n" + written_timer(0x3C1, period, delay, register, value).replace("START", "")
+        seen = []
+        for nets in ((), ("0.TCLK0>1.IIOF1",)):
+            network = Network([assemble(text), assemble("        .text\nstop: bu stop\n")], boards="flat", nets=nets)
+            network.run(until_us=20)
+            registers = network.chips[0].registers
+            seen.append((registers["R4"], registers["R5"]))
+        assert seen[0] == seen[1], f"period {period}, written {delay} cycles after the start"
 
 
 def test_the_pins_time_is_not_counted_when_the_internal_clock_returns() -> None:

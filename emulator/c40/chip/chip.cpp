@@ -124,12 +124,12 @@ bool Chip::iiof_pin(int pin) const {
 }
 void Chip::raise_iiof(int pin) {
   check_pin(pin);
-  engine_->peripherals().raise(interrupts::iiof_flag(static_cast<unsigned>(pin)));
+  engine_->peripherals().raise(interrupts::iiof_flag(static_cast<unsigned>(pin)), cycle());
 }
-void Chip::raise_nmi() { engine_->peripherals().raise(interrupts::nmi_flag); }
+void Chip::raise_nmi() { engine_->peripherals().raise(interrupts::nmi_flag, cycle()); }
 void Chip::raise_timer(int timer) {
   check_timer(timer);
-  engine_->peripherals().raise(interrupts::timer_flags[static_cast<std::size_t>(timer)]);
+  engine_->peripherals().raise(interrupts::timer_flags[static_cast<std::size_t>(timer)], cycle());
 }
 void Chip::set_window_listener(WindowListener* listener) { engine_->window_listener = listener; }
 void Chip::catch_up() { engine_->catch_up(); }
@@ -150,7 +150,7 @@ const CommPort& Chip::port(int port) const {
 void Chip::complete_port(Cycles at) { engine_->complete_port(at); }
 bool Chip::dma_active() const { return engine_->peripherals().dma_active(); }
 bool Chip::dma_busy() const {
-  return engine_->peripherals().dma_active() && (engine_->dma().busy() || engine_->dma().ends());
+  return engine_->peripherals().dma_busy() || (engine_->peripherals().dma_active() && engine_->dma().ends());
 }
 bool Chip::dma_ends_by(Cycles cycle) const {
   return engine_->peripherals().dma_active() && engine_->dma().ends_at(cycle);

@@ -36,7 +36,7 @@ void Engine::reset() {
   ports_.reset(state_.cycle);
   state_.dma.now = state_.cycle;
   dma_side_.reset();
-  peripherals_.state_changed();
+  peripherals_.was_reset();
   state_.core.e.fill(float40::zero_exponent);
   state_.global_interface_control = board_.global_interface_control;
   state_.local_interface_control = board_.local_interface_control;
@@ -132,6 +132,7 @@ void Engine::poke(Address address, Word value) {
   if (area == nullptr)
     throw std::out_of_range(fmt::format("address {:08X}h is reserved on board {}", address, board_.name));
   if (area->data == nullptr) {
+    peripherals_.give_all_dma_inputs();
     if (area->kind == Region::Kind::registers && peripherals_.write(address, value, state_.cycle)) return;
     throw std::out_of_range(
         fmt::format("address {:08X}h ({}) cannot be written without a bus access", address, area->name));
@@ -180,6 +181,7 @@ void Engine::stand_until(Cycles cycle, Cause cause) {
   touch();
   pass(cause, cycle);
   if (pins_.watched() && !state_.held) peripherals_.advance_to(state_.cycle);
+  peripherals_.give_all_dma_inputs();
 }
 
 // A held chip drives no pin. No listener sees what its timers would have done meanwhile.

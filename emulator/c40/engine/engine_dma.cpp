@@ -43,13 +43,14 @@ std::optional<StopInfo> Engine::run_dma(Cycles limit, bool processor_waits) {
   if (auto earlier = std::exchange(side.stop, std::nullopt)) return earlier;
   const Cycles began = state_.cycle;
   const auto moves = [&] { return dma_.busy() || dma_.ends(); };
-  const bool moved = processor_waits && peripherals_.dma_active() && moves();
+  const bool moved = processor_waits && peripherals_.dma_active() && (moves() || peripherals_.has_dma_input());
   while (peripherals_.dma_active()) {
     if (!waits_in_idle() && state_.cycle > began + starved_cycles) return StopInfo{};
     if (side.request) return dma_stop(*side.request);
     const bool idles = !processor_waits && waits_in_idle();
     const Cycles until = processor_waits ? limit : known_until(limit, idles);
-    const Cycles event = peripherals_.next_event(), to = std::min(until, event);
+    const Cycles event = std::min(peripherals_.next_event(), peripherals_.next_dma_input()),
+                 to = std::min(until, event);
     if (state_.dma.now >= until && !dma_.ends_at(until) && event > until) break;
     const bool rests = !moves();
     std::optional<DmaRequest> request;
@@ -65,10 +66,12 @@ std::optional<StopInfo> Engine::run_dma(Cycles limit, bool processor_waits) {
     if (rests && event > to) break;
     if (request) return dma_stop(*request);
     if (side.take_touched_link()) return stop(Stepped::horizon);
-    if (moved && !moves() && event > dma_.last_done())
+    if (moved && !moves() && !peripherals_.has_dma_input() && event > dma_.last_done())
       break;  // at rest: how far the timers go beyond is decided by the caller, who knows whether anything else will
               // happen
-    if (event <= to && state_.dma.now >= event) peripherals_.advance_to(event);
+    if (event > to || state_.dma.now < event) continue;
+    peripherals_.advance_to(event);
+    peripherals_.give_dma_inputs(event);
   }
   return std::nullopt;
 }

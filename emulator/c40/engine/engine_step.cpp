@@ -183,7 +183,7 @@ void Engine::finish_step(const Step& step) {
   const BoundInstruction& bound = step.decoded->bound;
   for (std::size_t k = 0; step.register_writes != 0 && k < 2; ++k)
     if ((step.register_writes >> k & 1u) != 0)
-      peripherals_.write(step.address[k], scratch_[k].cell[0], step.register_cycle[k]);
+      peripherals_.write_by_processor(step.address[k], scratch_[k].cell[0], step.register_cycle[k]);
   if (bound.writes_status) {
     // LDIcond may leave ST unchanged.
     const bool written =
@@ -265,6 +265,7 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
                 fmt::format("{} may not stand {} words before the end of a repeated block (RE = {:08X}h)",
                             bound.row->mnemonic, core.r[reg::RE] - pc, core.r[reg::RE]));
   if (fresh || decoded.stale || !decoded.keeps_windows) decoded.forget_windows();
+  const Word enabled_dma = core.r[reg::DIE];
   const bool over_with_read = core.delay_slots == 3 && bound.row->write_stage == isa::WriteStage::read;
   // Whether a block repeats is decided when its last instruction is fetched, before that can write ST.
   const bool decided = bound.writes_status && core.delay_slots == 0;
@@ -297,7 +298,11 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
     settle_answers();
     if (peripherals_.dma_active()) dma_side_.mark_under_way();
   }
-  if (bound.writes_interrupts) peripherals_.pins_changed();
+  if (bound.writes_interrupts) {
+    peripherals_.pins_changed();
+    if (core.r[reg::DIE] != enabled_dma && peripherals_.dma_active())
+      peripherals_.interrupt_enable_written(enabled_dma, state_.cycle - 1);
+  }
   if (dma_effect_ == DmaEffect::under_way) [[unlikely]]
     dma_side_.note_accesses(annul ? Demand{} : decoded.demand, *step.timing, before);
   if (bound.flow != Flow::straight || bound.writes_status)

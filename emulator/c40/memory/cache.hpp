@@ -34,12 +34,13 @@ class Cache {
 
   /// For each of the words from an address on, bit 0 first: whether fetching them in order gives a hit. Of the other
   /// words, bits may be set or not.
-  std::uint32_t hits_from(Address address, unsigned words = segment_words) const {
+  /// \param frozen a missing word replaces nothing
+  std::uint32_t hits_from(Address address, bool frozen, unsigned words = segment_words) const {
     const unsigned first = segment_of(address), shift = address % segment_words;
     std::uint32_t hits = first != segment_count ? present_[first] >> shift : 0;
     if (shift + words <= segment_words) return hits;
     const unsigned second = segment_of(address + segment_words);
-    const bool replaced = first == segment_count && second == order_[segment_count - 1];
+    const bool replaced = !frozen && first == segment_count && second == order_[segment_count - 1];
     if (second != segment_count && !replaced) hits |= present_[second] << (segment_words - shift);
     return hits;
   }

@@ -62,7 +62,8 @@ void InstructionCache::forget_numbers() {
 }
 
 bool InstructionCache::fits_now(CodeBlock& block) {
-  const std::uint32_t hits = contents().hits_from(block.key.pc, static_cast<unsigned>(block.size));
+  const bool frozen = (block.key.mode & CodeBlockKey::frozen) != 0;
+  const std::uint32_t hits = contents().hits_from(block.key.pc, frozen, static_cast<unsigned>(block.size));
   if (((hits ^ block.key.hits) & block.own_words) != 0) return false;
   note_fit(block);
   return true;

@@ -68,7 +68,7 @@ class InstructionCache {
     if (block.uses_cache && number_contents()) block.fitted = number_;
   }
   /// Which of 32 words from an address on the cache holds.
-  std::uint32_t hits_from(Address pc) const { return contents().hits_from(pc); }
+  std::uint32_t hits_from(Address pc) const { return contents().hits_from(pc, frozen()); }
   /// Brings state_.cache up to date.
   void settle() {
     if (number_ != unnumbered) state_.cache = contents();

@@ -84,7 +84,7 @@ void Dma::write(int c, DmaRegister reg, Word value, Cycles at) {
   const std::array<Word, 2> before = starts(c);
   written[control] = value & ~read_only;
   reset_halves(c);
-  start_halves(c, before, at);
+  start_halves(c, before, at, at + timing::dma_start_cycles);
   if (!was_busy) s_.now = std::max(s_.now, at + timing::dma_start_cycles);
 }
 
@@ -104,7 +104,7 @@ void Dma::reset_halves(int c) {
 
 // After a change of the control register, and of the registers that came with it. A half that was halted resumes where
 // it was: within a word, or within a list.
-void Dma::start_halves(int c, const std::array<Word, 2>& before, Cycles at) {
+void Dma::start_halves(int c, const std::array<Word, 2>& before, Cycles at, Cycles first) {
   bool any = false;
   for (int half : {0, 1}) {
     const Half h{c, half};
@@ -112,6 +112,7 @@ void Dma::start_halves(int c, const std::array<Word, 2>& before, Cycles at) {
     any = true;
     state(h).since = at;
     if (begins_with_list(h)) begin_list(h);
+    state(h).first = first;
   }
   if (any) context_.started(c, channel(c)[control], at);
 }
@@ -127,8 +128,17 @@ void Dma::reset() {
   s_.now = now;
 }
 
-Word Dma::event_code(int c, bool write) const {
-  const Word die = context_.dma_interrupt_enable();
+void Dma::interrupt_enable_changed(Word before, Cycles at) {
+  for (int index = 0; index < 2 * dma_channel_count; ++index) {
+    const Half h = half_of(index);
+    if (at_rest(h.channel) || !synchronised(h)) continue;
+    const bool write = state(h).has_data && !state(h).listing;
+    if (event_code(h.channel, write, before) != event_code(h.channel, write))
+      state(h).first = at + timing::dma_start_cycles;
+  }
+}
+
+Word Dma::event_code(int c, bool write, Word die) {
   if (c < 2) return die >> (4 * c + (write ? 2 : 0)) & 3u;
   return die >> (8 + 6 * (c - 2) + (write ? 3 : 0)) & 7u;
 }
@@ -185,7 +195,7 @@ std::optional<int> Dma::pick() const {
     if (at_rest(c)) continue;
     const int first = last >= 0 && last / 2 == c ? 1 - last % 2 : 0;
     for (int half : {first, 1 - first})
-      if (ready({c, half})) return 2 * c + half;
+      if (state({c, half}).first <= s_.now && ready({c, half})) return 2 * c + half;
   }
   return std::nullopt;
 }
@@ -198,7 +208,10 @@ bool Dma::active() const {
 }
 
 bool Dma::busy() const {
-  return s_.waits_for_answer || (s_.current >= 0 && ready(half_of(s_.current))) || pick().has_value();
+  if (s_.waits_for_answer) return true;
+  for (int c = 0; c < dma_channel_count; ++c)
+    if (!at_rest(c) && (ready({c, 0}) || ready({c, 1}))) return true;
+  return false;
 }
 
 namespace {
@@ -298,9 +311,14 @@ void Dma::end() { end_block(half_of(std::exchange(s_.ended, std::int8_t{-1})), s
 
 // Does one access. False: nothing more can happen before the limit.
 bool Dma::step(Cycles limit, std::optional<DmaRequest>& request) {
-  if (s_.current >= 0 && !ready(half_of(s_.current))) s_.current = -1;  // the half waits with its word
+  if (s_.current >= 0 && (!ready(half_of(s_.current)) || state(half_of(s_.current)).first > s_.now))
+    s_.current = -1;  // the half waits with its word
   if (s_.current < 0) {
     const auto next = pick();
+    if (!next && busy()) {
+      ++s_.now;
+      return true;
+    }
     if (!next) {
       if (active())
         s_.now = limit;  // else its time does not advance: how far a run continues afterwards is not part of its state
@@ -420,7 +438,7 @@ void Dma::load_list(Half h, bool divided) {
   else
     load_others(auxiliary_list);
   if (start(h) == start_run && begins_with_list(h)) begin_list(h);
-  start_halves(h.channel, before, s_.now);
+  start_halves(h.channel, before, s_.now, s_.now);
 }
 
 }  // namespace c40

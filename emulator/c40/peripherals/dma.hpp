@@ -23,6 +23,7 @@ struct DmaHalf {
   std::array<Word, 7> list{};
   Address list_at = 0;
   Cycles since = 0;  ///< when the half was started, or its last access was done
+  Cycles first = 0;  ///< no access before this cycle
   friend bool operator==(const DmaHalf&, const DmaHalf&) = default;
 };
 
@@ -95,8 +96,10 @@ class Dma {
   Dma(DmaState& state, DmaContext& context) : s_(state), context_(context) {}
 
   Word read(int channel, DmaRegister reg) const;
-  /// A write of the processor in cycle `at`.
+  /// A write of the processor in cycle `at`. A half that it starts begins in the next cycle or later.
   void write(int channel, DmaRegister reg, Word value, Cycles at);
+  /// DIE was `before` until cycle `at`. A half that waits for another event now begins in the next cycle or later.
+  void interrupt_enable_changed(Word before, Cycles at);
   void reset();
   /// Executes everything before `limit`. Stops before an access that the chip cannot complete, and after an access to a
   /// linked port.
@@ -171,13 +174,14 @@ class Dma {
   Word start(Half h) const;
   std::array<Word, 2> starts(int c) const { return {start({c, 0}), start({c, 1})}; }
   void reset_halves(int c);
-  void start_halves(int c, const std::array<Word, 2>& before, Cycles at);
+  void start_halves(int c, const std::array<Word, 2>& before, Cycles at, Cycles first);
   bool begins_with_list(Half h) const;
   void set_start(Half h, Word value);
   Word mode(Half h) const;
   DmaRegister counter_of(Half h) const { return h.half == 1 ? DmaRegister::auxiliary_counter : DmaRegister::counter; }
   DmaRegister link_of(Half h) const { return h.half == 1 ? DmaRegister::auxiliary_link : DmaRegister::link; }
-  Word event_code(int c, bool write) const;
+  Word event_code(int c, bool write) const { return event_code(c, write, context_.dma_interrupt_enable()); }
+  static Word event_code(int c, bool write, Word die);
   bool event_ready(int c, bool write) const;
   void take_event(int c, bool write);
   bool synchronised(Half h) const;

@@ -93,12 +93,12 @@ std::optional<bool> DmaSide::level(int channel, bool write, Word code) const {
   return write ? port.ocrdy() : port.icrdy();
 }
 
-Word DmaSide::dma_interrupt_enable() const { return chip_.state.core.r[reg::DIE]; }
+Word DmaSide::dma_interrupt_enable() const { return chip_.peripherals.dma_interrupt_enable(); }
 
 void DmaSide::block_ended(int channel, bool auxiliary, bool interrupt, Cycles at) {
   chip_.tell({PeripheralEvent::Kind::dma_end, at, channel, auxiliary});
   if (!interrupt) return;
-  chip_.peripherals.raise(interrupts::first_dma_flag << channel);
+  chip_.peripherals.raise(interrupts::first_dma_flag << channel, at);
   chip_.dma.stop_requested = true;
 }
 
@@ -304,13 +304,14 @@ void DmaSide::stand_still(Cycles from, Cycles cycles) {
   DmaState& dma = chip_.state.dma;
   const Cycles later = std::max(dma.now, from) + cycles - dma.now;
   dma.now += later;
+  chip_.peripherals.delay_dma_inputs(later);
   if (request) request->cycle += later;
   const auto delay = [=](Cycles& end) {
     if (end > from) end += cycles;
   };
   delay(dma.answered_until);
   for (DmaChannel& channel : dma.channels)
-    for (DmaHalf& half : channel.halves) delay(half.since);
+    for (DmaHalf& half : channel.halves) delay(half.since), delay(half.first);
   std::ranges::for_each(taken_until_, delay);
   std::ranges::for_each(written_, delay);
   delay(last_taken_);

@@ -55,7 +55,7 @@ bool Peripherals::write(Address address, Word value, Cycles at) {
     return true;
   }
   if (is_timer_register(address)) {
-    advance_to(at - 1);
+    advance_to(at);
     if (state_.timers[timer_of(address)].write(timer_register(address), value, at)) timer_event(timer_of(address), at);
     if (pins_.watched()) pins_.tell(at);
     expect();
@@ -69,27 +69,85 @@ bool Peripherals::write(Address address, Word value, Cycles at) {
   return false;
 }
 
+bool Peripherals::write_by_processor(Address address, Word value, Cycles at) {
+  if (!is_dma_register(address) || !dma_active_) return write(address, value, at);
+  advance_to(at);  // the timers' events of the cycle come first
+  if (!dma_is_behind(at)) return write(address, value, at);
+  note({DmaInput::Kind::write, at, value, address});
+  return true;
+}
+
+void Peripherals::interrupt_enable_written(Word before, Cycles at) {
+  note({DmaInput::Kind::interrupt_enable, at, before, 0});
+  advance_to(at);  // the timers' events of the cycle come first
+  if (dma_.busy() || dma_.ends()) return;
+  dma_.rest_until(at);
+  give_dma_inputs(at);
+}
+
+// ---- what the DMA learns when it comes to the cycle ----
+
+void Peripherals::note(const DmaInput& input) {
+  dma_inputs_.insert(std::ranges::upper_bound(dma_inputs_, input.at, {}, &DmaInput::at), input);
+}
+
+void Peripherals::give_dma_inputs(Cycles at) {
+  while (next_dma_input() <= at && has_dma_input()) {
+    const DmaInput input = dma_inputs_.front();
+    dma_inputs_.erase(dma_inputs_.begin());
+    give(input);
+  }
+  watch_dma();
+}
+
+void Peripherals::give(const DmaInput& input) {
+  switch (input.kind) {
+    case DmaInput::Kind::event:
+      if (!dma_.latch(selects(input.value))) set_flag(input.value);
+      break;
+    case DmaInput::Kind::write:
+      dma_.write(dma_channel_of(input.address), dma_register(input.address), input.value, input.at);
+      break;
+    case DmaInput::Kind::interrupt_enable: dma_.interrupt_enable_changed(input.value, input.at); break;
+  }
+}
+
+Word Peripherals::dma_interrupt_enable_before() const {
+  const auto change = std::ranges::find(dma_inputs_, DmaInput::Kind::interrupt_enable, &DmaInput::kind);
+  return change != dma_inputs_.end() ? change->value : state_.core.r[reg::DIE];
+}
+
+void Peripherals::delay_dma_inputs(Cycles cycles) {
+  for (DmaInput& input : dma_inputs_) input.at += cycles;
+}
+
 // ---- events ----
 
-void Peripherals::raise(Word flag) {
-  Word& iif = state_.core.r[reg::IIF];
+void Peripherals::raise(Word flag, Cycles at) {
+  const Word iif = state_.core.r[reg::IIF];
   for (unsigned pin = 0; pin < 4; ++pin)
     if (flag == iiof_flag(pin) && (iif >> 4 * pin & 1u) == 0) return;  // general-purpose I/O
-  if (dma_.latch(selects(flag))) return;
+  if (!dma_.latches(selects(flag))) return set_flag(flag);
+  if (dma_is_behind(at)) return note({DmaInput::Kind::event, at, flag, 0});
+  if (dma_active_) dma_.rest_until(at);  // it has waited
+  dma_.latch(selects(flag));
+}
+
+void Peripherals::set_flag(Word flag) {
   for (unsigned pin = 0; pin < 4; ++pin)
     if (flag == iiof_flag(pin) && interrupts::is_level_triggered(state_.core, pin)) return;  // Pins::show_inputs
-  iif |= flag;
+  state_.core.r[reg::IIF] |= flag;
 }
 
 void Peripherals::timer_event(std::size_t timer, Cycles at) {
-  raise(timer_flags[timer]);
+  raise(timer_flags[timer], at);
   tell_({PeripheralEvent::Kind::timer, at, static_cast<int>(timer)});
 }
 
 void Peripherals::set_pin(Pin pin, bool level, Cycles at) {
   const unsigned n = number_of(pin);
   if (pin == Pin::nmi) {
-    if (!level && !state_.nmi_low) raise(interrupts::nmi_flag);
+    if (!level && !state_.nmi_low) raise(interrupts::nmi_flag, at);
     state_.nmi_low = !level;
   } else if (is_timer_pin(pin)) {
     if (state_.held) return state_.timers[n].follow_pin(level);
@@ -97,7 +155,7 @@ void Peripherals::set_pin(Pin pin, bool level, Cycles at) {
     if (state_.timers[n].set_pin(level, at)) timer_event(n, at);
     expect();
   } else if (is_iiof(pin)) {
-    if (pins_.set_iiof(pin, level)) raise(iiof_flag(n));
+    if (pins_.set_iiof(pin, level)) raise(iiof_flag(n), at);
     pins_.show_inputs();
   }
 }
@@ -144,13 +202,21 @@ void Peripherals::expect() {
   if (pins_.watched()) next_event_ = std::min(next_event_, pins_.next_change());
 }
 
-void Peripherals::watch_dma() { dma_active_ = dma_.active() || state_.dma.waits_for_answer; }
+void Peripherals::watch_dma() { dma_active_ = dma_.active() || state_.dma.waits_for_answer || has_dma_input(); }
 
 void Peripherals::state_changed() {
   watch_dma();
   expect();
 }
 
-void Peripherals::list_state(state::Visitor& list) { list("interface_changed", interface_changed_); }
+void Peripherals::was_reset() {
+  dma_inputs_.clear();
+  state_changed();
+}
+
+void Peripherals::list_state(state::Visitor& list) {
+  list("interface_changed", interface_changed_);
+  list("dma_inputs", dma_inputs_);
+}
 
 }  // namespace c40

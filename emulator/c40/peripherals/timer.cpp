@@ -52,13 +52,10 @@ Word Timer::read(TimerRegister reg, Cycles at) const {
 }
 
 bool Timer::write(TimerRegister reg, Word value, Cycles at) {
-  bool rose = advance_to(at - 1);
+  bool rose = advance_to(at);
   const bool lasts = stuck();
   switch (reg) {
-    case TimerRegister::counter:
-      skip_ticks(at);  // the write overrides a tick in this cycle
-      counter_ = value;
-      break;
+    case TimerRegister::counter: counter_ = value; break;
     case TimerRegister::period: period_ = value; break;
     case TimerRegister::control:
       if (write_control(value, at)) rose = true;

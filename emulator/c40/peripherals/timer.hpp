@@ -44,8 +44,8 @@ class Timer {
  public:
   /// A register's value in a cycle, which must not be before the last call of advance_to or write.
   Word read(TimerRegister reg, Cycles at) const;
-  /// A write of the processor overrides the timer's own change of that register in that cycle. True if the write
-  /// changed TSTAT from 0 to 1.
+  /// A write of the processor overrides the timer's own change of that register in that cycle, and of nothing else.
+  /// True if TSTAT went from 0 to 1.
   bool write(TimerRegister reg, Word value, Cycles at);
   /// The chip is held for so many cycles, in which the timer does not count: all that is to come comes later.
   void stand_still(Cycles cycles) { at_ += cycles; }
