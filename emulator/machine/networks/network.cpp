@@ -4,6 +4,7 @@
 #include <limits>
 #include <span>
 
+#include "c40/peripherals/register_map.hpp"
 #include "io/stop.hpp"
 #include "isa/types.hpp"
 #include "machine/chips/asleep.hpp"
@@ -272,9 +273,23 @@ bool Network::waits_for_ever() const {
   });
 }
 
+namespace {
+class Running {
+ public:
+  explicit Running(bool& runs) : runs_(runs) { runs_ = true; }
+  ~Running() { runs_ = false; }
+  Running(const Running&) = delete;
+  Running& operator=(const Running&) = delete;
+
+ private:
+  bool& runs_;
+};
+}  // namespace
+
 NetworkStop Network::run_until(Time limit) {
   // Interval between two checks for a stop: a moment even for 64 chips with instruction traces.
   constexpr Time slice = std::chrono::microseconds{200};
+  const Running running(runs_);
   for (;;) {
     const NetworkStop stop = run_slice(std::min(limit, now_ + slice));
     if (stop.reason != NetworkStop::Reason::limit || now_ >= limit) return stop;
@@ -347,7 +362,13 @@ void Network::link_happens(std::size_t number, Time time) {
   }
 }
 
+void Network::poke(std::size_t n, Address address, Word value) {
+  if (!runs_ && c40::register_at(address) != nullptr) nodes_.at(n)->stand_at_rest_until(now_);
+  chip(n).poke(address, value);
+}
+
 void Network::changed_by_hand(std::optional<std::size_t> moved) {
+  if (runs_) return;
   something_happened();
   changed_ = now_;
   for (auto& node : nodes_) node->look_again(node->number == moved);
