@@ -65,7 +65,7 @@ void bind_processor(py::module_& m) {
             struct Owner {
               py::object processor;
               toolchain::Image program;
-              ~Owner() { processor.cast<Processor&>().forget_ends(program); }
+              ~Owner() { processor.cast<Processor&>().forget_ends(); }
             };
             auto owner = std::make_shared<Owner>(self, program);
             auto& p = self.cast<Processor&>();

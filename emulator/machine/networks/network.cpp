@@ -8,7 +8,6 @@
 #include "io/stop.hpp"
 #include "isa/types.hpp"
 #include "machine/chips/asleep.hpp"
-#include "machine/chips/program_end.hpp"
 #include "machine/networks/network_parts.hpp"
 
 namespace machine {
@@ -169,7 +168,7 @@ void Network::load_stream(Node& node, const toolchain::Image& image, const c40::
 
 void Network::ready_to_start(Node& node) {
   if (node.description.add_words) node.description.add_words(node.chip);
-  for (const Address end : program_ends(*node.description.program)) node.chip.add_breakpoint(end);
+  node.chip.stop_at_ends(true);
   if (node.description.until) node.chip.add_breakpoint(*node.description.until);
   start(node);
 }

@@ -3,8 +3,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "isa/program_end.hpp"
 #include "machine/chips/asleep.hpp"
-#include "machine/chips/program_end.hpp"
 #include "machine/networks/network_parts.hpp"
 
 namespace machine {
@@ -96,7 +96,7 @@ bool Network::Node::at_breakpoint() {
 /// The status of a chip whose program ends at its PC, or waits there; none: it runs on.
 std::optional<ChipStatus> Network::Node::rest() const {
   if (description.until == chip.pc()) return ChipStatus::until;
-  if (wakes() || program_end(chip.peek(chip.pc()), chip.pc()) != ProgramEnd::halt) return std::nullopt;
+  if (wakes() || chip.program_end() != isa::ProgramEnd::halt) return std::nullopt;
   if (chip.dma_active() || (chip.watches_ports() && can_interrupt(chip)) || reacts_to_pins())
     return ChipStatus::sleeping;
   if (!can_interrupt(chip) || !awaits_timer(chip)) return ChipStatus::halt;
@@ -126,12 +126,7 @@ void Network::Node::look_again(bool moved) {
   } else if (status != halt && status != idle && status != until && status != sleeping) {
     return;
   }
-  std::optional<ChipStatus> rests;
-  try {
-    rests = chip.idle() ? rest_in_idle() : rest();
-  } catch (const std::out_of_range&) {
-    // No memory is there: the next fetch reports this.
-  }
+  const std::optional<ChipStatus> rests = chip.idle() ? rest_in_idle() : rest();
   if (rests == status) return wake_up();
   stand_at_rest_until(network.now_);
   if (status != sleeping) asleep_since = chip.cycle();
