@@ -58,7 +58,8 @@ inline py::dict port_of(const c40::CommPort& port) {
                   py::arg("discarded_output") = t.discarded_output);
 }
 
-/// \param chip gives the chip of an object of the class, const or not
+/// Every change by hand goes through `chip`: what has come to rest looks again.
+/// \param chip gives the chip of an object of the class, const or not; has `poke`, and `changed` for after a change
 template <class Class, class Chip>
 void bind_inspection(py::class_<Class>& bound, Chip chip) {
   bound
@@ -98,7 +99,11 @@ void bind_inspection(py::class_<Class>& bound, Chip chip) {
           "save_state", [chip](const Class& p) { return py::bytes(state::save(chip(p))); },
           "All its state, for a chip of the same board.")
       .def(
-          "load_state", [chip](Class& p, const std::string& saved) { state::load(chip(p), saved); },
+          "load_state",
+          [chip](Class& p, const std::string& saved) {
+            state::load(chip(p), saved);
+            chip.changed(p);
+          },
           "After a ValueError, the chip is in no usable state.")
       .def(
           "state_leaves",
@@ -114,7 +119,11 @@ void bind_inspection(py::class_<Class>& bound, Chip chip) {
       .def(
           "digest", [chip](const Class& p) { return c40::digest(chip(p).memory()); }, "A hash of all RAM.")
       .def("peek", [chip](const Class& p, c40::Address a) { return chip(p).peek(a); })
-      .def("poke", [chip](Class& p, c40::Address a, c40::Word v) { chip(p).poke(a, v); })
+      .def("poke",
+           [chip](Class& p, c40::Address a, c40::Word v) {
+             chip.poke(p, a, v);
+             chip.changed(p);
+           })
       .def("read",
            [chip](const Class& p, c40::Address a, std::size_t count) {
              std::vector<c40::Word> words(count);
@@ -131,8 +140,10 @@ void bind_inspection(py::class_<Class>& bound, Chip chip) {
       .def("set",
            [chip](Class& p, const std::string& name, std::uint64_t value) {
              if (const auto e = isa::expansion_named(name))
-               return chip(p).set_expansion(*e, static_cast<c40::Word>(value));
-             chip(p).set_register(register_of(name), value);
+               chip(p).set_expansion(*e, static_cast<c40::Word>(value));
+             else
+               chip(p).set_register(register_of(name), value);
+             chip.changed(p);
            })
       .def(
           "value",

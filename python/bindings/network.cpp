@@ -32,6 +32,13 @@ struct ChipOf {
   std::size_t number;
 };
 
+/// The chip, for reading and for changing.
+struct ChipOfNetwork {
+  c40::Chip& operator()(const ChipOf& c) const { return c.network->chip(c.number); }
+  void poke(ChipOf& c, c40::Address address, c40::Word value) const { c.network->poke(c.number, address, value); }
+  void changed(ChipOf& c) const { c.network->changed_by_hand(); }
+};
+
 py::dict link_of(const machine::Network& network, std::size_t n) {
   const c40::Link& link = network.link(n);
   const auto side = [&](int s) {
@@ -70,7 +77,7 @@ void bind_network(py::module_& core) {
                              [](const ChipOf& c) { return reserved_accesses(c.network->ignored(c.number)); })
       .def_property_readonly("waits_for", [](const ChipOf& c) { return c.network->waits_for(c.number); })
       .def_property_readonly("hertz", [](const ChipOf& c) { return c.network->clock(c.number).hertz(); });
-  bind_inspection(chip, [](const ChipOf& c) -> c40::Chip& { return c.network->chip(c.number); });
+  bind_inspection(chip, ChipOfNetwork());
   bind_devices(chip, [](ChipOf& c) { return c.network->devices(c.number); });
 
   py::class_<machine::Network, std::shared_ptr<machine::Network>> network_class(m, "Network");
@@ -162,6 +169,7 @@ void bind_network(py::module_& core) {
              const auto all = network.memory(n);
              if (at > all.size() || words.size() > all.size() - at) throw py::index_error("the memory ends before");
              std::copy(words.begin(), words.end(), all.begin() + static_cast<std::ptrdiff_t>(at));
+             network.changed_by_hand();
            })
       .def("events", [](const machine::Network& network) {
         py::list out;

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "machine/chips/boot.hpp"
-#include "machine/chips/program_end.hpp"
 #include "machine/networks/network.hpp"
 #include "python/bindings/chip_inspection.hpp"
 #include "python/bindings/ctrl_c.hpp"
@@ -137,11 +136,6 @@ void Processor::add_breakpoint(c40::Address address) {
 void Processor::remove_breakpoint(c40::Address address) {
   breakpoints_.erase(address);
   if (until_ != address) chip.remove_breakpoint(address);
-}
-
-void Processor::forget_ends(const toolchain::Image& program) {
-  for (const c40::Address end : machine::program_ends(program))
-    if (!is_own_breakpoint(end)) chip.remove_breakpoint(end);
 }
 
 py::list Processor::trace(Cycles max_cycles) {

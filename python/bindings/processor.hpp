@@ -26,8 +26,8 @@ class Processor : public c40::PeripheralSink {
   py::dict run(c40::Cycles max_cycles, std::optional<c40::Address> until);
   void add_breakpoint(c40::Address address);
   void remove_breakpoint(c40::Address address);
-  /// Removes those that a debugger has added at the ends of the program.
-  void forget_ends(const toolchain::Image& program);
+  /// Stops no more at the ends of the program, as a debugger does.
+  void forget_ends() { chip.stop_at_ends(false); }
   py::list trace(c40::Cycles max_cycles);
 
   py::dict step();

@@ -182,6 +182,8 @@ struct DspOf {
 struct ChipOfDsp {
   const c40::Chip& operator()(const DspOf& d) const { return d.run->read("dsp").machine().chip(d.slot); }
   c40::Chip& operator()(DspOf& d) const { return d.run->change("dsp").machine().chip(d.slot); }
+  void poke(DspOf& d, c40::Address address, c40::Word value) const { (*this)(d).poke(address, value); }
+  void changed(DspOf& d) const { d.run->change("dsp").machine().look_again(); }
 };
 
 void bind_dsp(py::module_& m) {

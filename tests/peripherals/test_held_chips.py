@@ -120,6 +120,34 @@ def test_a_held_chips_timer_counts_no_edges_of_its_pin() -> None:
     assert network.chips[0].peripherals["TIMER1.counter"] == 5
 
 
+@pytest.mark.parametrize("order", range(6))
+@pytest.mark.parametrize("cuts", [(), (9.3, 11.06, 14)])
+def test_a_released_chip_waits_on_as_it_had_waited(order: int, cuts: tuple[float, ...]) -> None:
+    """The processor and DMA channel 2 wait for one FIFO, beside a timer: nothing happens after the network's end."""
+    base = "        ldhi 10h,ar0\n"
+    dma = "".join(
+        f"        ldhi 0{value >> 16:x}h,r0\n        or 0{value & 0xFFFF:x}h,r0\n        sti r0,*+ar0(0{0xC0 + at:x}h)\n"
+        for at, value in ((1, 0x100071), (3, 4), (4, 0x2FFC00), (0, 0xC00004))
+    )
+    timer = "        ldi 7,r0\n        sti r0,*+ar0(28h)\n        ldi 2c0h,r0\n        sti r0,*+ar0(20h)\n"
+    waits = c40.assemble("        .text\n" + base + timer + dma + "        ldi *+ar0(71h),r3\ndone:   b done\n")
+    short = c40.assemble("        .text\n        rpts 100\n        nop\ndone:   b done\n")
+    network = Network(
+        [waits, short], links=["0.3:1.0"], boards="flat", turn_order=order, record_words=True, record_peripherals=True
+    )
+    network.hold(0, 11.05)
+    network.release(0, 11.07)
+    for at in cuts:
+        network.run(until_us=at)
+    stop = network.run()
+    assert (stop.reason, stop.time_ps) == ("deadlock", 11_100_000)
+    assert network.event_trace[-1] == "11100000 release 0"
+    ticks = [time for time, what in lines(network) if "timer 0" in what]
+    assert {after - before for before, after in itertools.pairwise(ticks)} == {14 * PERIOD_PS} and len(ticks) > 10
+    counted = (11_050_000 - ticks[-1]) // (2 * PERIOD_PS)
+    assert network.chips[0].peripherals["TIMER0.counter"] == counted < 7
+
+
 TAKES = "        ldhi 0C000h,ar0\n        ldii *ar0,r0\n" + WORKS
 WAITS = "        ldhi 0C000h,ar0\n        rpts 100\n        nop\n        ldii *ar0,r5\n        stii r5,*ar0\n        ldi 7,r6\ndone:   b done\n"
 

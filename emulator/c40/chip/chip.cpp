@@ -219,6 +219,12 @@ void Chip::remove_breakpoint(Address address) {
   engine_->flush_blocks();
   engine_->breakpoints.erase(address);
 }
+void Chip::stop_at_ends(bool stops) {
+  if (engine_->stops_at_ends == stops) return;
+  engine_->flush_blocks();
+  engine_->stops_at_ends = stops;
+}
+isa::ProgramEnd Chip::program_end() const { return engine_->program_end(); }
 void Chip::set_peripheral_sink(PeripheralSink* sink) { engine_->tell.sink = sink; }
 void Chip::set_trace(TraceSink* sink) { engine_->trace = sink; }
 TraceSink* Chip::trace() const { return engine_->trace; }

@@ -22,6 +22,7 @@
 namespace isa {
 enum class Register : std::uint8_t;
 enum class Expansion : std::uint8_t;
+enum class ProgramEnd : std::uint8_t;
 }  // namespace isa
 namespace state {
 class Visitor;
@@ -264,6 +265,10 @@ class Chip {
 
   void add_breakpoint(Address address);
   void remove_breakpoint(Address address);
+  /// Breakpoints at all ends of a program: IDLE, IDLE2, and an unconditional branch to itself, wherever it is executed.
+  void stop_at_ends(bool stops);
+  /// The kind of end that the next instruction is.
+  isa::ProgramEnd program_end() const;
   /// Null switches tracing off. Tracing changes nothing observable.
   void set_trace(TraceSink* sink);
   TraceSink* trace() const;

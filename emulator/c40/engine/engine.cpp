@@ -184,9 +184,11 @@ void Engine::stand_until(Cycles cycle, Cause cause) {
   peripherals_.give_all_dma_inputs();
 }
 
-// A held chip drives no pin. No listener sees what its timers would have done meanwhile.
+// A held chip drives no pin. No listener sees what its timers would have done meanwhile. An access that waits begins
+// anew afterwards: until its caller knows of it, it limits the DMA and the timers beside it.
 void Engine::hold(bool held) {
   touch();
+  access_.set_reported(false);
   if (pins_.watched() && held != state_.held) peripherals_.advance_to(state_.cycle);
   state_.held = held;
   peripherals_.pins_changed();

@@ -22,6 +22,7 @@
 #include "c40/peripherals/ports.hpp"
 #include "c40/pipeline/pipeline_table.hpp"
 #include "c40/values/state.hpp"
+#include "isa/program_end.hpp"
 
 namespace c40 {
 
@@ -91,12 +92,16 @@ class Engine {
   PeripheralNotifier tell;  ///< reports what the peripherals do
   bool exact_only = false;
   std::set<Address> breakpoints;
+  bool stops_at_ends = false;  ///< a breakpoint is also wherever program_end() is one
+  /// Of the instruction at PC.
+  isa::ProgramEnd program_end() const;
 
  private:
   enum class Stepped : std::uint8_t { done, external, fault, breakpoint, port, horizon, software_interrupt };
 
   /// Blocks end before this instruction.
   bool ends_blocks(Address pc) const { return breakpoints.contains(pc) || probe_.at(pc); }
+  bool at_end() const { return stops_at_ends && program_end() != isa::ProgramEnd::none; }
 
   // engine.cpp: knowledge about the chip's state, and dropping it
   void forget_memory();

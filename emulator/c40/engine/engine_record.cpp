@@ -44,7 +44,12 @@ CodeBlock* Engine::find_or_record(Cycles limit, Stepped& why) {
     cache_.note_fit(*block);
     return block;
   }
-  if (!blocks_.may_record(k.pc)) {
+  const bool ends = at_end();
+  if (ends && reported_breakpoint_ != state_.cycle) {
+    why = Stepped::breakpoint;
+    return nullptr;
+  }
+  if (ends || !blocks_.may_record(k.pc)) {
     Step step;
     why = exact_step(step, false);
     return nullptr;
@@ -119,7 +124,7 @@ void Engine::record(const CodeBlockKey& k, Cycles limit, Stepped& why) {
       break;
     }
     if (recording.full() && core.delay_slots == 0) break;
-    if (n != 0 && ends_blocks(core.pc)) {
+    if (n != 0 && (ends_blocks(core.pc) || at_end())) {
       if (core.delay_slots != 0) return blocks_.gave_up(k.pc);
       break;
     }

@@ -37,7 +37,10 @@ const StopInfo& Engine::stop(Stepped why) {
       info.reason = StopInfo::Reason::external_access;
       info.access = access_.window();
       break;
-    case Stepped::breakpoint: info.reason = StopInfo::Reason::breakpoint; break;
+    case Stepped::breakpoint:
+      info.reason = StopInfo::Reason::breakpoint;
+      reported_breakpoint_ = state_.cycle;
+      break;
     case Stepped::port:
       info.reason =
           ports_.listener(access_.port().port) != nullptr ? StopInfo::Reason::port_access : StopInfo::Reason::port_wait;
@@ -75,10 +78,8 @@ const StopInfo& Engine::stop(Stepped why) {
     }
   }
   if (probe_.on_code()) probe_.reaches(core.pc, state_.cycle);  // first: the program may end at the breakpoint
-  if (!single && !breakpoints.empty() && breakpoints.contains(core.pc) && reported_breakpoint_ != state_.cycle) {
-    reported_breakpoint_ = state_.cycle;
+  if (!single && !breakpoints.empty() && breakpoints.contains(core.pc) && reported_breakpoint_ != state_.cycle)
     return Stepped::breakpoint;
-  }
   if (pipelines_.full()) forget_pipelines();
   const bool waiting_interrupt = !interruptible && interrupts::pending(state_) != 0;
   dma_effect_ = dma_side_.effect(dma_busy);
@@ -88,14 +89,17 @@ const StopInfo& Engine::stop(Stepped why) {
     dma_side_.know_no_accesses();  // a repeated access belongs to an instruction that began before
   const bool one =
       single || trace != nullptr || waiting_interrupt || dma_effect_ != DmaEffect::none || cache_.control_pending();
+  bool in_blocks = stops_at_ends;  // then an instruction apart from the blocks around it is executed alone
   if (!one && !exact_only && !onward_.is_missed()) {
     if (CodeBlock* block = onward_.take_inside(); block != nullptr) {
       return run_blocks(block, onward_.at(), limit);
     }
-    if (core.delay_slots == 0 && !exact_addresses_.contains(core.pc) && by_blocks()) {
+    if (core.delay_slots == 0 && !exact_addresses_.contains(core.pc)) {
+      in_blocks = by_blocks();
       Stepped why = Stepped::done;
-      if (CodeBlock* block = find_or_record(limit, why); block != nullptr) return run_blocks(block, 0, limit);
-      return why;
+      if (CodeBlock* block = in_blocks ? find_or_record(limit, why) : nullptr; block != nullptr)
+        return run_blocks(block, 0, limit);
+      if (in_blocks) return why;
     }
   }
   if (CodeBlock* const left = onward_.often_missed(); left != nullptr && !one && !exact_only) [[unlikely]] {
@@ -104,6 +108,8 @@ const StopInfo& Engine::stop(Stepped why) {
       return run_blocks(block, 0, limit);
     if (!onward_.is_missed()) return why;
   }
+  // No block begins at an end, and none contains one.
+  if (!single && at_end() && reported_breakpoint_ != state_.cycle) return Stepped::breakpoint;
   CodeBlock* const missed = onward_.take_missed();
   onward_.clear();
   Step step;
@@ -111,7 +117,8 @@ const StopInfo& Engine::stop(Stepped why) {
   if (const Stepped why = exact_step(step, trace != nullptr); why != Stepped::done) return why;
   if (step.repeatable) exact_addresses_.stayed_inside(pc);
   if (missed != nullptr && core.code_writes == 0) rejoin(*missed);
-  return one || !breakpoints.empty() || probe_.on_code() || onward_.is_inside() ? Stepped::done : run_exactly(limit);
+  const bool alone = one || in_blocks || !breakpoints.empty() || probe_.on_code() || onward_.is_inside();
+  return alone ? Stepped::done : run_exactly(limit);
 }
 
 [[gnu::always_inline]] inline Engine::Stepped Engine::advance(Cycles limit, bool single) {

@@ -32,6 +32,16 @@ bool Engine::find_code(Address pc) {
   return true;
 }
 
+isa::ProgramEnd Engine::program_end() const {
+  const Core& core = state_.core;
+  const Address pc = core.pc;
+  if (core.delay_slots != 0 || core.repeat_single != 0) return isa::ProgramEnd::none;
+  const Memory::Area* const area = code_.contains(pc) ? code_.area : memory_.find(pc);
+  if (area == nullptr || area->data == nullptr) return isa::ProgramEnd::none;
+  const Word* const cached = cache_.on() && external(area->resource) ? cache_.find(pc) : nullptr;
+  return isa::program_end(cached != nullptr ? *cached : area->data[pc - area->base]);
+}
+
 // For the code that code_ describes.
 bool Engine::caching() const { return code_.cacheable && cache_.on() && state_.core.repeat_single != 2; }
 
@@ -401,11 +411,13 @@ template <class GoesOn>
 // block can be used. A quick step changes none of the conditions that `attention` does not report.
 Engine::Stepped Engine::run_exactly(Cycles limit) {
   const Core& core = state_.core;
-  const auto goes_on = [&] { return !core.attention && state_.cycle < limit && (exact_only || !by_blocks()); };
-  Step step;
+  const auto goes_on = [&] {
+    return !core.attention && state_.cycle < limit && (exact_only || !by_blocks()) && !at_end();
+  };
   while (core.code_writes == 0 && !peripherals_.interface_changed() && !core.idle && goes_on()) {
     while (quick_step(goes_on)) continue;
     if (!goes_on()) return Stepped::done;
+    Step step;
     if (const Stepped why = exact_step(step, false); why != Stepped::done) return why;
   }
   return Stepped::done;

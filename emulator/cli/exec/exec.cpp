@@ -83,7 +83,7 @@ int exec(const ExecOptions& options) {
     connected.stream = machine::boot_address(boot->board);
   if (boot && boot->port) connected.feeder.emplace(chip, *boot->port, stream_for(image, *boot));
   const io::StopBySignal signals;
-  const Outcome outcome = run(chip, image, until, options, connected);
+  const Outcome outcome = run(chip, until, options, connected);
   if (events) events->finish();
   listeners.run_ended();
 

@@ -10,31 +10,27 @@
 #include "c40/values/float40.hpp"
 #include "cli/arguments/program.hpp"
 #include "io/signals.hpp"
-#include "isa/types.hpp"
+#include "isa/program_end.hpp"
 #include "machine/chips/asleep.hpp"
 #include "machine/chips/chip_runner.hpp"
-#include "machine/chips/program_end.hpp"
 
 namespace cli {
 namespace {
 
-using isa::Register;
 using toolchain::Address;
 using toolchain::Image;
-using toolchain::Word;
 
-/// Stops at a branch to itself and at an IDLE that nothing can end. Words that may be such a branch are breakpoints.
+/// Stops at a branch to itself and at an IDLE that nothing can end.
 class Run final : private machine::ChipRunner {
  public:
-  Run(c40::Chip& chip, const Image& image, const Until& until, const ExecOptions& options, Connected& connected)
+  Run(c40::Chip& chip, const Until& until, const ExecOptions& options, Connected& connected)
       : chip_(chip),
         until_(until),
         asked_(options.cycles.has_value()),
         limit_(options.cycles.value_or(options.max_cycles)),
-        ends_unknown_(image.sections.empty()),
         connected_(connected) {
     for (const Address pc : until_.pcs) chip_.add_breakpoint(pc);
-    for (const Address end : machine::program_ends(image)) chip_.add_breakpoint(end);
+    chip_.stop_at_ends(true);
   }
 
   Outcome run() {
@@ -70,11 +66,6 @@ class Run final : private machine::ChipRunner {
   }
 
   bool at_limit() override {
-    if (ends_unknown_ && machine::program_end(peek_at_pc(), chip_.pc()) == machine::ProgramEnd::halt &&
-        !chip_.dma_busy() && (chip_.register_value(Register::ST) & c40::st::GIE) == 0)
-      return ends({"halt", fmt::format("branch to itself at {:08X}h, seen at cycle {}: without PROGRAM such a branch "
-                                       "is looked for every {} cycles",
-                                       chip_.pc(), chip_.cycle(), slice)});
     if (chip_.cycle() >= limit_)
       return asked_
                  ? ends({"limit", fmt::format("the {} cycles of --cycles have passed, at {:08X}h", limit_, chip_.pc())})
@@ -88,21 +79,13 @@ class Run final : private machine::ChipRunner {
 
   bool asks_anew() override { return at_limit(); }
 
-  Word peek_at_pc() const {
-    try {
-      return chip_.peek(chip_.pc());
-    } catch (const std::out_of_range&) {
-      return 0;  // the chip reports the stop itself
-    }
-  }
-
   bool at_breakpoint() override {
     const Address pc = chip_.pc();
     if (std::ranges::find(until_.pcs, pc) != until_.pcs.end())
       return ends({"until", fmt::format("reached {:08X}h", pc)});
-    if (machine::program_end(chip_.peek(pc), pc) == machine::ProgramEnd::halt && !chip_.dma_busy()) {
-      const bool interrupts = (chip_.register_value(Register::ST) & c40::st::GIE) != 0;
-      const bool sleeps = interrupts && (machine::awaits_dma(chip_) || may_be_woken());
+    if (chip_.program_end() == isa::ProgramEnd::halt && !chip_.dma_busy() && !chip_.interrupt_pending()) {
+      const bool sleeps =
+          machine::can_interrupt(chip_) && (machine::awaits_dma(chip_) || awaits_event() || may_be_woken());
       if (!sleeps) return ends({"halt", fmt::format("branch to itself at {:08X}h{}", pc, machine::armed_dma(chip_))});
       if (machine::next_dma_tick(chip_) == std::numeric_limits<c40::Cycles>::max() && !awaits_event() &&
           !may_be_woken())
@@ -169,7 +152,6 @@ class Run final : private machine::ChipRunner {
   const Until& until_;
   bool asked_;  ///< a run to the limit is what the user requested
   c40::Cycles limit_;
-  bool ends_unknown_;    ///< no program says where a branch to itself may be
   bool passes_ = false;  ///< the instruction at the breakpoint is executed next
   Connected& connected_;
   Outcome outcome_;
@@ -190,8 +172,8 @@ Until parse_until(const ExecOptions& options, const Image& image) {
   return until;
 }
 
-Outcome run(c40::Chip& chip, const Image& image, const Until& until, const ExecOptions& options, Connected& connected) {
-  return Run(chip, image, until, options, connected).run();
+Outcome run(c40::Chip& chip, const Until& until, const ExecOptions& options, Connected& connected) {
+  return Run(chip, until, options, connected).run();
 }
 
 }  // namespace cli

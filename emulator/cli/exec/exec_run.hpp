@@ -40,7 +40,6 @@ struct Connected {
 };
 
 /// Stops at a branch to itself, at an IDLE that nothing can end, and where `until` or --cycles say.
-Outcome run(c40::Chip& chip, const toolchain::Image& image, const Until& until, const ExecOptions& options,
-            Connected& connected);
+Outcome run(c40::Chip& chip, const Until& until, const ExecOptions& options, Connected& connected);
 
 }  // namespace cli

@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "c40/values/float40.hpp"
+#include "isa/program_end.hpp"
 #include "isa/types.hpp"
 #include "machine/chips/asleep.hpp"
 #include "machine/chips/chip_stop.hpp"
-#include "machine/chips/program_end.hpp"
 #include "state/archive.hpp"
 
 namespace machine::debug {
@@ -23,7 +23,6 @@ ChipDebuggee::ChipDebuggee(c40::Chip& chip, const toolchain::Image& program, Boa
       around_(around),
       ignored_(ignored),
       program_(program),
-      ends_(program_ends(program)),
       now_(chip.cycle() * period) {}
 
 bool ChipDebuggee::answered(const c40::ExternalAccess& access) {
@@ -38,8 +37,8 @@ void ChipDebuggee::set_trace(std::size_t, c40::TraceSink* sink) {
 
 void ChipDebuggee::run_until(Time time) {
   const c40::Cycles limit = (time + period - Time{1}) / period;
-  for (const Address end : ends_) chip_.add_breakpoint(end);  // the caller of the chip may have removed them
-  bool at_end = ends_.contains(chip_.pc());                   // the next instruction may be the program's last one
+  chip_.stop_at_ends(true);
+  bool at_end = chip_.program_end() != isa::ProgramEnd::none;  // the next instruction may be the program's last one
   while (!over_ && chip_.cycle() < limit) {
     const c40::Cycles far = around_ != nullptr ? around_->limit(limit) : limit;
     const c40::StopInfo stop = chip_.run_until(std::exchange(at_end, false) ? std::min(far, chip_.cycle() + 1) : far);
@@ -63,19 +62,14 @@ std::optional<std::string> ChipDebuggee::end_of(const c40::StopInfo& stop) const
     default: break;
   }
   // At an end of the program it stops by itself: a probe is to hear of the branch first.
-  return !chip_.idle() && ends_.contains(chip_.pc()) ? std::nullopt : rests();
+  return !chip_.idle() && chip_.program_end() != isa::ProgramEnd::none ? std::nullopt : rests();
 }
 
 /// In IDLE, or in a branch to itself. None: neither, or something will take it from there.
 std::optional<std::string> ChipDebuggee::rests() const {
   if (!rests_for_ever(chip_) || (around_ != nullptr && around_->could_wake())) return std::nullopt;
   if (chip_.idle()) return fmt::format("IDLE before {:08X}h, and no interrupt will come", chip_.pc());
-  try {
-    if (program_end(chip_.peek(chip_.pc()), chip_.pc()) == ProgramEnd::halt)
-      return fmt::format("branches to itself at {:08X}h", chip_.pc());
-  } catch (const std::out_of_range&) {
-    // The next fetch reports this.
-  }
+  if (chip_.program_end() == isa::ProgramEnd::halt) return fmt::format("branches to itself at {:08X}h", chip_.pc());
   return std::nullopt;
 }
 

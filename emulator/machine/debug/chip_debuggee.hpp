@@ -1,8 +1,6 @@
 #pragma once
 /// A single chip in a debugger. If the chip needs an answer from outside, it counts as ended until the answer comes.
-/// The chip keeps breakpoints at the ends of the program: whoever runs it without the debugger passes over them.
-#include <set>
-
+/// The chip keeps breakpoints at the ends of its program: whoever runs it without the debugger passes over them.
 #include "machine/boards/board_devices.hpp"
 #include "machine/boards/board_reserved.hpp"
 #include "machine/debug/debuggee.hpp"
@@ -48,7 +46,6 @@ class ChipDebuggee final : public Debuggee {
   LoneDevices* around_;
   IgnoredAccesses* ignored_;
   const toolchain::Image& program_;
-  std::set<Address> ends_;  ///< words of the program that may be an end
   Time now_;
   std::optional<std::string> over_;
   c40::TraceSink* before_ = nullptr;

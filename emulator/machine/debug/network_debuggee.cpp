@@ -132,7 +132,7 @@ void NetworkDebuggee::poke(std::size_t n, Address address, Word value) {
   if (const auto place = network_.memory_place(n, address))
     network_.memory(place->memory)[place->word] = value;
   else
-    network_.chip(n).poke(address, value);
+    network_.poke(n, address, value);
 }
 
 // Memories are numbered one after the other.

@@ -4,10 +4,10 @@
 #include <limits>
 #include <span>
 
+#include "c40/peripherals/register_map.hpp"
 #include "io/stop.hpp"
 #include "isa/types.hpp"
 #include "machine/chips/asleep.hpp"
-#include "machine/chips/program_end.hpp"
 #include "machine/networks/network_parts.hpp"
 
 namespace machine {
@@ -168,7 +168,7 @@ void Network::load_stream(Node& node, const toolchain::Image& image, const c40::
 
 void Network::ready_to_start(Node& node) {
   if (node.description.add_words) node.description.add_words(node.chip);
-  for (const Address end : program_ends(*node.description.program)) node.chip.add_breakpoint(end);
+  node.chip.stop_at_ends(true);
   if (node.description.until) node.chip.add_breakpoint(*node.description.until);
   start(node);
 }
@@ -272,9 +272,23 @@ bool Network::waits_for_ever() const {
   });
 }
 
+namespace {
+class Running {
+ public:
+  explicit Running(bool& runs) : runs_(runs) { runs_ = true; }
+  ~Running() { runs_ = false; }
+  Running(const Running&) = delete;
+  Running& operator=(const Running&) = delete;
+
+ private:
+  bool& runs_;
+};
+}  // namespace
+
 NetworkStop Network::run_until(Time limit) {
   // Interval between two checks for a stop: a moment even for 64 chips with instruction traces.
   constexpr Time slice = std::chrono::microseconds{200};
+  const Running running(runs_);
   for (;;) {
     const NetworkStop stop = run_slice(std::min(limit, now_ + slice));
     if (stop.reason != NetworkStop::Reason::limit || now_ >= limit) return stop;
@@ -347,7 +361,13 @@ void Network::link_happens(std::size_t number, Time time) {
   }
 }
 
+void Network::poke(std::size_t n, Address address, Word value) {
+  if (!runs_ && c40::register_at(address) != nullptr) nodes_.at(n)->stand_at_rest_until(now_);
+  chip(n).poke(address, value);
+}
+
 void Network::changed_by_hand(std::optional<std::size_t> moved) {
+  if (runs_) return;
   something_happened();
   changed_ = now_;
   for (auto& node : nodes_) node->look_again(node->number == moved);

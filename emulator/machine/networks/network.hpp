@@ -285,7 +285,11 @@ class Network {
   using MemoryListener = std::function<void(std::size_t chip, MemoryPlace place, c40::Word before,
                                             const c40::ExternalAccess& access, Time time)>;
   void watch_memory(MemoryListener listener) { memory_listener_ = std::move(listener); }
-  /// To be called after registers or words were changed between two runs: what had come to rest is looked at again.
+  /// Changes a word of a chip between two runs; a register of a peripheral at the present instant, also of a chip that
+  /// has ended before.
+  void poke(std::size_t n, c40::Address address, c40::Word value);
+  /// To be called after registers or words were changed: what had come to rest is looked at again. From inside a run,
+  /// whose devices may change something, it does nothing.
   /// \param moved the chip whose PC was set: it does not wait for its access any more
   void changed_by_hand(std::optional<std::size_t> moved = {});
   /// Sets the sink of a chip's instructions; null: none. Changes nothing. Use this, not Chip::set_trace: the network
@@ -387,6 +391,7 @@ class Network {
   std::size_t moving_ = 0;  ///< a chip that was not at rest when last looked at
   Time ends_at_ = never;    ///< of a network that is quiet: when all have come to rest
   bool made_ = false;       ///< The constructor has ended: its chips may run.
+  bool runs_ = false;       ///< inside run_until
   bool records_words_ = false;
   MemoryListener memory_listener_;
 };

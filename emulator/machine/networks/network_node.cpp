@@ -3,8 +3,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "isa/program_end.hpp"
 #include "machine/chips/asleep.hpp"
-#include "machine/chips/program_end.hpp"
 #include "machine/networks/network_parts.hpp"
 
 namespace machine {
@@ -96,15 +96,24 @@ bool Network::Node::at_breakpoint() {
 /// The status of a chip whose program ends at its PC, or waits there; none: it runs on.
 std::optional<ChipStatus> Network::Node::rest() const {
   if (description.until == chip.pc()) return ChipStatus::until;
-  if (chip.dma_busy() || program_end(chip.peek(chip.pc()), chip.pc()) != ProgramEnd::halt) return std::nullopt;
+  if (wakes() || chip.program_end() != isa::ProgramEnd::halt) return std::nullopt;
   if (chip.dma_active() || (chip.watches_ports() && can_interrupt(chip)) || reacts_to_pins())
     return ChipStatus::sleeping;
   if (!can_interrupt(chip) || !awaits_timer(chip)) return ChipStatus::halt;
   return std::nullopt;
 }
 
+/// The same of a chip in IDLE.
+std::optional<ChipStatus> Network::Node::rest_in_idle() const {
+  if (chip.dma_busy()) return std::nullopt;
+  if (chip.watches_ports() || chip.dma_active() || reacts_to_pins()) return ChipStatus::sleeping;
+  if (!awaits_timer(chip)) return ChipStatus::idle;
+  return std::nullopt;
+}
+
 /// Its registers or memory were changed while nothing ran. `moved`: its PC, which took the access of the processor away
-/// for which it waited, or at which it ended. A fault stays: the chip is halted.
+/// for which it waited, or at which it ended. A fault stays: the chip is halted. What it does from now on it does from
+/// the present instant on; a chip that stays at rest stays where it was.
 void Network::Node::look_again(bool moved) {
   patience.is_private = false;
   begin_patience();
@@ -117,20 +126,12 @@ void Network::Node::look_again(bool moved) {
   } else if (status != halt && status != idle && status != until && status != sleeping) {
     return;
   }
-  std::optional<ChipStatus> rests;
-  try {
-    if (!chip.idle()) rests = rest();
-  } catch (const std::out_of_range&) {
-    // No memory is there: the next fetch reports this.
-  }
-  if (rests) {
-    status = *rests;
-    if (begins_anew) asleep_since = chip.cycle();
-    return wake_up();
-  }
-  if (status != sleeping && !begins_anew) bring_to(network.now_, true);
-  status = running;
-  note_idle();
+  const std::optional<ChipStatus> rests = chip.idle() ? rest_in_idle() : rest();
+  if (rests == status) return wake_up();
+  stand_at_rest_until(network.now_);
+  if (status != sleeping) asleep_since = chip.cycle();
+  status = rests.value_or(running);
+  wake_up();
 }
 
 bool Network::Node::window_access(const c40::ExternalAccess& access) {
@@ -175,11 +176,7 @@ bool Network::Node::faulted(const c40::Fault& why) {
 void Network::Node::forget_port() { was_ready = false, ready_since = Time{0}; }
 
 void Network::Node::note_idle() {
-  if (!chip.idle() || chip.dma_busy() || status != ChipStatus::running) return;
-  if (chip.watches_ports() || chip.dma_active() || reacts_to_pins())
-    status = ChipStatus::sleeping;
-  else if (!awaits_timer(chip))
-    status = ChipStatus::idle;
+  if (chip.idle() && status == ChipStatus::running) status = rest_in_idle().value_or(ChipStatus::running);
 }
 
 /// Advances a chip that does not run to an instant. `fully`: a processor that branches to itself has begun its last
@@ -204,6 +201,12 @@ void Network::Node::bring_to(Time time, bool fully) {
     else if (own_event_cycle() == event)
       return pass_to(limit, cycle);
   }
+}
+
+/// Of a chip whose processor has ended.
+void Network::Node::stand_at_rest_until(Time time) {
+  using enum ChipStatus;
+  if (status == halt || status == idle || status == until) chip.stand_until(first_cycle(time));
 }
 
 /// Of a chip whose processor waits, while its DMA waits, too, or rests.

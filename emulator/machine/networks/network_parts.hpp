@@ -167,6 +167,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   bool follow_to(Time time);
   void bring_to(Time time, bool fully);
   void bring_timers_to(Time time);
+  void stand_at_rest_until(Time time);
   void look_for_loop();
   void begin_patience();
   void note_idle();
@@ -229,6 +230,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   bool asks_anew() override;
   bool at_breakpoint() override;
   std::optional<ChipStatus> rest() const;
+  std::optional<ChipStatus> rest_in_idle() const;
   bool window_access(const c40::ExternalAccess& access) override;
   bool port_access(const c40::PortAccess& access) override { return waits(c40::StopInfo::Reason::port_access, access); }
   bool port_wait(const c40::PortAccess& access) override { return waits(c40::StopInfo::Reason::port_wait, access); }

@@ -33,8 +33,9 @@ class Chip(ChipState, AccessesToNothing, Front):
 
     @property
     def status(self) -> str:
-        """``running``, ``waiting`` (for a port or a shared memory), ``sleeping`` (a port can wake it), ``halt``,
-        ``idle``, ``until``, ``fault``, ``external_access``, ``held`` or ``pulled_out``."""
+        """``running``, ``waiting`` (for a port or a shared memory), ``looping`` (it repeats a loop that nothing ends),
+        ``sleeping`` (a port can wake it), ``halt``, ``idle``, ``until``, ``fault``, ``external_access``, ``held`` or
+        ``pulled_out``."""
         return str(self._core.status)
 
     @property
