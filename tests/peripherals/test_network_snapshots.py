@@ -74,9 +74,10 @@ end:    b end
 
 
 # 589: timers behind a DMA; 1101: an access that a chip waited for when its DMA failed; 2669: a DMA behind its
-# processor.
+# processor; 3351: a write of a DMA register in a cycle that the DMA has passed.
 @pytest.mark.parametrize(
-    "seed", [589, 1101, 2669, *range(20), *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(20, 3500))]
+    "seed",
+    [589, 1101, 2669, 3351, *range(20), *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(20, 3500))],
 )
 def test_a_ring_of_nasty_programs_has_one_state_at_an_instant(seed, tmp_path):
     programs, bench = ring(seed), Bench(tmp_path)

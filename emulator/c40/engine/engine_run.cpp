@@ -162,7 +162,8 @@ const StopInfo& Engine::run_until(Cycles limit, Cycles known) {
     if (ports_.attached() != 0 && (watched_ports() & ~watched) != 0) return stop(Stepped::horizon);
   }
   // Events of timers keep their order with the DMA: if the DMA is behind, they wait for it.
-  if (!peripherals_.dma_active() || !uses_linked_port() || state_.dma.now >= state_.cycle - 1) reach_present();
+  const bool dma_is_here = state_.dma.now >= state_.cycle - 1 && peripherals_.next_dma_input() >= state_.cycle;
+  if (!peripherals_.dma_active() || !uses_linked_port() || dma_is_here) reach_present();
   return stopped(StopInfo::Reason::limit);
 }
 
