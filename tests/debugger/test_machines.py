@@ -63,6 +63,17 @@ def test_a_condition_may_ask_for_a_word_that_other_chips_write() -> None:
     assert debugger.value("[0C0000000h] + 1", chip=1) == 6
 
 
+@pytest.mark.parametrize("asks", [0, 1])
+def test_a_condition_may_ask_for_a_register_of_another_chip(asks: int) -> None:
+    """Both count alike, and a round is shorter than ten cycles: the other's count is that of the same instant."""
+    counts = c40.assemble("        .text\nstart:  ldi 0,r0\nround:  addi 1,r0\n        b round\n")
+    debugger = Network([counts, counts]).debug()
+    debugger.break_at("round", chip=asks, condition=f"chip{1 - asks}.r0 >= 30")
+    stop = next(debugger.run())
+    assert [hit.chip for hit in stop.hits] == [asks]
+    assert [debugger.value(f"chip{chip}.r0") for chip in (0, 1)] == [30, 30]
+
+
 @pytest.mark.parametrize(("dsps", "settings"), [(4, {}), (16, {"preset": "saturated"}), (2, {})])
 def test_at_a_stop_the_dock_is_as_without_a_debugger(dsps: int, settings: dict[str, str]) -> None:
     preset = settings.get("preset")

@@ -54,6 +54,13 @@ def test_reset_of_the_side_without_a_right_to_it_loses_the_token_and_says_what_w
     check_balance(network)
 
 
+def test_a_link_that_is_cut_has_not_lost_its_token() -> None:
+    network = Network([program(STOP), program(STOP)], links=["0.0:1.3"])
+    network.cut(0, 1)
+    network.run(until_us=2)
+    assert (network.links[0].cut, network.links[0].token_lost) == (True, False)
+
+
 def test_a_held_chip_does_nothing_and_continues() -> None:
     network = Network([program(sender(0, 40)), program(receiver(3, 40))], links=["0.0:1.3"])
     network.hold(1, 2)
