@@ -128,6 +128,16 @@ def test_a_timer_that_runs_counts_on_from_what_is_written(tmp_path: Path) -> Non
     assert [low(processor, f"R{n}") for n in (3, 4, 5)] == [40, 50, 40]
 
 
+def test_a_timer_that_expires_often_between_two_looks_has_overrun(tmp_path: Path) -> None:
+    path = board(tmp_path, device("timer", count_cycles=10))
+    text = (
+        "        ldi 50,r0\n        sti r0,*ar2\n        sti r0,*+ar2(1)\n        ldi 1,r1\n        sti r1,*+ar2(2)\n"
+    )
+    text += "        rpts 1999\n        nop\n        ldi *+ar2(3),r3\n"
+    processor = finished(assembled(text + END), path)
+    assert low(processor, "R3") == 3
+
+
 BRIDGE = """
         ldi 0ffh,r0
         sti r0,*+ar2(1)         ; VICR1
