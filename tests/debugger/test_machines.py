@@ -254,6 +254,32 @@ def test_an_expression_reads_an_extended_register_as_a_float_by_its_other_name()
     assert debugger.value("u(r3)") == 0xF0000000  # the mantissa: -2 + 0.875, without its exponent
 
 
+@pytest.mark.parametrize(
+    ("value", "bits"), [(-1.0, 0xFF_8000_0000), (-0.5, 0xFE_8000_0000), (-4.0, 0x01_8000_0000), (1.0, 0)]
+)
+def test_a_power_of_two_is_set_as_the_chip_has_it(value: float, bits: int) -> None:
+    chip = c40.Processor(c40.assemble("        .text\nstart:  b start\n"))
+    debugger = chip.debug()
+    debugger.set_register("R3", value)
+    assert debugger.value("f3") == value and chip.registers["R3"] & 0xFF_FFFF_FFFF == bits
+
+
+def test_an_integer_that_is_set_leaves_the_exponent() -> None:
+    debugger = dock().debug()
+    debugger.set_register("R3", -2.25)
+    debugger.set_register("R3", 0x40000000)
+    assert debugger.value("f3") == 3.0  # 1.5 times 2 to the power that stood there
+
+
+def test_words_up_to_the_end_of_memory_are_watched() -> None:
+    program = c40.assemble("        .text\nstart:  ldi -1,ar0\n        sti ar0,*ar0\nend:    bu end\n")
+    debugger = Network([program], memories=[SharedMemory("top", 16, {0: 0xFFFFFFF0})]).debug()
+    debugger.watch(0xFFFFFFF0, 16)
+    assert "wrote" in next(debugger.run()).hits[0].text
+    with pytest.raises(DebugError, match="up to the end of memory"):
+        debugger.watch(0xFFFFFFF0, 17)
+
+
 def test_a_step_that_never_ended_leaves_no_stop_condition() -> None:
     program = c40.assemble(
         """

@@ -72,6 +72,16 @@ def test_a_held_chip_does_nothing_and_continues() -> None:
     assert network.chips[1].causes["halted"] in range(197 * 20, 199 * 20)
 
 
+def test_a_chip_that_had_a_fault_has_it_when_it_is_released() -> None:
+    network = Network([program("        .word 0FFFFFFFFh\n"), program(STOP)])
+    network.hold(0, 2)
+    network.release(0, 4)
+    network.run(until_us=3)
+    assert network.chips[0].status == "held"
+    network.run(until_us=5)
+    assert network.chips[0].status == "fault"
+
+
 def test_a_chip_pulled_out_takes_its_links_with_it() -> None:
     network = Network([program(sender(0, 20)), program(receiver(3, 20))], links=["0.0:1.3"])
     network.pull_out(1, 2)
