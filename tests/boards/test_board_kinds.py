@@ -69,6 +69,17 @@ def test_the_flags_of_a_fifo(tmp_path: Path) -> None:
     assert processor.sent("D") == []
 
 
+def test_a_host_that_waited_for_room_continues_when_there_is_some(tmp_path: Path) -> None:
+    """Two words fit. The third comes at once when one is read, the fourth 100 cycles later, however long the host has
+    waited."""
+    path = board(tmp_path, device("fifo", depth=2, input="in.txt", input_cycles=100))
+    (tmp_path / "in.txt").write_text("1 2 3 4\n")
+    text = "        rpts 999\n        nop\n        ldi *ar2,r3\n        ldi *+ar2(2),r4\n        ldi *ar2,r5\n        ldi *+ar2(2),r6\n"
+    text += "        rpts 99\n        nop\n        ldi *+ar2(2),r7\n"
+    processor = finished(assembled(text + END), path)
+    assert [low(processor, f"R{n}") for n in (3, 4, 5, 6, 7)] == [1, 2, 2, 1, 2]
+
+
 def test_a_mailbox_holds_one_word_each_way(tmp_path: Path) -> None:
     path = board(tmp_path, device("mailbox", script="host.txt"))
     (tmp_path / "host.txt").write_text("on 7 1\non 8 2 3\n")
@@ -107,6 +118,24 @@ def test_a_timer_says_what_is_left_and_that_it_overran(tmp_path: Path) -> None:
     text += "        rpts 9999\n        nop\n        ldi *+ar2(3),r5\n        ldi *+ar2(2),r6\n        ldi 9,r0\n        sti r0,*+ar2(1)\n        ldi 1,r0\n        sti r0,*+ar2(2)\n        rpts 9999\n        nop\n        ldi *+ar2(3),r7\n"
     processor = finished(assembled(text + END), path)
     assert [low(processor, f"R{n}") for n in (3, 4, 5, 6, 7)] == [40, 0, 1, 4, 3]
+
+
+def test_a_timer_that_runs_counts_on_from_what_is_written(tmp_path: Path) -> None:
+    path = board(tmp_path, device("timer", count_cycles=100))
+    text = "        ldi 50,r0\n        sti r0,*ar2\n        ldi 1,r1\n        sti r1,*+ar2(2)\n        rpts 999\n        nop\n"
+    text += "        ldi *ar2,r3\n        sti r0,*ar2\n        ldi *ar2,r4\n        rpts 999\n        nop\n        ldi *ar2,r5\n"
+    processor = finished(assembled(text + END), path)
+    assert [low(processor, f"R{n}") for n in (3, 4, 5)] == [40, 50, 40]
+
+
+def test_a_timer_that_expires_often_between_two_looks_has_overrun(tmp_path: Path) -> None:
+    path = board(tmp_path, device("timer", count_cycles=10))
+    text = (
+        "        ldi 50,r0\n        sti r0,*ar2\n        sti r0,*+ar2(1)\n        ldi 1,r1\n        sti r1,*+ar2(2)\n"
+    )
+    text += "        rpts 1999\n        nop\n        ldi *+ar2(3),r3\n"
+    processor = finished(assembled(text + END), path)
+    assert low(processor, "R3") == 3
 
 
 BRIDGE = """

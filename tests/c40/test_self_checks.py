@@ -147,3 +147,16 @@ def test_on_the_command_line(tmp_path: Path) -> None:
     )["diagnostics"]
     assert [(d["rule"], d["pc"]) for d in found] == [("circular", 0x300000)]
     assert "checks" not in subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+
+def test_an_interrupt_between_an_interlocked_store_and_a_load_parts_them() -> None:
+    """The timer interrupts among the stores, and its service begins with the load."""
+    found = checked(
+        " ldhi 2fh,ar1\n or 0fa00h,ar1\n ldpe ar1,ivtp\n ldhi hi16(isr),r0\n or lo16(isr),r0\n sti r0,*+ar1(2)\n"
+        " ldhi 10h,ar2\n or 20h,ar2\n ldi 10,r3\n sti r3,*+ar2(8)\n ldi 2c1h,r3\n sti r3,*ar2\n"
+        " ldi 1,iie\n or 2000h,st\n"
+        + " stii r0,*ar0\n" * 40
+        + "stop: b stop\n"
+        + "isr: ldii *ar0,r1\n ldi 0,iie\n sti r0,*+ar1(2)\n reti\n"
+    )
+    assert found == []

@@ -32,6 +32,11 @@ REFUSED = [
     # What the bay scanner cannot see.
     ("slewing", "[[containers]]\nx_m = 0\ny_m = 25.3\n", r"container 0 at \(0, 25.3\) m is out of the bay scanner's"),
     ("slewing", "[[containers]]\nx_m = 20\ny_m = 24\n", r"x_m from -19.70 to 19.30"),
+    (
+        "slewing",
+        "[[boxes]]\nx_m = [-40, -39]\ny_m = [-60, -58]\nz_m = [0, 1]\n[[containers]]\nx_m = -20\ny_m = 24\n",
+        r"x_m from -19.70 to",
+    ),
     ("slewing", "[[containers]]\nx_m = 0\ny_m = 24\nyaw_deg = 30\n", "yaw_deg near 0"),
     # Ways that pass too near to the column.
     (

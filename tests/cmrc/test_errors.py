@@ -105,6 +105,18 @@ def test_how_far_the_load_moved_is_the_plants_word() -> None:
     assert error["moved_most_m"] > error["moved_until_done_m"] > 0.1
 
 
+def test_a_load_that_swings_on_after_the_stop_has_moved_most_then() -> None:
+    """What stands moves the load until the end of the run, not until the crane has stopped."""
+    report, simulation = run(8, at(LEG, "fail_drive", joint="luff"), **{"errors.stop_s": 0.1})
+    error = only(report)
+    time, place = load(simulation)
+    start = np.array([np.interp(error["happened_s"], time, place[:, k]) for k in range(3)])
+    moved = np.linalg.norm(place - start, axis=1)
+    most = moved[time >= error["happened_s"]].max()
+    assert error["stands"] and error["moved_most_m"] == pytest.approx(most, rel=1e-3)
+    assert most > 1.05 * moved[(time >= error["happened_s"]) & (time <= error["done_s"])].max()
+
+
 def test_a_repaired_and_cleared_drive_continues_and_the_status_is_0_but_not_with_strict() -> None:
     events = [at(LEG, "fail_drive", joint="luff"), at(6, "repair_drive", joint="luff"), clear(8)]
     report, simulation = run(14, *events)
@@ -210,6 +222,29 @@ def test_a_failure_that_was_repaired_before_an_error_began_is_not_its_cause() ->
     assert (first["origin"], first["happened_s"], first["because"]) == ("drive fault", 0.1, "fail_drive slew")
     assert second["origin"] == "following error" and second["of"] == ["slew"] and second["noticed_s"] > 1.5
     assert (second["happened_s"], second["because"], second["moved_until_noticed_m"]) == (None, None, 0)
+
+
+def test_a_drive_that_was_repaired_at_the_instant_of_its_failure_causes_nothing() -> None:
+    failed = [at(0.1, "fail_drive", joint="slew"), at(0.1, "repair_drive", joint="slew")]
+    limits = {"errors.following_slew_mrad": 0.01, "errors.following_ms": 20}
+    report, _ = run(1.6, *failed, at(1.5, "slow", dsp=0, factor=0.04), **limits)
+    error = only(report)
+    assert (error["origin"], error["of"]) == ("following error", ["slew"]) and error["noticed_s"] > 1.5
+    assert (error["happened_s"], error["because"]) == (None, None)
+
+
+@pytest.mark.parametrize("joints", [("luff", "slew"), ("slew", "luff")])
+def test_of_two_causes_at_one_instant_the_later_line_is_named(joints: tuple[str, str]) -> None:
+    report, _ = run(0.2, *(at(0.1, "fail_drive", joint=joint) for joint in joints))
+    error = only(report)
+    assert (error["of"], error["happened_s"], error["because"]) == (["slew", "luff"], 0.1, f"fail_drive {joints[1]}")
+
+
+def test_a_repair_of_another_drive_undoes_nothing() -> None:
+    lying = [at(2.9, "stick_drive_status", joint="slew"), at(LEG, "fail_drive", joint="slew")]
+    report, _ = run(LEG + 0.5, *lying, at(LEG + 0.001, "repair_drive", joint="luff"))
+    error = report["errors_handled"][0]
+    assert (error["origin"], error["happened_s"], error["because"]) == ("following error", LEG, "fail_drive slew")
 
 
 def test_a_failure_repaired_while_its_error_lasts_is_its_cause() -> None:

@@ -63,6 +63,17 @@ def test_a_condition_may_ask_for_a_word_that_other_chips_write() -> None:
     assert debugger.value("[0C0000000h] + 1", chip=1) == 6
 
 
+@pytest.mark.parametrize("asks", [0, 1])
+def test_a_condition_may_ask_for_a_register_of_another_chip(asks: int) -> None:
+    """Both count alike, and a round is shorter than ten cycles: the other's count is that of the same instant."""
+    counts = c40.assemble("        .text\nstart:  ldi 0,r0\nround:  addi 1,r0\n        b round\n")
+    debugger = Network([counts, counts]).debug()
+    debugger.break_at("round", chip=asks, condition=f"chip{1 - asks}.r0 >= 30")
+    stop = next(debugger.run())
+    assert [hit.chip for hit in stop.hits] == [asks]
+    assert [debugger.value(f"chip{chip}.r0") for chip in (0, 1)] == [30, 30]
+
+
 @pytest.mark.parametrize(("dsps", "settings"), [(4, {}), (16, {"preset": "saturated"}), (2, {})])
 def test_at_a_stop_the_dock_is_as_without_a_debugger(dsps: int, settings: dict[str, str]) -> None:
     preset = settings.get("preset")
@@ -241,6 +252,32 @@ def test_an_expression_reads_an_extended_register_as_a_float_by_its_other_name()
     debugger.set_register("R3", -2.25)
     assert debugger.value("f3") == -2.25 and debugger.value("F3 * 2 < -4.25") == 1
     assert debugger.value("u(r3)") == 0xF0000000  # the mantissa: -2 + 0.875, without its exponent
+
+
+@pytest.mark.parametrize(
+    ("value", "bits"), [(-1.0, 0xFF_8000_0000), (-0.5, 0xFE_8000_0000), (-4.0, 0x01_8000_0000), (1.0, 0)]
+)
+def test_a_power_of_two_is_set_as_the_chip_has_it(value: float, bits: int) -> None:
+    chip = c40.Processor(c40.assemble("        .text\nstart:  b start\n"))
+    debugger = chip.debug()
+    debugger.set_register("R3", value)
+    assert debugger.value("f3") == value and chip.registers["R3"] & 0xFF_FFFF_FFFF == bits
+
+
+def test_an_integer_that_is_set_leaves_the_exponent() -> None:
+    debugger = dock().debug()
+    debugger.set_register("R3", -2.25)
+    debugger.set_register("R3", 0x40000000)
+    assert debugger.value("f3") == 3.0  # 1.5 times 2 to the power that stood there
+
+
+def test_words_up_to_the_end_of_memory_are_watched() -> None:
+    program = c40.assemble("        .text\nstart:  ldi -1,ar0\n        sti ar0,*ar0\nend:    bu end\n")
+    debugger = Network([program], memories=[SharedMemory("top", 16, {0: 0xFFFFFFF0})]).debug()
+    debugger.watch(0xFFFFFFF0, 16)
+    assert "wrote" in next(debugger.run()).hits[0].text
+    with pytest.raises(DebugError, match="up to the end of memory"):
+        debugger.watch(0xFFFFFFF0, 17)
 
 
 def test_a_step_that_never_ended_leaves_no_stop_condition() -> None:

@@ -188,6 +188,21 @@ def test_a_trace_numbers_the_tasks_of_the_configuration(tmp_path: Path) -> None:
     assert batch["task"].to_pylist() == [events.built_in_tasks()[0], "user 0", "user 1"]
 
 
+def test_each_event_of_a_block_names_its_task(tmp_path: Path) -> None:
+    from cmrc import _core, events
+
+    of_blocks = ["load", "claim", "start", "finish", "remove", "requeue", "miss"]
+    arguments = {event: names for event, names in _core.report.event_names().values()}
+    lines = [
+        f"0.500000000000 [host] {event} " + " ".join(f"{name}=1" for name in arguments[event])
+        for event in [*of_blocks, "fault"]
+    ]
+    (tmp_path / "t").write_text("\n".join([events.HEADER, *lines, ""]))
+    [batch] = events.of_trace(tmp_path / "t")
+    assert batch["kind"].to_pylist() == [1] * 8
+    assert batch["task"].to_pylist() == [events.built_in_tasks()[1]] * 7 + [None]  # a fault's kind is another
+
+
 def test_a_long_trace_is_read_in_pieces_and_each_event_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from cmrc import events
 

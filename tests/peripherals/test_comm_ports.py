@@ -221,6 +221,18 @@ def test_links_that_cannot_be_are_refused() -> None:
     del link
 
 
+def test_a_link_that_is_gone_has_left_its_ports() -> None:
+    """Its processors run as if nothing had ever been attached, and may be linked anew."""
+    a, b = processor(stores(0, 9)), processor(receiver(3, 1))
+    link = c40.Link((a, 0), (b, 3))
+    del link
+    for chip, port, write in ((a, 0, True), (b, 3, False)):
+        stop = chip.run(1000)
+        assert (stop["reason"], stop["port"], stop["write"]) == ("port_wait", port, write)
+    again = c40.Link((a, 0), (b, 3))
+    assert again.counters(0)["sent"] == 0
+
+
 def test_two_ports_of_one_chip_may_be_linked() -> None:
     chip = processor(
         base(0) + base(3, "ar2") + "        ldi 55,r0\n        sti r0,*+ar0(2)\n        ldi *+ar2(1),r1\n" + STOP

@@ -113,6 +113,7 @@ def test_the_first_thousand_missed_pulses_of_a_net_are_events_and_all_are_counte
     ("10,pulse,index", "AT_US,pulse,NET,WIDTH_US[,PERIOD_US[,COUNT]] is expected"),
     ("10,pulse,index,x", "AT_US,pulse,NET,WIDTH_US[,PERIOD_US[,COUNT]] is expected"),
     ("10,pulse,index,1,2,0.5", "COUNT is an integer"),
+    ("10,pulse,index,1,2,0", "COUNT is an integer"),
     ("10,low,index,1", 'low has only a target; "1" is too much'),
     ("10,low,intex", "there is no net intex; index is expected"),
 ])  # fmt: skip

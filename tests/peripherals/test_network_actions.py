@@ -54,6 +54,13 @@ def test_reset_of_the_side_without_a_right_to_it_loses_the_token_and_says_what_w
     check_balance(network)
 
 
+def test_a_link_that_is_cut_has_not_lost_its_token() -> None:
+    network = Network([program(STOP), program(STOP)], links=["0.0:1.3"])
+    network.cut(0, 1)
+    network.run(until_us=2)
+    assert (network.links[0].cut, network.links[0].token_lost) == (True, False)
+
+
 def test_a_held_chip_does_nothing_and_continues() -> None:
     network = Network([program(sender(0, 40)), program(receiver(3, 40))], links=["0.0:1.3"])
     network.hold(1, 2)
@@ -63,6 +70,16 @@ def test_a_held_chip_does_nothing_and_continues() -> None:
     assert network.run().reason == "ended"
     assert network.chips[1].memory[DATA : DATA + 40] == list(range(1, 41))
     assert network.chips[1].causes["halted"] in range(197 * 20, 199 * 20)
+
+
+def test_a_chip_that_had_a_fault_has_it_when_it_is_released() -> None:
+    network = Network([program("        .word 0FFFFFFFFh\n"), program(STOP)])
+    network.hold(0, 2)
+    network.release(0, 4)
+    network.run(until_us=3)
+    assert network.chips[0].status == "held"
+    network.run(until_us=5)
+    assert network.chips[0].status == "fault"
 
 
 def test_a_chip_pulled_out_takes_its_links_with_it() -> None:

@@ -124,6 +124,20 @@ def test_a_brake_slips_under_more_than_it_holds(share):
     assert dock.signal.q[0] == pytest.approx(0.5 * pull / mass * 2.0**2, rel=0.02, abs=1e-9)
 
 
+def test_a_joint_that_is_pressed_into_its_stop_has_reached_it_once():
+    config = plant.default_dock(1)
+    upper = list(config.crane.upper)
+    upper[0] = 0.3
+    config.crane.upper = upper
+    dock = plant.Dock(config)
+    dock.enable_drives(1, 0)
+    for _ in range(50):
+        dock.set_torque_code(0, 900, dock.time)
+        dock.advance_to(dock.time + 50 * 10**9)
+    assert dock.signal.q[0] == 0.3
+    assert [event.index for event in dock.events if event.kind == "joint_limit"] == [0]
+
+
 def test_brakes_hold_when_the_drives_are_off():
     dock = plant.Dock(quiet_dock())
     before = np.array(dock.signal.q)

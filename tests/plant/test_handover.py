@@ -147,6 +147,23 @@ def test_every_switch_keeps_its_books(taken):
     assert attached.energy_after - attached.energy_before > middle
 
 
+@pytest.mark.parametrize("turned", [0.0, np.pi, -np.pi])
+def test_a_container_is_taken_with_either_end_ahead(turned):
+    """Both ends are alike: its yaw is that of the spreader, not of the half turn beyond."""
+    config = quiet_dock(above=(12.7, 24), z=TOP + 0.3)
+    stands = config.layout.containers[1]
+    config.layout.containers = [plant.ContainerPlace(stands.x, stands.y, stands.z, turned, stands.mass)]
+    dock = plant.Dock(config)
+    crane = Crane(dock)
+    crane.hold(0.3)
+    crane.move(crane.pose(12.7, 24.0, TOP - 0.08), 3.0)
+    crane.hold(0.8)
+    for command, state in ((1, "carried"), (0, "on_ship")):
+        dock.spreader_command(command, crane.t)
+        crane.hold(1.2)
+        assert dock.containers[0].state == state and abs(dock.containers[0].yaw) < 1e-3
+
+
 def spreader_on_a_container(lock_time, beside=0.0):
     """The container is on the vehicle's deck, but not yet the vehicle's load; the spreader rests on it with its locks
     open."""

@@ -63,6 +63,20 @@ def test_a_moving_vehicle_shares_its_momentum_with_the_one_ahead():
     assert d.agv(1).speed < -0.1 and len(collisions(d)) == 1
 
 
+def test_the_set_points_that_wait_are_gone_with_an_impact():
+    d = dock(2)
+    run(d, 1.5, (1, 1500, 0, 0))
+    while not collisions(d):
+        drive(d, 1, 1500)
+        d.advance_to(d.time + 20 * MS)  # they come faster than they are taken
+    drive(d, 1, 1500)
+    assert d.agv_status(1, d.time) & 0xF == 0
+    d.advance_to(d.time + 2 * SECOND)
+    d.agv_reset_bumper(1, d.time)
+    d.advance_to(d.time + SECOND)
+    assert d.agv_status(1, d.time) & 0xFF == 0x10  # it stands, and never ran dry
+
+
 @pytest.mark.parametrize("height", [0.15, 0.25, 0.5, 1.4, 1.6, 3.0])
 def test_vehicles_collide_whatever_the_height_of_their_decks(height):
     d = dock(2, deck_height=height)

@@ -78,6 +78,9 @@ def test_memory(program) -> None:
         processor.memory[0x300200] = 1 << 32
     with pytest.raises(ValueError, match="length"):
         processor.memory[0x300200:0x300203] = [1]
+    with pytest.raises(ValueError, match="length"):
+        processor.memory[0x300200:0x300206:2] = [7] * 6
+    assert processor.memory[0x300200] != 7
 
 
 def test_a_window_stops_the_run_and_is_answered() -> None:

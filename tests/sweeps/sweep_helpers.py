@@ -38,6 +38,19 @@ class Takes:
         return answer(key)
 
 
+class Refuses(Takes):
+    """One of them is refused where it runs."""
+
+    def __init__(self, line: str, marks: Path) -> None:
+        super().__init__(0.0, marks)
+        self.line = line
+
+    def __call__(self, key: str, toml: str) -> dict[str, Any]:
+        if self.line in toml.splitlines():
+            return answer(key, status=store.REFUSED, message="not here", hash=None, report=None)
+        return super().__call__(key, toml)
+
+
 class Deadly(Takes):
     """One of them ends its process, each time."""
 

@@ -58,6 +58,7 @@ def test_a_monotone_limit_is_found_within_the_tolerance(limit: float, batch: int
 def test_the_easy_end_may_be_the_greater_one() -> None:
     found, _ = bisected(lambda place, _: place["machine.dsps"] < 3, bisect="dsps", **{"from": 8, "to": 1}, tolerance=1)
     assert found.best == {"machine.dsps": 3} and isinstance(found.best["machine.dsps"], int)
+    assert found.exceptions == []
 
 
 def test_where_nothing_or_everything_passes() -> None:
@@ -80,6 +81,23 @@ def test_neighbours_show_what_is_not_monotone() -> None:
         batch=2,
     )
     assert found.exceptions and "Not monotone" in found.text()
+
+
+@pytest.mark.parametrize(("begin", "end"), [(1, 16), (16, 1)])
+def test_neighbours_lie_on_both_sides_of_the_answer(begin: int, end: int) -> None:
+    """8 is the answer from either end; two before it and two behind the next one are tried, too."""
+    misses = {7, 9, 10, 12, *range(12, 17)} if begin < end else {9, 7, 6, *range(1, 5)}
+    found, trier = bisected(
+        lambda place, _: place["machine.dsps"] in misses,
+        bisect="dsps",
+        **{"from": begin, "to": end},
+        batch=1,
+        tolerance=1,
+    )
+    tried = {trial.place["machine.dsps"] for trial in trier.trials}
+    assert found.best == {"machine.dsps": 8}
+    assert tried >= ({6, 7, 10, 11} if begin < end else {10, 9, 6, 5})
+    assert found.exceptions == ([7, 11] if begin < end else [5, 9])
 
 
 def test_the_answer_is_run_with_seeds_that_the_search_has_not_seen() -> None:

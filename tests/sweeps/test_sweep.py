@@ -266,6 +266,16 @@ def test_a_run_that_ends_its_process_three_times_is_a_failure_and_no_other_run_s
     assert again.counts() == {"done": 6, "refused": 0, "failed": 0}
 
 
+def test_a_run_that_is_refused_where_it_runs_is_told_as_refused(tmp_path: Path) -> None:
+    points = grid.made({"fixed": FIXED, "axes": {"dsps": [1, 2, 3]}})
+    seen: list[Status] = []
+    (tmp_path / "marks").mkdir()
+    execute = sweep_helpers.Refuses("dsps = 3", tmp_path / "marks")
+    found = study.run_grid(points, tmp_path / "s", Place(workers=1), execute, on_progress=seen.append)
+    assert found.counts() == {"done": 2, "refused": 1, "failed": 0}
+    assert (seen[-1].done, seen[-1].refused, seen[-1].failed) == (3, 1, 0)
+
+
 def kill_workers(stop: threading.Event, every_s: float, killed: list[int]) -> None:
     """Sends SIGKILL to one worker after the other until none is left."""
     for turn in itertools.count():

@@ -7,7 +7,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from cmrc._core import toolchain
+from cmrc._core import isa, toolchain
 from locations import ROOT
 
 HERE = Path(__file__).parent
@@ -150,3 +150,12 @@ def test_the_source_begins_where_the_program_does(tmp_path: Path, emulator: Path
     unnamed = toolchain.assemble("\tnop\nL300000\t.set 7\n")  # the name that the source would give is taken
     toolchain.write_coff(unnamed, tmp_path / "p.out")
     assert reassembled(emulator, tmp_path / "p.out", tmp_path).entry == 0x300000
+
+
+def test_a_type_2_word_whose_displacements_fit_type_1_is_that_word_again() -> None:
+    """ADDI3 *+ARn(i),*+ARm(j),R0: in type 1 a displacement is 0 or 1, in type 2 up to 31."""
+    for i in range(4):
+        for j in range(4):
+            word = 0x31600900 & ~0xFFFF | (j << 3 | 1) << 8 | i << 3
+            image = toolchain.assemble(f"        .text\n        {isa.disassemble(word)}\n", "word.asm")
+            assert [section.words for section in image.sections] == [[word]], isa.disassemble(word)
