@@ -222,7 +222,7 @@ def test_of_a_burst_that_is_cleared_only_the_words_that_moved_have_landed() -> N
 
 
 def test_clearing_forgets_the_words_that_were_read_ahead() -> None:
-    """Another master may have written there since: the processor that is reset reads anew."""
+    """Another master may have written there since: the processor that is reset reads again."""
     bus, (bridge,), memory = make()
     bridge.read(0, 0)
     assert finish_read(bus, bridge)[0] == 0

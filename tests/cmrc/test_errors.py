@@ -8,58 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 from audited_run import programs_with
-from cmrc import _core
+from error_scenes import LEG, LOWERING, SERVO, STILL, at, clear, cmrc, load, only, rates, run
 from low_rates import AT_ONCE_AND_LOW
-
-cmrc = _core.cmrc
-Report = dict[str, Any]
-SERVO = 1 / 250
-LEG = 3.0
-"""s: the crane is under way in its first leg, from 0.05 to 18 s."""
-LOWERING = 22.0
-"""s: it lowers the spreader onto the container, from 21 to 24 s."""
-EVERYTHING = ["travel", "slew", "luff", "hoist", "rotate"]
-EVERY_RATE = ("s", "psi", "phi", "l", "kappa")
-
-
-def at(at_s: float, action: str, **what: Any) -> dict[str, Any]:
-    return {"at_s": at_s, "action": action, **what}
-
-
-def clear(at_s: float) -> dict[str, Any]:
-    return at(at_s, "set", key="errors.clear", value=True)
-
-
-# m/s of the hoist after the path has stopped: damping the swing pays out rope at this speed. On the path it is 0.1 and
-# more.
-STILL = 5e-3
-
-
-def run(duration_s: float, *events: dict[str, Any], **settings: Any) -> tuple[Report, Any]:
-    simulation = cmrc.Simulation(
-        cmrc.config(settings={**AT_ONCE_AND_LOW, "duration_s": duration_s, **settings}, events=list(events))
-    )
-    simulation.run()
-    report = json.loads(simulation.report_json())
-    assert report["audit"]["violations"] == []
-    return report, simulation
-
-
-def only(report: Report) -> dict[str, Any]:
-    [error] = report["errors_handled"]
-    return dict(error)
-
-
-def rates(simulation: Any, at_s: float) -> dict[str, float]:
-    signals = simulation.signals()
-    row = signals["time_s"].searchsorted(at_s)
-    return {name.split("_rate")[0]: abs(float(signals[name][row])) for name in signals if "_rate_" in name}
-
-
-def load(simulation: Any) -> tuple[np.ndarray, np.ndarray]:
-    signals = simulation.signals()
-    return signals["time_s"], np.column_stack([signals[f"payload_{axis}_m"] for axis in "xyz"])
-
 
 # ---- stop along the path
 
@@ -255,93 +205,6 @@ def test_a_failure_repaired_while_its_error_lasts_is_its_cause() -> None:
     report, _ = run(LEG + 1, *lying, at(noticed - 0.03, "repair_drive", joint="slew"))
     error = report["errors_handled"][0]
     assert (error["origin"], error["happened_s"], error["because"]) == ("following error", LEG, "fail_drive slew")
-
-
-# ---- hold, retry
-
-
-def test_drives_that_have_timed_out_come_back_by_themselves_so_often() -> None:
-    pause = at(LEG, "pause_host", lasts_ms=200)
-    report, simulation = run(7, pause, **{"errors.go_on_s": 1.0})
-    error = only(report)
-    assert (error["origin"], error["of"], error["response"], error["because"]) == (
-        "drive time-out",
-        EVERYTHING,
-        "retry",
-        "drive_stopped",
-    )
-    assert (
-        LEG + 0.1 - 2 * SERVO <= error["happened_s"] < LEG + 0.1 + 2 * SERVO
-        and LEG + 0.2 < error["noticed_s"] < LEG + 0.2 + 2 * SERVO
-    )
-    assert not error["stands"] and simulation.exit_status == 0
-    assert rates(simulation, LEG + 0.9)["l"] < 0.02 and rates(simulation, 6.9)["l"] > 0.1
-    report, simulation = run(9, pause, clear(6), **{"errors.timeout_retries_max": 0, "errors.go_on_s": 1.0})
-    error = only(report)
-    assert error["response"] == "hold" and error["cleared_s"] is not None and simulation.exit_status == 0
-    assert all(rates(simulation, 5.9)[joint] == 0 for joint in EVERY_RATE)  # every brake is closed
-    assert rates(simulation, 8.9)["l"] > 0.1
-
-
-@pytest.mark.parametrize("lasts_ms", [101.0, 130.0, 200.0, 1000.0])
-def test_the_crane_recovers_from_any_gap_in_motion(lasts_ms: float) -> None:
-    """At 8 s it slews with 59 mrad/s. After a short gap the brakes have not stopped it yet."""
-    report, simulation = run(16, at(8, "pause_host", lasts_ms=lasts_ms), **{"errors.go_on_s": 4.0})
-    error = only(report)
-    assert (error["origin"], error["response"], error["stands"]) == ("drive time-out", "retry", False)
-    assert error["done_s"] == pytest.approx(error["decided_s"] + 1.0, abs=2 * SERVO)
-    assert all(rates(simulation, error["done_s"] - 0.01)[joint] == 0 for joint in EVERY_RATE)  # every brake holds
-    assert rates(simulation, 15.9)["psi"] > 0.02 and simulation.exit_status == 0
-
-
-STOPPED_AND_TIMED_OUT = {
-    "long after": [at(LEG, "fail_drive", joint="luff"), at(LEG + 1.5, "pause_host", lasts_ms=200)],
-    "in its second": [at(LEG, "fail_drive", joint="luff"), at(LEG + 0.3, "pause_host", lasts_ms=200)],
-    "no DSP for a while": [
-        at(LEG, "fail_drive", joint="luff"),
-        at(LEG + 1.5, "unplug", dsp=0),
-        at(LEG + 1.8, "plug", dsp=0),
-    ],
-}
-
-
-@pytest.mark.parametrize("order", STOPPED_AND_TIMED_OUT)
-def test_a_retry_does_not_move_a_crane_that_another_error_has_stopped(order: str) -> None:
-    events = [*STOPPED_AND_TIMED_OUT[order], at(8, "repair_drive", joint="luff"), clear(9)]
-    report, simulation = run(13, *events, **{"errors.go_on_s": 1.0})
-    errors = {error["origin"]: error for error in report["errors_handled"]}
-    assert set(errors) == {"drive fault", "drive time-out"} == {error["origin"] for error in report["errors_handled"]}
-    stop, retry = errors["drive fault"], errors["drive time-out"]
-    assert (stop["response"], retry["response"]) == ("stop", "retry")
-    assert stop["done_s"] < LEG + 1.1
-    # It only ended the time-out: no other try began before the operator came.
-    assert (retry["done_s"], retry["moved_until_done_m"]) == (None, None)
-    assert retry["moved_most_m"] >= retry["moved_until_noticed_m"]
-    for at_s in (6.5, 7.5, 8.9):
-        assert rates(simulation, at_s)["l"] < 0.012, at_s  # it still returns to the place at which its path has stopped
-    assert retry["cleared_s"] == stop["cleared_s"] == pytest.approx(9, abs=0.001)
-    assert rates(simulation, 12.9)["l"] > 0.1 and simulation.exit_status == 0
-
-
-def test_a_drive_that_fails_while_a_retry_waits_stops_the_crane_before_it_has_moved() -> None:
-    events = [at(LEG, "pause_host", lasts_ms=200), at(LEG + 0.8, "fail_drive", joint="luff")]
-    report, simulation = run(8, *events)
-    late, fault = report["errors_handled"]
-    assert (late["response"], fault["response"], fault["stands"]) == ("retry", "stop", True)
-    # All drives are off: PID finds the fault when they are on again.
-    assert late["done_s"] < fault["noticed_s"] < late["done_s"] + 3 * SERVO
-    for at_s in (4.5, 5.5, 7.9):
-        assert rates(simulation, at_s)["l"] < 0.012, at_s
-    assert simulation.exit_status == 1
-
-
-def test_a_load_that_is_being_set_down_reaches_its_place_after_a_time_out() -> None:
-    events = [at(LOWERING, "fail_drive", joint="luff"), at(LOWERING + 0.2, "pause_host", lasts_ms=200)]
-    report, simulation = run(29, *events, **{"errors.go_on_s": 1.0})
-    fault, late = report["errors_handled"]
-    assert (fault["response"], late["response"]) == ("set down", "retry")
-    assert late["done_s"] < fault["done_s"] and not late["stands"] and fault["stands"]
-    assert "landed" in {kind for _, kind, *_ in simulation.dock_events()}
 
 
 # ---- what is not done

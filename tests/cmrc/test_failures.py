@@ -205,7 +205,8 @@ def test_a_pid_that_was_given_up_is_still_demanded(tmp_path: Path) -> None:
     assert pid["released"] == pytest.approx(1000 * report["account_end_s"] - 20, abs=1)
 
     clear = {"at_s": 0.9, "action": "set", "key": "errors.clear", "value": True}
-    report = run([clear], **settings)
+    # The drives have timed out: they are switched on a second later.
+    report = run([clear], **{**settings, "run.after_stop_s": 1.5})
     pid = report["tasks"]["pid"]
     assert report["stop_reason"] == "completed"
     assert pid["released"] == 1980 and pid["dropped"] == pytest.approx(400, abs=2)
@@ -246,10 +247,10 @@ def test_without_torque_compensation_pid_gets_no_work(crane: str) -> None:
     assert "an error had stopped the servo, or was not decided yet" in result.explain(last)
 
     clear = {"at_s": 0.8, "action": "set", "key": "errors.clear", "value": True}
-    cleared = run([hang, clear], **settings, duration_s=1.2)
+    cleared = run([hang, clear], **{**settings, "run.after_stop_s": 1.5}, duration_s=2.2)
     assert cleared["stop_reason"] == "completed" and not cleared["braked"]
     for kind in ("pid", "torque_compensation"):
-        assert cleared["tasks"][kind]["on_time"] == pytest.approx(1180 - (800 - stop), abs=4), kind
+        assert cleared["tasks"][kind]["on_time"] == pytest.approx(2180 - (800 - stop), abs=4), kind
 
 
 def test_ticks_that_pass_while_a_host_is_paused_are_the_hosts(tmp_path: Path) -> None:

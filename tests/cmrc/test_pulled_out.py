@@ -155,7 +155,7 @@ def test_a_run_continues_where_the_host_takes_the_list_from_a_board_that_is_gone
         "watchdog.semaphore_limit_us": 20,
     }
     config = cmrc.config(
-        settings=settings, events=[{"at_s": 0.010004787111, "action": "unplug", "dsp": dsp} for dsp in (1, 2)]
+        settings=settings, events=[{"at_s": 0.010007236, "action": "unplug", "dsp": dsp} for dsp in (1, 2)]
     )
     whole, first = cmrc.Simulation(config), cmrc.Simulation(config)
     whole.run()

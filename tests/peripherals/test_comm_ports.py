@@ -222,7 +222,7 @@ def test_links_that_cannot_be_are_refused() -> None:
 
 
 def test_a_link_that_is_gone_has_left_its_ports() -> None:
-    """Its processors run as if nothing had ever been attached, and may be linked anew."""
+    """Its processors run as if nothing had ever been attached, and may be linked again."""
     a, b = processor(stores(0, 9)), processor(receiver(3, 1))
     link = c40.Link((a, 0), (b, 3))
     del link
