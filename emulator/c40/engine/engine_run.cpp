@@ -89,17 +89,14 @@ const StopInfo& Engine::stop(Stepped why) {
     dma_side_.know_no_accesses();  // a repeated access belongs to an instruction that began before
   const bool one =
       single || trace != nullptr || waiting_interrupt || dma_effect_ != DmaEffect::none || cache_.control_pending();
-  bool in_blocks = stops_at_ends;  // then an instruction apart from the blocks around it is executed alone
   if (!one && !exact_only && !onward_.is_missed()) {
     if (CodeBlock* block = onward_.take_inside(); block != nullptr) {
       return run_blocks(block, onward_.at(), limit);
     }
-    if (core.delay_slots == 0 && !exact_addresses_.contains(core.pc)) {
-      in_blocks = by_blocks();
+    if (core.delay_slots == 0 && !exact_addresses_.contains(core.pc) && by_blocks()) {
       Stepped why = Stepped::done;
-      if (CodeBlock* block = in_blocks ? find_or_record(limit, why) : nullptr; block != nullptr)
-        return run_blocks(block, 0, limit);
-      if (in_blocks) return why;
+      if (CodeBlock* block = find_or_record(limit, why); block != nullptr) return run_blocks(block, 0, limit);
+      return why;
     }
   }
   if (CodeBlock* const left = onward_.often_missed(); left != nullptr && !one && !exact_only) [[unlikely]] {
@@ -117,7 +114,8 @@ const StopInfo& Engine::stop(Stepped why) {
   if (const Stepped why = exact_step(step, trace != nullptr); why != Stepped::done) return why;
   if (step.repeatable) exact_addresses_.stayed_inside(pc);
   if (missed != nullptr && core.code_writes == 0) rejoin(*missed);
-  const bool alone = one || in_blocks || !breakpoints.empty() || probe_.on_code() || onward_.is_inside();
+  // Before each instruction a chip that stops at ends looks for one; run_exactly does not look.
+  const bool alone = one || stops_at_ends || !breakpoints.empty() || probe_.on_code() || onward_.is_inside();
   return alone ? Stepped::done : run_exactly(limit);
 }
 

@@ -411,13 +411,11 @@ template <class GoesOn>
 // block can be used. A quick step changes none of the conditions that `attention` does not report.
 Engine::Stepped Engine::run_exactly(Cycles limit) {
   const Core& core = state_.core;
-  const auto goes_on = [&] {
-    return !core.attention && state_.cycle < limit && (exact_only || !by_blocks()) && !at_end();
-  };
+  const auto goes_on = [&] { return !core.attention && state_.cycle < limit && (exact_only || !by_blocks()); };
+  Step step;
   while (core.code_writes == 0 && !peripherals_.interface_changed() && !core.idle && goes_on()) {
     while (quick_step(goes_on)) continue;
     if (!goes_on()) return Stepped::done;
-    Step step;
     if (const Stepped why = exact_step(step, false); why != Stepped::done) return why;
   }
   return Stepped::done;
