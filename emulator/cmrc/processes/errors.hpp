@@ -133,7 +133,7 @@ class Errors {
   std::int64_t late_after_ = 0;  // the same for time-outs
   bool servo_stopped_ = false;   // by an error
   std::int64_t timeouts_ = 0;    // time-outs after which the crane has continued by itself
-  // After a time-out: all drives are off until then, and the crane goes on, unless it must stand.
+  // After a time-out: all drives are off until then, and the crane continues then, unless it must stand.
   std::optional<std::int64_t> go_on_at_;
 };
 
