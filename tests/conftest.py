@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from itertools import zip_longest
 from pathlib import Path
+from typing import Any
 
 import pytest
 from dealt import dealt
@@ -108,11 +109,21 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         items[:] = dealt(items, workers, file_of=lambda item: item.path, is_slow=is_slow)
 
 
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    if hasattr(session.config, "workeroutput"):  # a worker of pytest-xdist: the process that reports is another one
+        session.config.workeroutput["golden_changes"] = session.config.stash[changes]
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node: Any) -> None:
+    node.config.stash[changes] += getattr(node, "workeroutput", {}).get("golden_changes", [])
+
+
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
     if not config.getoption("--update-golden"):
         return
     terminalreporter.section("golden files")
-    for line in config.stash[changes] or ["nothing changed"]:
+    for line in sorted(config.stash[changes]) or ["nothing changed"]:
         terminalreporter.write_line(line)
 
 
