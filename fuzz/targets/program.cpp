@@ -99,7 +99,9 @@ fuzz::Start make(const Setting& s) {
   const std::uint8_t target = s.pointers[n++];
   chip.set_expansion(isa::Expansion::IVTP, chip_ram + 0x200);
   chip.set_expansion(isa::Expansion::TVTP, chip_ram + 0x200);
-  for (Word vector = 1; vector < 0x40; ++vector) chip.poke(chip_ram + 0x200 + vector, code + (target * vector & 0xFFu));
+  std::array<Word, 0x40> vectors{};
+  for (Word vector = 1; vector < vectors.size(); ++vector) vectors[vector] = code + (target * vector & 0xFFu);
+  chip.write_block(chip_ram + 0x200, vectors);
   chip.set_register(ST, s.status[0] & 0x3FFF);
   chip.set_register(IIE, s.status[1]);
   chip.set_register(IIF, s.status[2]);

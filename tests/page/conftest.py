@@ -10,19 +10,19 @@ from cmrc.page import Recording
 from page_runs import BUSY, HOSTILE, KILLED, recorded
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def started() -> Iterator[Any]:
     with driver() as one:
         yield one
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def browser(started: Any) -> Iterator[Any]:
     with chromium(started, SOFTWARE) as opened:
         yield opened
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def run(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Recording]:
     path = tmp_path_factory.mktemp("page") / "busy.html"
     return path, recorded(BUSY, KILLED, path, HOSTILE)[1]

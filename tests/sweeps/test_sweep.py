@@ -73,6 +73,7 @@ def test_a_new_metric_and_the_same_sweep_run_nothing(done: Sweep, monkeypatch: p
     assert Sweep(done.folder.path).text() == again.text()
 
 
+@pytest.mark.usefixtures("one_worker")
 def test_a_grid_that_has_grown_runs_what_is_new(done: Sweep, tmp_path: Path) -> None:
     marks = tmp_path / "marks"
     marks.mkdir()
@@ -88,6 +89,7 @@ def test_a_grid_that_has_grown_runs_what_is_new(done: Sweep, tmp_path: Path) -> 
     )
 
 
+@pytest.mark.usefixtures("one_worker")
 def test_a_run_of_an_earlier_grid_has_its_place_in_the_new_one(tmp_path: Path) -> None:
     """A setting that was fixed, or had its default, becomes an axis; seeds are added."""
     fixed = {**FIXED, "dsps": 2}
@@ -110,6 +112,7 @@ def test_a_run_of_an_earlier_grid_has_its_place_in_the_new_one(tmp_path: Path) -
     assert grown.text() == Sweep(tmp_path / "s").text()
 
 
+@pytest.mark.usefixtures("one_worker")
 def test_runs_of_a_changed_grid_are_no_repeats(tmp_path: Path) -> None:
     """A setting without an axis, the preset, the events, a future of the same name."""
     base: dict[str, Any] = {
@@ -144,6 +147,7 @@ def test_runs_of_a_changed_grid_are_no_repeats(tmp_path: Path) -> None:
     assert found.report(dsps=1, events=paused_too[0])["timed_events"][0]["what"] == "pause_host for 1 ms"
 
 
+@pytest.mark.usefixtures("one_worker")
 def test_runs_of_a_changed_file_are_no_repeats(tmp_path: Path) -> None:
     config, board = tmp_path / "base.toml", tmp_path / "board.toml"
     regions = [
@@ -176,6 +180,7 @@ def test_runs_of_a_changed_file_are_no_repeats(tmp_path: Path) -> None:
     assert Sweep(tmp_path / "b").table().rows == 2
 
 
+@pytest.mark.usefixtures("one_worker")
 def test_fixed_seeds_are_repeats(tmp_path: Path) -> None:
     for seed in (1, 2):
         sweep({"fixed": {**FIXED, "seed": seed}}, tmp_path / "s", workers=1)
@@ -184,6 +189,7 @@ def test_fixed_seeds_are_repeats(tmp_path: Path) -> None:
     assert list(found.table()["seed"]) == [1, 2]
 
 
+@pytest.mark.usefixtures("one_worker")
 def test_points_that_make_one_run_are_rows_of_their_own(tmp_path: Path) -> None:
     seen: list[Status] = []
     tables = {"fixed": FIXED, "axes": {"turn_order": [1, 2, 3]}}
@@ -192,6 +198,7 @@ def test_points_that_make_one_run_are_rows_of_their_own(tmp_path: Path) -> None:
     assert [place["run.turn_order"] for place, spread in found.summary() if spread.n == 1] == [1, 2, 3]
 
 
+@pytest.mark.usefixtures("one_worker")
 def test_a_row_can_be_run_again_with_its_signals(tmp_path: Path) -> None:
     tables = {
         "fixed": {**FIXED, "preset": "saturated", "duration_s": 0.04},
@@ -204,6 +211,7 @@ def test_a_row_can_be_run_again_with_its_signals(tmp_path: Path) -> None:
     assert len({run["hash"] for run in found.runs}) == 2
 
 
+@pytest.mark.usefixtures("one_worker")
 def test_n_stands_beside_what_not_every_repeat_has_measured(tmp_path: Path) -> None:
     found = sweep({"fixed": FIXED, "repeats": {"seeds": 3}}, tmp_path / "s", workers=1)
     values = iter([1.0, None, 2.0])
@@ -211,6 +219,7 @@ def test_n_stands_beside_what_not_every_repeat_has_measured(tmp_path: Path) -> N
     assert "(n = 2)" in text and text.splitlines()[1].split()[0] == "3"
 
 
+@pytest.mark.usefixtures("one_worker")
 def test_repeats_that_agree_have_no_interval_and_the_table_says_so(tmp_path: Path) -> None:
     found = sweep({"fixed": FIXED, "repeats": {"seeds": 2}}, tmp_path / "s", workers=1)
     text = found.text("misses", "any_miss")
@@ -266,6 +275,7 @@ def test_a_run_that_ends_its_process_three_times_is_a_failure_and_no_other_run_s
     assert again.counts() == {"done": 6, "refused": 0, "failed": 0}
 
 
+@pytest.mark.usefixtures("one_worker")
 def test_a_run_that_is_refused_where_it_runs_is_told_as_refused(tmp_path: Path) -> None:
     points = grid.made({"fixed": FIXED, "axes": {"dsps": [1, 2, 3]}})
     seen: list[Status] = []

@@ -39,6 +39,16 @@ void DecodedSlot::forget_windows() {
   stale = false;
 }
 
+void DecodedSlotTable::make(Address count) {
+  decoded_slots_ = std::vector<DecodedSlot>(count);
+  mask_ = count - 1;
+}
+
+DecodedSlot& DecodedSlotTable::slot_for_new(Address pc) {
+  if ((*this)[pc].known && mask_ < most - 1) make(most);
+  return (*this)[pc];
+}
+
 void DecodedSlotTable::forget() {
   for (DecodedSlot& decoded : decoded_slots_) decoded.forget();
 }

@@ -70,19 +70,25 @@ struct DecodedSlot {
   }
 };
 
-/// Decoded slots, direct mapped by address.
+/// Decoded slots, direct mapped by address. The table begins small, so that a chip is made quickly, and grows as soon
+/// as two instructions want one slot.
 class DecodedSlotTable {
  public:
-  DecodedSlotTable() : decoded_slots_(count) {}
-  DecodedSlot& operator[](Address pc) { return decoded_slots_[pc % count]; }
+  DecodedSlotTable() { make(first); }
+  DecodedSlot& operator[](Address pc) { return decoded_slots_[pc & mask_]; }
+  /// The slot for an instruction that is not in the table yet. References from before become invalid.
+  DecodedSlot& slot_for_new(Address pc);
   /// Drops all knowledge about memory.
   void forget();
   /// Drops all transitions: pipeline states get new numbers.
   void forget_transitions();
 
  private:
-  static constexpr std::size_t count = 1024;
+  static constexpr Address first = 64, most = 1024;
+  void make(Address count);
+
   std::vector<DecodedSlot> decoded_slots_;
+  Address mask_ = 0;  ///< their number - 1
 };
 
 /// The state of LOCK after an interlocked instruction's access; nothing: unchanged.

@@ -95,7 +95,9 @@ bool Engine::fetch(Step& step) {
   }
   step.decoded = &decoded_slots_[pc];
   const bool set_condition = (core.modes & st::SETCOND) != 0;
-  return step.decoded->is(step.word, set_condition) || bind_slot(*step.decoded, step.word, set_condition);
+  if (step.decoded->is(step.word, set_condition)) return true;
+  step.decoded = &decoded_slots_.slot_for_new(pc);
+  return bind_slot(*step.decoded, step.word, set_condition);
 }
 
 const Transition& Engine::transition(const Demand& demand, Word word) {

@@ -4,6 +4,7 @@
 #include <sys/mman.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <new>
 #include <stdexcept>
 #include <utility>
@@ -93,7 +94,23 @@ Board Board::plain_ram() {
   return board;
 }
 
-void Memory::Unmap::operator()(Word* words) const { munmap(words, bytes); }
+// The system gives zero pages on demand: a large SRAM costs nothing until it is used. calloc does so only as long as no
+// SRAM has been freed: then it takes the freed one and writes zeros. For a small area that is cheaper than two calls of
+// the system and its page faults.
+Word* Memory::new_contents(std::size_t bytes) {
+  void* const made = bytes < mapped_from
+                         ? std::calloc(1, bytes)
+                         : mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (made == nullptr || made == MAP_FAILED) throw std::bad_alloc();
+  return static_cast<Word*>(made);
+}
+
+void Memory::Release::operator()(Word* words) const {
+  if (bytes < mapped_from)
+    std::free(words);
+  else
+    munmap(words, bytes);
+}
 
 Memory::Memory(const Board& board) : flat_(board.is_flat), flat_words_max_(board.flat_words_max) {
   for (const Region& region : board.regions) add(area_of(region));
@@ -165,13 +182,9 @@ const Memory::Area* Memory::add(Area area) {
                         (place != areas_.begin() && (*std::prev(place))->contains(area.base));
   if (overlaps) throw std::invalid_argument(fmt::format("region {} overlaps another one", area.name));
   if (area.kind == Region::Kind::ram || area.kind == Region::Kind::rom) {
-    // The system gives zero pages on demand: a large SRAM costs nothing until it is used. calloc does so only as long
-    // as no SRAM has been freed: then it takes the freed one and writes zeros.
     const std::size_t bytes = (std::size_t{area.words} + area.words / 32 + 1) * sizeof(Word);
-    void* const mapped = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (mapped == MAP_FAILED) throw std::bad_alloc();
-    area.data = static_cast<Word*>(mapped);
-    contents_.emplace_back(area.data, Unmap{bytes});
+    area.data = new_contents(bytes);
+    contents_.emplace_back(area.data, Release{bytes});
   }
   return areas_.insert(place, std::make_unique<Area>(std::move(area)))->get();
 }

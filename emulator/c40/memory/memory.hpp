@@ -76,7 +76,9 @@ class Memory {
   void list_state(state::Visitor& list);
 
  private:
-  struct Unmap {
+  static constexpr std::size_t mapped_from = 0x10000;  ///< bytes of an area that the system maps by itself
+  static Word* new_contents(std::size_t bytes);
+  struct Release {
     std::size_t bytes = 0;
     void operator()(Word* words) const;
   };
@@ -95,7 +97,7 @@ class Memory {
   std::array<InterfaceControl, 2> control_{};   // local, global
   std::array<std::array<bool, 2>, 2> paged_{};  // by bus and strobe: some region has page_waits
   std::vector<std::unique_ptr<Area>> areas_;    // by base
-  std::vector<std::unique_ptr<Word, Unmap>> contents_;
+  std::vector<std::unique_ptr<Word, Release>> contents_;
   std::vector<AddressRange> apart_;
   std::vector<std::unique_ptr<Area>> divided_;  ///< areas whose contents are in pieces
 };

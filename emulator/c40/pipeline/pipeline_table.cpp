@@ -4,7 +4,7 @@ namespace c40 {
 namespace {
 
 constexpr PipelineId most_states = 1 << 18;
-constexpr unsigned transition_bits = 12;
+constexpr int first_transition_bits = 6, more_transition_bits = 3, most_transition_bits = 12;
 
 std::optional<Cause> only_delay(const StepTiming& timing) {
   std::optional<Cause> found;
@@ -19,7 +19,15 @@ std::optional<Cause> only_delay(const StepTiming& timing) {
 
 }  // namespace
 
-PipelineTable::PipelineTable() : transitions_(std::size_t{1} << transition_bits) { intern(Pipeline{}); }
+PipelineTable::PipelineTable() {
+  make_transitions(first_transition_bits);
+  intern(Pipeline{});
+}
+
+void PipelineTable::make_transitions(int bits) {
+  transitions_.assign(std::size_t{1} << bits, {});
+  hash_shift_ = 64 - bits;
+}
 
 PipelineId PipelineTable::intern(const Pipeline& pipeline) {
   auto& ids = ids_[pipeline.hash()];
@@ -34,8 +42,12 @@ PipelineId PipelineTable::intern(const Pipeline& pipeline) {
 
 const Transition& PipelineTable::transition(PipelineId before, const Demand& demand, std::uint64_t bits, Word word) {
   const std::uint64_t hash = (bits ^ std::uint64_t{before} << 40 ^ std::uint64_t{word} << 17) * 0x9E3779B97F4A7C15u;
-  Transition& entry = transitions_[hash >> (64 - transition_bits)];
+  Transition& entry = transitions_[hash >> hash_shift_];
   if (entry.demand != bits || entry.before != before || entry.word != word) {
+    if (states_.size() * 2 > transitions_.size() && hash_shift_ > 64 - most_transition_bits) {
+      make_transitions(64 - hash_shift_ + more_transition_bits);
+      return transition(before, demand, bits, word);
+    }
     entry = {bits, before, word, {}, 0, {}};
     Pipeline pipeline = states_[before];
     entry.timing = pipeline.advance(demand);

@@ -43,6 +43,7 @@ struct Transition {
   std::optional<Cause> delayed_by;  ///< the one cause of all cycles but the first, if there is one
 };
 
+/// The table of transitions begins small, so that a chip is made quickly, and grows with the number of states.
 class PipelineTable {
  public:
   static constexpr PipelineId drained = 0;  ///< the empty pipeline
@@ -60,9 +61,12 @@ class PipelineTable {
   void clear();
 
  private:
+  void make_transitions(int bits);
+
   std::deque<Pipeline> states_;
   std::unordered_map<std::uint64_t, std::vector<PipelineId>> ids_;  ///< by hash
-  std::vector<Transition> transitions_;                             ///< direct mapped
+  std::vector<Transition> transitions_;                             ///< direct mapped by the upper bits of a hash
+  int hash_shift_ = 0;                                              ///< leaves as many of its bits as the table has
   bool full_ = false;
 };
 
