@@ -45,7 +45,7 @@ void DecodedSlotTable::make(Address count) {
 }
 
 DecodedSlot& DecodedSlotTable::slot_for_new(Address pc) {
-  if ((*this)[pc].known && mask_ < most - 1) make(most);
+  if ((*this)[pc].known && mask_ < most - 1) make(4 * (mask_ + 1));
   return (*this)[pc];
 }
 

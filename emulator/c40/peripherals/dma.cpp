@@ -80,12 +80,16 @@ void Dma::write(int c, DmaRegister reg, Word value, Cycles at) {
     written[reg] = value;
     return;
   }
+  const Cycles first = at + timing::dma_start_cycles;
   const bool was_busy = busy();
   const std::array<Word, 2> before = starts(c);
+  const std::array<bool, 2> was_ready{ready({c, 0}), ready({c, 1})};
   written[control] = value & ~read_only;
   reset_halves(c);
-  start_halves(c, before, at, at + timing::dma_start_cycles);
-  if (!was_busy) s_.now = std::max(s_.now, at + timing::dma_start_cycles);
+  start_halves(c, before, at, first);
+  for (int half : {0, 1})
+    if (ready({c, half}) && !was_ready[static_cast<std::size_t>(half)]) state({c, half}).first = first;
+  if (!was_busy) rest_until(first);
 }
 
 // After a change of the control register. Of an access under way only the bus cycle is completed.
@@ -376,11 +380,11 @@ void Dma::done(Half h, bool divided, Word value, Cycles end) {
   DmaChannel& c = channel(h.channel);
   DmaHalf& half = state(h);
   s_.now = half.since = end;
+  s_.last = s_.current;
   if (half.listing) {
     half.list[half.listed++] = value;
     if (!fields[static_cast<std::size_t>(h.half)].stay.in(c[control])) ++half.list_at;
     s_.now += timing::dma_list_write_cycles;
-    s_.last = s_.current;
     s_.current = -1;
     if (half.listed >= (divided ? primary_list.size() : unified_list.size())) load_list(h, divided);
   } else if (!half.has_data) {
@@ -393,7 +397,6 @@ void Dma::done(Half h, bool divided, Word value, Cycles end) {
     if (!divided || h.half == 1)
       c[destination] = stepped(c[destination], c[destination_index], WRITE_BIT_REV.in(c[control]));
     if (c[counter_of(h)] == 0) s_.ended = s_.current;
-    s_.last = s_.current;
     s_.current = -1;
   }
   if (start(h) == start_halt_access) s_.current = -1;
