@@ -97,6 +97,7 @@ NEVER_SEEN: dict[str, Schema] = {
     "agvs.*.peak": {"type": ["number", "null"]},
     "agvs.*.rms": {"type": ["number", "null"]},
     "audit.violations": {"type": "array", "items": {"type": "string"}},
+    "cycles.agv": {"type": ["integer", "null"]},
     "cycles.agv_interval_refreshes": {"type": ["integer", "null"]},
     "reference_problem": {"type": ["string", "null"]},
 }

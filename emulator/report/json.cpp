@@ -178,7 +178,7 @@ Json bus(const BusReport& of) {
 
 Json cycle(const CycleReport& of) {
   return {{"number", of.number},
-          {"agv", of.agv},
+          {"agv", of.agv ? Json(*of.agv) : Json()},
           {"t_3_s", optional_seconds(of.t3)},
           {"t_4_s", optional_seconds(of.t4)},
           {"t_5_s", optional_seconds(of.t5)},

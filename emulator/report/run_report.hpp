@@ -118,8 +118,8 @@ struct BusReport {
 
 /// The cycle of one container (equations 2 to 4). Absent: has not happened by the end of the run.
 struct CycleReport {
-  unsigned number = 0;  ///< from 1
-  unsigned agv = 0;
+  unsigned number = 0;                 ///< from 1
+  std::optional<unsigned> agv;         ///< from the start of t4 on
   std::optional<Time> t3, t4, t5, t6;  ///< duration of the process
   std::optional<Time> t_v;             ///< the crane waited above the spot for an AGV
   std::optional<Time> t_w;     ///< the AGV waited, from leaving the lane to the start of the t4 that loads it again
@@ -170,7 +170,7 @@ struct HostReport {
   std::uint64_t refreshes = 0;
   std::uint64_t skipped_refreshes = 0;
   Summary semaphore_hold;    ///< ps for which the host held the list, per refresh
-  Summary refresh_duration;  ///< ps from the host's tick to the end of its list work
+  Summary refresh_duration;  ///< ps from the host's tick until the host is done and the list is released
   Summary list_length;       ///< blocks, per refresh
   std::uint64_t doorbells = 0;
   std::uint64_t recomputed = 0;  ///< blocks put back by the watchdog

@@ -103,9 +103,10 @@ std::string chain(const WhyLate& why) {
   std::vector<Share> longer;
   double whole = 0, shorter = 0;
   for (const Share& part : why.parts) {
+    if (part.name == "slack") continue;
     if (part.amount > 0)
       longer.push_back(part), whole += static_cast<double>(part.amount);
-    else if (part.name != "slack")
+    else
       shorter += static_cast<double>(part.amount);
   }
   std::ranges::stable_sort(longer, std::greater{}, &Share::amount);
@@ -290,10 +291,11 @@ std::string cycles(const RunReport& report) {
   TextTable table(
       {"s", "AGV", "t_3", "t_4", "t_5", "t_6", "t_v", "t_w", "t_wait", "T_g", "T_a", "N^_a", "delivered at"});
   for (const CycleReport& cycle : report.cycles)
-    table.add({fmt::format("cycle {}", cycle.number), fmt::format("{}", cycle.agv), in_seconds(cycle.t3),
-               in_seconds(cycle.t4), in_seconds(cycle.t5), in_seconds(cycle.t6), in_seconds(cycle.t_v),
-               in_seconds(cycle.t_w), in_seconds(cycle.t_wait), in_seconds(cycle.T_g), in_seconds(cycle.T_a),
-               cycle.agv_interval ? fmt::format("{}", *cycle.agv_interval) : "-", in_seconds(cycle.delivered)});
+    table.add({fmt::format("cycle {}", cycle.number), cycle.agv ? fmt::format("{}", *cycle.agv) : "-",
+               in_seconds(cycle.t3), in_seconds(cycle.t4), in_seconds(cycle.t5), in_seconds(cycle.t6),
+               in_seconds(cycle.t_v), in_seconds(cycle.t_w), in_seconds(cycle.t_wait), in_seconds(cycle.T_g),
+               in_seconds(cycle.T_a), cycle.agv_interval ? fmt::format("{}", *cycle.agv_interval) : "-",
+               in_seconds(cycle.delivered)});
   if (table.empty()) return text;
   const bool open = std::ranges::any_of(report.cycles, [](const CycleReport& cycle) { return cycle.t6 && !cycle.T_a; });
   return text + table.render() + (open ? "  t_w, t_wait and T_a: when the AGV has been loaded again\n" : "");

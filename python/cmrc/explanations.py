@@ -133,13 +133,15 @@ def _in_the_way(miss: Mapping[str, Any]) -> list[str]:
         since = min(block["from_ps"] for block in behind)
         more = f", and {len(behind) - 3} more" if len(behind) > 3 else ""
         sentences.append(f"It was blocked for {_duration(waited)}, since {_instant(since)}, by {_list(blocks, more)}.")
-    others = [(part, ps) for part, ps in _largest(miss, 4) if part not in ("blocked", "behind_list")]
-    whole = sum(ps for ps in miss["parts_ps"].values() if ps > 0)
+    others = [(part, ps) for part, ps in _largest(miss, 5) if part not in ("blocked", "behind_list", "slack")][:4]
+    whole = sum(ps for part, ps in miss["parts_ps"].items() if ps > 0 and part != "slack")
     others = [(part, ps) for part, ps in others if ps >= 0.05 * whole]
     if others:
         sentences.append(
             "Of its time " + _list([f"{_duration(ps)} passed while {_part(part)}" for part, ps in others]) + "."
         )
+    if (short := miss["parts_ps"].get("slack", 0)) > 0:
+        sentences.append(f"Its deadline left {_duration(short)} less than a usual run takes.")
     return sentences
 
 
@@ -160,10 +162,13 @@ def _avoidance(miss: Mapping[str, Any]) -> list[str]:
     alone = [(part, ps) for part, ps in parts if ps >= late]
     if alone:
         part, ps = alone[0]
-        avoided = f"Without the {_duration(ps)} in which {_part(part)}, the job would have been done " + (
-            "at its deadline" if ps == late else f"{_duration(ps - late)} before its deadline"
+        without = (
+            f"If its deadline had left time for a usual run ({_duration(ps)} more)"
+            if part == "slack"
+            else f"Without the {_duration(ps)} in which {_part(part)}"
         )
-        sentences.append(avoided + _remedy([part]) + ".")
+        done = "at its deadline" if ps == late else f"{_duration(ps - late)} before its deadline"
+        sentences.append(f"{without}, the job would have been done {done}{_remedy([part])}.")
         return sentences
     chosen: list[str] = []
     gained = 0
@@ -174,8 +179,8 @@ def _avoidance(miss: Mapping[str, Any]) -> list[str]:
             break
     if gained >= late and chosen:
         sentences.append(
-            f"No single cause made it late: without {_list([_part(part) for part in chosen])} together the job "
-            f"would have been in time{_remedy(chosen)}."
+            f"No single cause made it late, but these together: {'; '.join(_part(part) for part in chosen)}. Without "
+            f"them the job would have been in time{_remedy(chosen)}."
         )
     return sentences
 

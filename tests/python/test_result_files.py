@@ -441,7 +441,18 @@ def test_an_explanation_leaves_out_what_is_less_than_a_twentieth_of_the_time() -
 
 def test_causes_that_just_make_up_the_lateness_together_avoid_it_together() -> None:
     text = explained({"lock": 60, "doorbell": 40, "claim": 30, "slack": -30}, 100)
-    assert "without another DSP or the host held the list and a sleeping DSP had to be woken together" in text
+    assert (
+        "No single cause made it late, but these together: another DSP or the host held the list; a sleeping DSP had to "
+        "be woken. Without them the job would have been in time" in text
+    )
+
+
+def test_too_little_time_from_the_start_is_no_time_that_passed() -> None:
+    text = explained({"claim": 40, "slack": 1000}, 1040)
+    assert "Of its time 40 us passed while a DSP executed" in text and "Its deadline left 1 ms less than" in text
+    assert "these together" in text and "passed while there was less time" not in text
+    alone = explained({"claim": 40, "slack": 1000}, 900)
+    assert "If its deadline had left time for a usual run (1 ms more), the job would have been done" in alone
 
 
 def test_what_a_job_still_needed_is_the_rest_of_its_run_and_no_slack() -> None:

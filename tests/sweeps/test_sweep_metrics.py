@@ -117,3 +117,11 @@ def test_a_function_changes_nothing_that_others_measure() -> None:
 
     assert metrics.values(REPORT, [changing, "misses", lambda report: report["dsps"][0]["cycles"]]) == [1, 3, 10]
     assert REPORT["dsps"][0]["cycles"] == 10
+
+
+def test_a_place_that_only_some_reports_have_is_nan_in_the_others() -> None:
+    reports = [(str(n), {"dsps": [{"claims": 10 * n + slot} for slot in range(n)]}) for n in (2, 4)]
+    found = metrics.of_reports(reports, ["dsps[3].claims", "dsps[0].claims"])
+    assert np.isnan(found["2"][0]) and [*found["2"][1:], *found["4"]] == [20, 43, 40]
+    with pytest.raises(metrics.NoSuchPlaceError, match=r"dsps\[4\].claims: there is no \[4\].claims"):
+        metrics.of_reports(reports, ["dsps[0].claims", "dsps[4].claims"])

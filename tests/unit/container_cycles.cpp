@@ -37,6 +37,16 @@ double in_seconds(const std::optional<report::Time>& time) {
 
 }  // namespace
 
+TEST_CASE("a cycle has its AGV from the start of t_4 on") {
+  Cycles run;
+  run.begins(3, 0, 1);
+  CHECK(!run[0].agv);
+  run.ends(3, 0, 5);
+  CHECK(!run[0].agv);
+  run.begins(4, 2, 6);
+  CHECK(run[0].agv == 1U);
+}
+
 TEST_CASE("cycle times of one crane and one AGV") {
   // Crane: 3 in 0..70, 4 in 75..85 (the AGV came at 75), next 3 in 85..160. AGV 0: 5 in 85..120, 6 in 120..150, loaded
   // again from 160 to 172.

@@ -101,6 +101,33 @@ TEST_CASE("the lead is never more than the depth, whatever is out") {
   CHECK(c.at(120).empty());  // the block of point 1 is still out: the ring has no place for a third point
 }
 
+TEST_CASE("points that the host learns of late have the refreshes in which they were taken") {
+  Chain crane;
+  crane.chain.begin(5, 64, 1000);
+  crane.at(1000);
+  for (int point = 0; point < 2; ++point) {
+    crane.chain.trajectory_done(false, true, true);
+    crane.at(1001 + 2 * point);
+    crane.chain.inverse_done();
+    crane.at(1002 + 2 * point);
+  }
+  crane.chain.consumed(7, 1114);  // the host was paused: point 5 was taken an interval before point 6
+  crane.at(1300);
+  CHECK(crane.host.news() == "3-leg-5-64@1000 3-point-5@1050 3-point-6@1114");
+
+  Chain agv;
+  agv.chain.begin(0, 160, 1000);
+  agv.at(1000);
+  for (int point = 0; point < 2; ++point) {
+    agv.chain.trajectory_done(false, true, true);
+    agv.at(1001 + 2 * point);
+    agv.chain.inverse_done();
+    agv.chain.pushed(1010 + point);
+  }
+  agv.at(1500);
+  CHECK(agv.host.news() == "3-leg-0-160@1000 3-point-0@1010 3-point-1@1170");
+}
+
 TEST_CASE("an AGV's drive holds the points that were pushed") {
   Chain c;
   c.chain.begin(0, 160, 1000);

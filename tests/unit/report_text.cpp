@@ -96,6 +96,12 @@ TEST_CASE("a chain shows its largest parts until they make up nine tenths, and t
   CHECK(has(text, "-   20.00 us  slack\n"));
   run.tasks[0].why_late.parts = {{"blocked", 120 * us}};
   CHECK(!has(to_text(run), "all else"));
+  // Less time than a usual run takes is told once, whatever else there was.
+  run.tasks[0].why_late.parts = {{"blocked", 120 * us}, {"claim", 4 * us}, {"slack", 60 * us}};
+  CHECK(has(to_text(run),
+            "60.00 us  every DSP ran a block claimed earlier\n      2.000 us  all else\n      30.00 us  too little "
+            "time from the start\n"));
+  CHECK(!has(to_text(run), "  slack\n"));
 }
 
 TEST_CASE("programs that booted at power-on are told from the first to the last; a later boot by itself") {

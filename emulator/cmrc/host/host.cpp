@@ -37,7 +37,6 @@ Host::Host(const Config& config, const Words& words, const CraneJob& crane, cons
       servo_(config_, words_, processes_, list_),
       boots_(words_, std::move(boot_stream), milliseconds(config.watchdog.boot_limit_ms),
              nanoseconds(config.host.boot_pause_ns)),
-      durations_(static_cast<std::size_t>(config.report.samples_max)),
       lengths_(static_cast<std::size_t>(config.report.samples_max)) {
   const auto& w = config_.watchdog;
   const auto refreshes = [&](double us) {
@@ -369,9 +368,8 @@ void Host::relink() {
 }
 
 void Host::end_refresh() {
-  durations_.add((now_ - clock_.at(tick_)).count());
+  listener_.refreshed(clock_.at(tick_), list_.size(), now_);
   lengths_.add(static_cast<std::int64_t>(list_.size()));
-  ledger_.refresh_ended(now_, list_.size());
   refresh_at_ = clock_.at(tick_ + 1);
   rest();
 }
@@ -411,14 +409,15 @@ void Host::add_wind(report::WindReport& wind) const {
   wind.waits = wind_.waits;
 }
 
+std::optional<Time> Host::refresh_under_way() const {
+  const Time tick = clock_.at(tick_);
+  return counts_.refreshes > 0 && refresh_at_ <= tick ? std::optional{tick} : std::nullopt;
+}
+
 report::HostReport Host::report(Time end) const {
   report::HostReport all = counts_;
-  report::Distribution durations = durations_;
-  if (counts_.refreshes > 0) {
-    if (refresh_at_ <= clock_.at(tick_)) durations.add((end - clock_.at(tick_)).count());
+  if (counts_.refreshes > 0)
     all.skipped_refreshes += static_cast<std::uint64_t>(clock_.tick_at_or_before(end - Time{1}) - tick_);
-  }
-  all.refresh_duration = durations.summary();
   all.list_length = lengths_.summary();
   return all;
 }

@@ -56,6 +56,8 @@ class HostListener {
   virtual void failure(const report::FailureReport& failure) = 0;
   virtual void reset_by_watchdog(unsigned slot) = 0;
   virtual void boot_given_up(unsigned slot, Time at) = 0;
+  /// The host has done the work of a tick's refresh; its writes may be on their way. \param blocks in the list
+  virtual void refreshed(Time tick, std::size_t blocks, Time now) = 0;
 };
 
 class Host : public machine::HostProgram, private HostServices, private ErrorActions {
@@ -85,11 +87,13 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   void boot_requested(Time now) override;
   void read_done(std::uint32_t tag, std::span<const machine::Word> words, Time now, machine::HostPort& port) override;
 
-  /// The host's counts up to `end`, with the refresh that is under way then, and the ticks before then that have none.
-  /// The observer adds the times of the semaphore.
+  /// The host's counts up to `end`, with the ticks before then that have no refresh. The observer adds the times of the
+  /// semaphore and of the refreshes.
   report::HostReport report(Time end) const;
   /// Adds the waits for less wind.
   void add_wind(report::WindReport& wind) const;
+  /// The tick whose refresh has not ended.
+  std::optional<Time> refresh_under_way() const;
   const ContainerCycles& cycles() const { return cycles_; }
   const Errors& errors() const { return errors_; }
   const TaskList& list() const { return list_; }
@@ -300,7 +304,7 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
     bool waits_now = false;
   } wind_;
   void watch_wind();
-  report::Distribution durations_, lengths_;
+  report::Distribution lengths_;
 };
 
 }  // namespace cmrc

@@ -58,7 +58,6 @@ void Host::list_state(state::Visitor& list) {
   list("wind_waited", wind_.waited);
   list("wind_waits", wind_.waits);
   list("wind_waits_now", wind_.waits_now);
-  list("durations", durations_);
   list("lengths", lengths_);
   if (!list.loads()) return;
   parameters_ = importance_parameters(config_);

@@ -392,7 +392,7 @@ void Ledger::slot_failed(unsigned number, Time at) {
 
 void Ledger::refresh_began(Time at) {
   if (open_.empty()) timeline_.forget(at);  // no query will need it; a crane that has done its work may wait for hours
-  refresh_ = {at, at, at, at};
+  refresh_ = {.began = at};
   for (auto& [block, open] : open_) {
     Try& attempt = open.tries.back();
     if (!attempt.first_refresh && attempt.waits_from <= at) attempt.first_refresh = at;
@@ -405,6 +405,7 @@ void Ledger::offered(std::size_t block) {
 }
 
 void Ledger::list_freed(Time at) {
+  if (refresh_.held != Time::max()) refresh_.free = at;  // else it is the release of the refresh before, which was late
   for (auto& [block, refresh] : offered_) {
     refresh.free = at;
     if (const auto found = open_.find(block); found != open_.end()) found->second.tries.back().put_up = refresh;
@@ -418,6 +419,8 @@ void Ledger::book_end(Time now, const std::function<CauseTimes(unsigned)>& cause
   for (auto& [block, open] : open_) {
     if (open.released >= now) continue;
     if (open.slot && !open.finished && !open.failed && causes) open.spent = minus(causes(*open.slot), open.at_claim);
+    if (Try& last = open.tries.back(); !last.put_up && !last.run && last.first_refresh && refresh_.free == Time::max())
+      last.put_up = refresh_;  // it would have been offered by the refresh that is under way
     const Time end = open.finished.value_or(now);
     book(open, job_of(open), end);
   }

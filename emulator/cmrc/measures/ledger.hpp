@@ -67,8 +67,10 @@ class Ledger {
   void list_held(Time at) { refresh_.held = at; }
   void offered(std::size_t block);
   void list_freed(Time at);
-  void refresh_ended(Time at, std::size_t blocks) const {
-    if (watcher_ != nullptr) watcher_->refreshed(refresh_, at, blocks);
+  /// The times of the present refresh.
+  const RefreshTimes& refresh() const { return refresh_; }
+  void refresh_ended(const RefreshTimes& times, Time at, std::size_t blocks) const {
+    if (watcher_ != nullptr) watcher_->refreshed(times, at, blocks);
   }
   /// The states of the DSPs and of the list's semaphore.
   Timeline& timeline() { return timeline_; }
@@ -181,7 +183,7 @@ class Ledger {
   std::vector<Slot> slots_;
   std::vector<std::int64_t> released_;  // number of jobs so far, by kind
   JobsByRobot jobs_;
-  RefreshTimes refresh_;                                       // the present one
+  RefreshTimes refresh_{{}, {}, {}, {}};                       // the present one
   std::vector<std::pair<std::size_t, RefreshTimes>> offered_;  // blocks whose refresh has not released the list yet
   std::uint64_t misses_ = 0;
   RunWatcher* watcher_ = nullptr;

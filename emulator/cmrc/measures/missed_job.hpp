@@ -13,7 +13,7 @@ using report::Time;
 
 /// The times of one refresh of the host, until it has released the list.
 struct RefreshTimes {
-  Time began{}, wanted{}, held{}, free{};
+  Time began{}, wanted = Time::max(), held = Time::max(), free = Time::max();  ///< never: not yet
 };
 
 /// One wait in the list and the run that followed it, if any. A recomputed job, and a job in parts, has several.

@@ -41,6 +41,12 @@ void Timeline::slot(unsigned number, SlotState state, Time at) {
   if (watcher_ != nullptr) watcher_->slot_is(number, state, at);
 }
 
+void Timeline::doorbell(unsigned number, SlotState state, Time at) {
+  const bool off =
+      number < slots_.size() && !slots_[number].states.empty() && slots_[number].states.back().state == SlotState::off;
+  if (!off) slot(number, state, at);
+}
+
 void Timeline::took(unsigned number, const report::JobName& job, Time at) {
   change(number, {at, SlotState::busy, job});
 }

@@ -34,6 +34,9 @@ class Timeline {
   /// A DSP's state from `at` on. Calls for one slot come in the order of time; a late call counts from the time of the
   /// last one.
   void slot(unsigned slot, SlotState state, Time at);
+  /// The DSP has said that it is idle or busy, or its doorbell was rung. A DSP that has failed stays off: a write that
+  /// was on its way, and the host's doorbell, do not bring it back.
+  void doorbell(unsigned slot, SlotState state, Time at);
   /// The DSP runs this job from `at` on.
   void took(unsigned slot, const report::JobName& job, Time at);
   /// The DSP has finished the job, or lost it; no change if it runs none.

@@ -13,6 +13,7 @@ void PointChain::begin(std::int64_t first, std::int64_t interval, std::int64_t t
   base_ = tick + interval;
   begun_at_ = tick;
   reported_ = first;
+  used_from_.clear();
   begin_reported_ = end_reported_ = false;
   anchored_ = trajectory_out_ = inverse_out_ = ended_ = false;
   active_ = again_ = true;
@@ -28,6 +29,9 @@ void PointChain::trajectory_done(bool end_of_leg, bool inverse, bool again) {
 
 void PointChain::consumed(std::int64_t count, std::int64_t start) {
   if (!active_ || count <= consumed_) return;
+  // Of several that the host learns of at once, PID has taken each when the one before it was used up.
+  for (std::int64_t earlier = count - consumed_ - 1; earlier >= 0; --earlier)
+    used_from_.push_back(start - earlier * interval_);
   consumed_ = count;
   base_ = start + interval_;
   base_count_ = count;
@@ -39,6 +43,7 @@ void PointChain::pushed(std::int64_t tick) {
   base_ = anchored_ ? std::max(base_, tick) + interval_ : tick + interval_;
   base_count_ = joint_;
   anchored_ = true;
+  used_from_.push_back(base_ - interval_);
 }
 
 std::int64_t PointChain::consumed_by(std::int64_t tick) const {
@@ -56,8 +61,10 @@ void PointChain::tell(HostServices& services) {
   const Robot robot = trajectory_.robot;
   if (!std::exchange(begin_reported_, true)) services.leg_begun(robot, reported_, interval_, begun_at_);
   const std::int64_t consumed = consumed_by(services.tick());
-  for (; reported_ < consumed; ++reported_)
-    services.milestone(robot, Milestone::Kind::point, reported_, drive_buffer_ ? services.tick() : base_ - interval_);
+  for (; reported_ < consumed; ++reported_) {
+    services.milestone(robot, Milestone::Kind::point, reported_, used_from_.front());
+    used_from_.pop_front();
+  }
   if (!end_reported_ && through(services.tick())) {
     end_reported_ = true;
     services.milestone(robot, Milestone::Kind::leg_ended, 0, services.tick());
@@ -108,6 +115,7 @@ void PointChain::list_state(state::Visitor& list) {
   list("active", active_);
   list("begun_at", begun_at_);
   list("reported", reported_);
+  list("used_from", used_from_);
   list("begin_reported", begin_reported_);
   list("end_reported", end_reported_);
   list("abandoned", abandoned_);

@@ -9,6 +9,7 @@
 // at which the buffer runs dry without point k. At rest, before the first point of a leg has been used, points are due
 // at intervals from the leg's beginning.
 #include <cstdint>
+#include <deque>
 
 #include "cmrc/processes/host_services.hpp"
 
@@ -86,8 +87,9 @@ class PointChain {
   bool again_ = false;  // the leg has begun, or trajectory planning has demanded itself
   bool ended_ = false;
   bool active_ = false;
-  std::int64_t begun_at_ = 0;  // refresh
-  std::int64_t reported_ = 0;  // used points that were reported to the host
+  std::int64_t begun_at_ = 0;           // refresh
+  std::int64_t reported_ = 0;           // used points that were reported to the host
+  std::deque<std::int64_t> used_from_;  // refresh, of each further point that the robot has used or its drive holds
   bool begin_reported_ = true, end_reported_ = true;
   bool abandoned_ = false;
 };

@@ -233,6 +233,7 @@ report::RunReport make_report(ReportInputs e) {
                  .above = e.observer.wind().above()};
   e.host.add_wind(report.wind);
   report.host.semaphore_hold = e.observer.semaphore_hold().summary();
+  report.host.refresh_duration = e.observer.refresh_duration(e.host.refresh_under_way(), now).summary();
   for (const TimedEvent& event : e.config.events) {
     const Time at = report::from_seconds(event.at_s);
     if (at < now)

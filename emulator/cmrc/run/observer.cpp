@@ -32,7 +32,8 @@ RunObserver::RunObserver(const Words& words, Ledger& ledger, report::EventLog& l
       faults_(machine::most_slots),
       resets_(machine::most_slots),
       boots_(machine::most_slots),
-      hold_(samples_max) {}
+      hold_(samples_max),
+      refresh_duration_(samples_max) {}
 
 void RunObserver::attach(plant::Dock& dock, Course* course, double wind_limit) {
   wind_.emplace(dock.config().wind, wind_limit);
@@ -188,7 +189,7 @@ void RunObserver::issued(unsigned slot, std::size_t block, Word flag, Time issue
 }
 
 void RunObserver::idle(unsigned slot, bool idle, Time now) {
-  ledger_.timeline().slot(slot, idle ? SlotState::asleep : SlotState::awake, now);
+  ledger_.timeline().doorbell(slot, idle ? SlotState::asleep : SlotState::awake, now);
   log_.add({now, report::dsp(slot), EventKind::idle, {idle ? 1U : 0U, 0, 0, 0, 0}});
 }
 
@@ -228,7 +229,7 @@ void RunObserver::transaction(machine::BusId bus, const pci::Transaction& transa
 }
 
 void RunObserver::interrupt(unsigned slot, int pin, Time now) {
-  ledger_.timeline().slot(slot, SlotState::awake, now);
+  ledger_.timeline().doorbell(slot, SlotState::awake, now);
   log_.add({now, report::dsp(slot), EventKind::interrupt, {static_cast<std::uint32_t>(pin), 0, 0, 0, 0}});
 }
 
@@ -240,7 +241,7 @@ void RunObserver::semaphore(unsigned number, machine::SemaphoreEvent event, unsi
   }
   const bool acquired = event == machine::SemaphoreEvent::acquired;
   log_.add({now, report::bus_a, EventKind::semaphore, {number, acquired ? 1U : 0U, owner, 0, 0}});
-  if (of_list) ledger_.timeline().list(acquired ? owner : Timeline::nobody, now);
+  if (of_list) list_taken(acquired ? owner : Timeline::nobody, now);
   if (owner != machine::host_owner) return;
   if (acquired) {
     held_since_ = now;
@@ -248,6 +249,32 @@ void RunObserver::semaphore(unsigned number, machine::SemaphoreEvent event, unsi
     hold_.add((now - held_since_).count());
     ledger_.list_freed(now);
   }
+}
+
+void RunObserver::list_taken(unsigned owner, Time now) {
+  ledger_.timeline().list(owner, now);
+  host_has_list_ = owner == machine::host_owner;
+  if (!host_has_list_ && posted_) refresh_ended(*std::exchange(posted_, std::nullopt), now);
+}
+
+void RunObserver::refreshed(Time tick, std::size_t blocks, Time now) {
+  const Refresh refresh{tick, ledger_.refresh(), blocks};
+  if (host_has_list_)
+    posted_ = refresh;
+  else
+    refresh_ended(refresh, now);
+}
+
+void RunObserver::refresh_ended(const Refresh& refresh, Time now) {
+  refresh_duration_.add((now - refresh.tick).count());
+  ledger_.refresh_ended(refresh.times, now, refresh.blocks);
+}
+
+report::Distribution RunObserver::refresh_duration(std::optional<Time> under_way, Time end) const {
+  report::Distribution all = refresh_duration_;
+  if (posted_) all.add((end - posted_->tick).count());
+  if (under_way) all.add((end - *under_way).count());
+  return all;
 }
 
 void RunObserver::fault(const machine::ChipFault& fault) {
@@ -308,6 +335,9 @@ void RunObserver::list_state(state::Visitor& list) {
   list("boots", boots_);
   list("hold", hold_);
   list("held_since", held_since_);
+  list("host_has_list", host_has_list_);
+  list("refresh_duration", refresh_duration_);
+  list("posted", posted_);
   list("pid_error", pid_error_);
   list("saturated", saturated_);
   list("errors_hold", errors_hold_);

@@ -83,9 +83,12 @@ class RunObserver : public machine::Observer, public HostListener {
   void failure(const report::FailureReport& failure) override { failures_.push_back(failure); }
   void reset_by_watchdog(unsigned slot) override { ++resets_.at(slot); }
   void boot_given_up(unsigned slot, Time at) override { standstill_.stops(slot, at); }
+  void refreshed(Time tick, std::size_t blocks, Time now) override;
 
   const std::vector<report::FailureReport>& failures() const { return failures_; }
   const report::Distribution& semaphore_hold() const { return hold_; }
+  /// From the tick until the host is done and the list is released. \param under_way the tick of one that is not done
+  report::Distribution refresh_duration(std::optional<Time> under_way, Time end) const;
   const std::array<PidErrorSum, 5>& pid_error() const { return pid_error_; }
   /// The integral of the squared torque codes, s.
   double drive_effort() const { return effort_; }
@@ -102,6 +105,11 @@ class RunObserver : public machine::Observer, public HostListener {
   void list_state(state::Visitor& list);
 
  private:
+  struct Refresh {
+    Time tick{};
+    RefreshTimes times;
+    std::size_t blocks = 0;
+  };
   struct Snapshot {
     Time issued;
     machine::Offset offset;
@@ -112,6 +120,8 @@ class RunObserver : public machine::Observer, public HostListener {
   void finish(unsigned slot, std::size_t block, Time issued, Time now);
   void issued(unsigned slot, std::size_t block, Word flag, Time issued, Time now);
   void idle(unsigned slot, bool idle, Time now);
+  void list_taken(unsigned owner, Time now);
+  void refresh_ended(const Refresh& refresh, Time now);
   void pid_error(std::size_t joint, machine::Word value);
   std::optional<std::size_t> flag_of(machine::Offset offset) const;
   CauseTimes take_snapshot(unsigned slot, machine::Offset offset, Time issued);
@@ -136,6 +146,9 @@ class RunObserver : public machine::Observer, public HostListener {
   std::vector<std::vector<report::BootReport>> boots_;  // by slot
   report::Distribution hold_;
   Time held_since_{};
+  bool host_has_list_ = false;
+  report::Distribution refresh_duration_;
+  std::optional<Refresh> posted_;  // a refresh whose last writes are on their way
   std::array<PidErrorSum, 5> pid_error_{};
   std::array<std::int64_t, plant::joint_count> saturated_{};
   Word errors_ = 0, stage_ = 0, servoing_stage_ = 0;

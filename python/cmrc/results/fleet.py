@@ -110,8 +110,8 @@ class Fleet(Claim):
             f"AGVs of at most {self.agv_speed_m_s:g} m/s, {self.dsps} DSP, {self.duration_s:g} s each, f_s 1 kHz, f_p "
             f"125 Hz; the lane turns {', '.join(f'{lane:g}' for lane in self.lanes_m)} m farther east than in the "
             "default layout; no seed is varied. Means, with 95 % intervals (bootstrap) where the cycles differ, over "
-            "the work cycles after the first round of all AGVs, which stand ready for it:\n\n"
-            + markdown(columns, all_rows)
+            "the work cycles after the first round of all AGVs, which stand ready for it; containers per hour over the "
+            "whole of a run, from its first delivery to its last:\n\n" + markdown(columns, all_rows)
         )
 
     def draw(self, all_rows: Sequence[Row], figure: Figure) -> None:

@@ -128,7 +128,7 @@ class Learning(Claim):
         # What the rule cannot do better: within its dead band and within half a step of rounding it changes
         # nothing; and it knows the last cycle only.
         rest = max(self.dead_band * period, 0.5 * step_s / self.rate)
-        spread = float(np.std([row["T_g_s"] for row in all_rows])) * self.agvs**0.5
+        spread = float(np.std([row["T_g_s"] for row in all_rows]))
         good, partly = max(wait, crane) <= 2 * rest, wait < 0.75 * before
         least, most = min(row["t_w_s"] for row in taught), max(row["t_w_s"] for row in taught)
         why = (

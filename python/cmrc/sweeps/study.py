@@ -178,7 +178,7 @@ class Sweep:
 
     def _measured(self, of: Sequence[Metric]) -> dict[str, list[float | bool]]:
         """All of them with one reading of the reports."""
-        return {run["key"]: metrics.values(report, of) for run, report in self.reports()}
+        return metrics.of_reports(((run["key"], report) for run, report in self.reports()), of)
 
     def table(self, *of: Metric) -> Table:
         """One row per run: its axes, ``seed``, ``status``, ``message``, and the metrics; NaN if nothing was measured.
