@@ -144,17 +144,20 @@ void Engine::record(const CodeBlockKey& k, Cycles limit, Stepped& why) {
     }
     BlockRecording::StepContext context{.before = pipeline_.id(), .slots = static_cast<std::uint8_t>(core.delay_slots)};
     why = exact_step(step, true);
+    const auto writes_own_code = [&] {
+      for (std::size_t i = 0; i < step.decoded->demand.count; ++i)
+        if (step.decoded->demand.data[i].write && step.address[i] - k.pc <= n) return true;
+      return false;
+    };
     if (why != Stepped::done || !step.repeatable) {
       if (n == 0 && k.left_for == CodeBlockKey::none)
         why == Stepped::done ? exact_addresses_.add(k.pc, true) : exact_addresses_.remove(k.pc);
       if (n == 0) return;
-      if (context.slots != 0) return blocks_.gave_up(k.pc);
+      if (context.slots != 0 || writes_own_code()) return blocks_.gave_up(k.pc);
       break;
     }
     if (step.windows != 0) context.window_start = access_start(step, step.windows >> 1, context.before);
-    for (std::size_t i = 0; i < step.decoded->demand.count; ++i)
-      if (step.decoded->demand.data[i].write && step.address[i] - k.pc <= n)  // the block changes its own code
-        return blocks_.gave_up(k.pc);
+    if (writes_own_code()) return blocks_.gave_up(k.pc);
     context.after = pipeline_.id();
     context.delay_taken = core.delay_taken;
     recording.append(step, context);
