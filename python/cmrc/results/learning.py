@@ -128,7 +128,9 @@ class Learning(Claim):
         # What the rule cannot do better: within its dead band and within half a step of rounding it changes
         # nothing; and it knows the last cycle only.
         rest = max(self.dead_band * period, 0.5 * step_s / self.rate)
+        # An AGV's round takes one T_g of each AGV.
         spread = float(np.std([row["T_g_s"] for row in all_rows]))
+        of_round = spread * self.agvs**0.5
         good, partly = max(wait, crane) <= 2 * rest, wait < 0.75 * before
         least, most = min(row["t_w_s"] for row in taught), max(row["t_w_s"] for row in taught)
         why = (
@@ -144,9 +146,10 @@ class Learning(Claim):
             "band). A change of less than half a refresh is rounded away: of waits below "
             f"{0.5 * step_s / self.rate:.1f} s, for one refresh of N̂_a is {step_s:.1f} s of driving. And the rule "
             "knows only the cycle before, while T_g differs from container to container by "
-            f"{spread:.1f} s (standard deviation): what it has learnt from one container is too slow for a nearer one."
+            f"{spread:.1f} s (standard deviation), and so an AGV's round by {of_round:.1f} s: what it has learnt from one "
+            "container is too slow for a nearer one."
         )
-        if wait > rest + spread:
+        if wait > rest + of_round:
             limit += " What is left is more than all that: the run ends before the learning, or the rule is too slow."
         first, interval = mean(untaught, "interval"), mean(taught, "interval")
         limit += (
