@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -42,7 +43,8 @@ def test_the_old_name_still_writes_it(folder: Path, capsys: pytest.CaptureFixtur
     assert Recording.read(folder / "old.html").header["to_s"] == 0.05
 
 
-def test_a_page_can_be_plotted(folder: Path) -> None:
+@pytest.mark.golden
+def test_a_page_can_be_plotted(folder: Path, golden: Callable[[str, str], None]) -> None:
     pytest.importorskip("matplotlib")
     assert command.main(["page", str(folder / "scene.html"), "--plots", str(folder / "run.png")]) == 0
     assert (folder / "run.png").stat().st_size > 20_000
@@ -69,6 +71,9 @@ def test_a_page_can_be_plotted(folder: Path) -> None:
         "rope, mm",
         "rotator, mrad",
     ]
+    from drawn import described
+
+    golden("page-plots.text", described(figure))
 
 
 @pytest.mark.parametrize(

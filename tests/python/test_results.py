@@ -4,6 +4,7 @@ the page with its commands."""
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,20 +20,46 @@ from cmrc.results.hotplug import Hotplug
 from cmrc.results.importance import Importance
 from cmrc.results.learning import Learning
 from cmrc.results.runs import Laboratory, Run
+from digests import digest
+from drawn import described
 from locations import ROOT
+from matplotlib.figure import Figure
 
 Rows = list[dict[str, Any]]
 
 
+@pytest.mark.golden
 @pytest.mark.parametrize("claim", command.CLAIMS, ids=lambda claim: claim.NAME)
-def test_every_experiment_runs_in_small(claim: type[Claim], tmp_path: Path) -> None:
+def test_every_experiment_runs_in_small(
+    claim: type[Claim], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, golden: Callable[[str, str], None]
+) -> None:
+    """Its section and what its plot shows are those that are kept."""
     said: list[str] = []
+    shown: list[str] = []
+    save = Figure.savefig
+    monkeypatch.setattr(
+        Figure, "savefig", lambda self, *to, **how: (save(self, *to, **how), shown.append(described(self)))
+    )
     section = command.examine(claim.quick(), Laboratory(jobs=1, progress=said.append), tmp_path, "results")
     assert section.startswith(f"## {claim.NUMBER}. {claim.TITLE}\n\n**")
     assert "| " in section and f"--claim {claim.NUMBER}" in section
     assert "runs" in "".join(said)
     drawn = list(tmp_path.glob("*.svg"))
-    assert len(drawn) == ("![" in section) and all(file.stat().st_size > 5000 for file in drawn)
+    assert len(drawn) == len(shown) == ("![" in section) and all(file.stat().st_size > 5000 for file in drawn)
+    golden(f"claim-{claim.NUMBER}.text", section + "".join(shown))
+
+
+@pytest.mark.golden
+def test_the_experiments_of_the_page_are_those_that_are_kept(golden: Callable[[str, str], None]) -> None:
+    """What each claim asks for with its own parameters; what it has on its page was measured in these runs."""
+    lines = []
+    for claim in command.CLAIMS:
+        if claim is not Failures:  # which makes runs of its own, to see when a kernel runs
+            runs = [dataclasses.asdict(run) for run in claim().runs()]
+            lines.append(
+                f"{claim.NAME} {len(runs)} runs {sum(run['duration_s'] for run in runs):.6g} s {digest(runs)}\n"
+            )
+    golden("claims.digests", "".join(lines))
 
 
 def load_rows(missed: dict[int, float], release: str = "together", **more: float) -> Rows:

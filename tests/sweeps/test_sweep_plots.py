@@ -3,6 +3,7 @@
 import itertools
 import json
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from cmrc.sweeps.store import Folder
 pytest.importorskip("matplotlib")
 pytest.importorskip("pyarrow")
 from cmrc import plot
+from drawn import described
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -220,6 +222,19 @@ def test_the_sheet_is_drawn_also_of_a_run_without_a_reference(result: cmrc.Resul
     result.plot().savefig(tmp_path / "a.png", dpi=40)
     cmrc.run(dsps=1, duration_s=0.03, settings={"report.reference": "none"}).plot().savefig(tmp_path / "b.png", dpi=40)
     assert (tmp_path / "a.png").stat().st_size > 5000 < (tmp_path / "b.png").stat().st_size
+
+
+@pytest.mark.golden
+def test_plots_show_what_is_kept(result: cmrc.Result, sweep: Sweep, golden: Callable[[str, str], None]) -> None:
+    """Titles, units, bars, lines and legends of a run and of a sweep."""
+    window = axes()
+    plot.gantt(result, window, 0.021, 0.0235)
+    over_dsps, over_words, price = axes(), axes(), axes()
+    plot.grid(sweep, over_dsps)
+    plot.grid(sweep, over_words, x="agv_phase", metric="load_rms")
+    plot.cost(sweep, price)
+    figures = [result.plot(), *(drawn.figure for drawn in (window, over_dsps, over_words, price))]
+    golden("plots.text", "\n".join(described(figure) for figure in figures))  # type: ignore[arg-type]
 
 
 def test_a_notebook_shows_the_sheet_without_pyplot(result: cmrc.Result) -> None:
