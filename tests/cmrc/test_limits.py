@@ -6,10 +6,12 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import cmrc
 import pytest
-from cmrc.limit_scans import Scan
+from cmrc import _core
+from cmrc.limit_scans import NOT_RUN, Scan, Scans
 from locations import AT_ONCE, BUILD
 
 EMULATOR = BUILD / "bin" / "emulator"
@@ -31,6 +33,56 @@ def test_the_limit_is_where_all_passes_and_anomalies_lie_beyond() -> None:
     # Interrupted: what has not been run says nothing, and the limit is not looked for beyond it.
     assert outcome([(1, True), (2, None), (3, True), (4, False), (5, True)], True) == (1, [5])
     assert outcome([(1, None), (2, True)], True) == (None, [])
+
+
+def test_the_text_of_a_scan() -> None:
+    """docs/report.md, Limits. A rate that does not exist stands with the one that runs."""
+
+    def point(value: float, realised: float | None = None, **more: Any) -> dict[str, Any]:
+        return {"value": value, "realised": value if realised is None else realised, **NOT_RUN, "ran": True, "judged": True, **more}
+
+    scan = Scan("servo", "rates.servo_frequency_hz", "Servo frequency f_p in Hz", True)
+    scan.points = [
+        point(1000.0, passed=True),
+        point(1001.0, 1000.0, first_miss="pid", first_miss_s=0.0221234567),
+        point(1500.0, passed=True),
+        point(1600.0, starved_intervals=1),
+        point(2000.0, starved_intervals=2),
+        point(4000.0, stop_reason="plant_fault"),
+        point(4500.0, ran=False),
+        point(5000.0, ran=False, refused="f_s >= 2 f_p is required"),
+    ]
+    assert scan.text().splitlines() == [
+        "",
+        "Servo frequency f_p in Hz (rates.servo_frequency_hz)",
+        "       1000  no miss",
+        "  1001 (runs at 1000)  pid missed at 0.022123 s",
+        "       1500  no miss",
+        "       1600  starved: 1 point interval without a new point",
+        "       2000  starved: 2 point intervals without a new point",
+        "       4000  plant_fault",
+        "       4500  not run: interrupted",
+        "       5000  not run: f_s >= 2 f_p is required",
+        "  limit: 1000; every point up to it passes",
+        "  anomalies, passing beyond a miss: 1500",
+    ]
+    for points, says in (
+        ([], "no limit: the easiest point does not pass"),
+        (scan.points[1:2], "no limit: the easiest point does not pass"),
+        (scan.points[6:7], "no limit known: the easiest point has not been run"),
+    ):
+        scan.points = points
+        assert scan.text().splitlines()[-1] == f"  {says}"
+
+
+def test_the_standard_grids() -> None:
+    """Of f_s = 8 kHz and f_p = 1 kHz: each servo frequency from half of it on."""
+    config = _core.cmrc.config()
+    scans = Scans(config, None, None, None, errors=False).scans
+    values = {scan.name: [(point["value"], point["realised"]) for point in scan.points] for scan in scans}
+    assert values["cycles"] == [(n / 4, n / 4) for n in range(4, 13)]
+    assert values["dsps"] == [(n, n) for n in range(1, 9)]
+    assert values["servo"] == [(8000 / n, pytest.approx(8000 / n)) for n in range(16, 1, -1)]
 
 
 def test_two_dsps_are_the_least_for_the_base_rates() -> None:

@@ -54,6 +54,8 @@ def test_registers_as_integers_and_floats(program) -> None:
     assert processor.registers["R7"] == 0x00C0000000
     processor.registers["R7"] = 0x0140000000
     assert processor.floats["R7"] == 3.0
+    processor.floats["R11"] = 0.5
+    assert processor.floats["R11"] == 0.5 and list(processor.floats)[-1] == "R11"
     processor.registers["AR3"] = 0xFFFFFFFF
     assert processor.registers["AR3"] == 0xFFFFFFFF
     assert set(processor.registers) == set(c40.REGISTERS)
@@ -81,6 +83,21 @@ def test_memory(program) -> None:
     with pytest.raises(ValueError, match="length"):
         processor.memory[0x300200:0x300206:2] = [7] * 6
     assert processor.memory[0x300200] != 7
+    processor.memory[0x300200] = -(1 << 31)
+    with pytest.raises(ValueError, match="32-bit"):
+        processor.memory[0x300200] = -(1 << 31) - 1
+    assert processor.memory[0x300200] == 1 << 31
+
+
+def test_memory_ends_at_its_last_address() -> None:
+    memory = c40.Processor(board="flat").memory
+    memory[0xFFFF_FFFE:0x1_0000_0000] = [1, 2]
+    assert memory[0xFFFF_FFFE:0x1_0000_0000] == [1, 2] and memory[0xFFFF_FFFF] == 2
+    memory[:2] = [3, 4]
+    assert memory[:2] == [3, 4] == memory[0:2]
+    for beyond in (0x1_0000_0000, -1):
+        with pytest.raises(IndexError, match="is out of range; an address"):
+            memory[beyond]
 
 
 def test_a_window_stops_the_run_and_is_answered() -> None:

@@ -46,6 +46,11 @@ def test_lengths_are_those_of_the_report_on_the_terminal() -> None:
     assert found == ["0 m", "0.776 um", "2.71 mm", "500 mm", "10.16 m"]
 
 
+def test_a_share_that_is_not_0_is_not_shown_as_0() -> None:
+    found = [demo._percent(share) for share in (None, 0.0, 4.9e-5, 5.1e-5, 0.1234)]
+    assert found == ["-", "0 %", "< 0.01 %", "0.01 %", "12.34 %"]
+
+
 @pytest.mark.campaign
 def test_the_whole_demo_writes_a_page_that_works_offline(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert command.main(["demo", "--out", str(tmp_path / "demo")]) == 0

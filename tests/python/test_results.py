@@ -146,6 +146,21 @@ def test_what_waits_for_identify_is_never_left_out() -> None:
     )
 
 
+def test_bus_a_is_full_beyond_95_percent_of_it() -> None:
+    def row(dsps: int, bus_a: float) -> dict[str, Any]:
+        return {"part": "policy", "policy": "spin", "dsps": dsps, "bus_a": bus_a, "refresh_us": 9.0 * dsps, "pid_us": 70.0}
+
+    assert ends.shared_limits([row(2, 60.0), row(4, 95.0)]) == ""
+    said = ends.shared_limits([row(2, 60.0), row(4, 95.1), row(8, 99.0)])
+    assert "With idle policy spin bus A is full from 4 DSPs on; with 8 a refresh takes 72 µs" in said
+
+
+def test_a_grid_of_dsps_in_any_order_is_judged_alike() -> None:
+    rows = load_rows({1: 40.0, 2: 38.0, 4: 0.0}) + rate_rows({1: 2000, 2: 4000, 4: 4000}, GRID)
+    judged = {str(dataclasses.replace(ADDING, dsps=dsps).verdict(rows)) for dsps in ((1, 2, 4), (4, 1, 2))}
+    assert len(judged) == 1
+
+
 def test_misses_are_put_down_to_identify_along_their_chain() -> None:
     def miss(number: int, previous: int | None, behind: str = "") -> dict[str, Any]:
         return {"kind": "pid", "number": number, "previous": previous, "behind": [{"kind": behind}] if behind else []}
@@ -270,6 +285,11 @@ LONG = [60.0] * 8
         ),  # the variation of T_g does not excuse it
         (cycles("off", LONG) + cycles("proportional", LONG[:3]), "not tested"),
         (cycles("off", [1.0] * 8) + cycles("proportional", [1.0] * 8), "not tested"),
+        (
+            cycles("off", LONG)
+            + [{**row, "interval": 2} for row in cycles("proportional", [60, 60, 40, 20, 15, 15, 15, 15])],
+            "holds",
+        ),  # a refresh more or less is 40 s of driving: it cannot do better
     ],
 )
 def test_learning(rows: Rows, word: str) -> None:
@@ -336,6 +356,10 @@ def test_a_pause_of_the_host_loses_as_many_samples_as_it_says() -> None:
             [Run({}, base, 0.15, events=cost.pauses(gap, gap + 5, 0.15))], "pauses"
         )
         assert cost.longest_gap(report) in (gap - 1, gap, gap + 1), gap
+
+
+def test_a_run_that_is_too_short_for_a_pause_has_none() -> None:
+    assert cost.pauses(20, 25, 0.02) == [] and len(cost.pauses(20, 25, 0.09)) == 1
 
 
 def test_runs_of_a_group_share_an_ideal_run() -> None:

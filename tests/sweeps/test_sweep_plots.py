@@ -106,6 +106,7 @@ def test_long_names_below_an_axis_do_not_lie_on_each_other(
     drawn.figure.canvas.draw()  # type: ignore[union-attr]
     ticks = drawn.get_xticklabels()
     assert len({tick.get_text() for tick in ticks}) == 4 and max(len(tick.get_text()) for tick in ticks) < 30
+    assert [tick.get_text() for tick in ticks[:3]] == [f"{name[:14]}…{name[-13:]}" for name in names[1:]]
     assert {tick.get_rotation() for tick in ticks} == {25}
     places = [drawn.transData.transform((n, 0))[0] for n in range(4)]
     height = max(tick.get_fontsize() for tick in ticks) * drawn.figure.dpi / 72

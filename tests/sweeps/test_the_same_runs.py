@@ -38,6 +38,8 @@ def test_a_run_whose_file_was_changed_is_not_run_again(done: Sweep, tmp_path: Pa
     (tmp_path / "a" / "base.toml").write_text(BASE.format(3))
     with pytest.raises(SweepError, match="the run .* would not be the same again: a file that its settings name"):
         done.rerun(done.runs[0])
+    with pytest.raises(SweepError, match="would not be the same again"):
+        done.rerun(done.runs[0], keep_events=True)
     assert len(done.rerun(done.runs[0], dsps=2).report["dsps"]) == 2  # another run, asked for
 
 
