@@ -3,6 +3,7 @@
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +13,7 @@ import cmrc
 import pytest
 from cmrc import _core
 from cmrc.limit_scans import NOT_RUN, Scan, Scans
+from cmrc.processes import Helpers
 from locations import AT_ONCE, BUILD
 
 EMULATOR = BUILD / "bin" / "emulator"
@@ -39,7 +41,14 @@ def test_the_text_of_a_scan() -> None:
     """docs/report.md, Limits. A rate that does not exist stands with the one that runs."""
 
     def point(value: float, realised: float | None = None, **more: Any) -> dict[str, Any]:
-        return {"value": value, "realised": value if realised is None else realised, **NOT_RUN, "ran": True, "judged": True, **more}
+        return {
+            "value": value,
+            "realised": value if realised is None else realised,
+            **NOT_RUN,
+            "ran": True,
+            "judged": True,
+            **more,
+        }
 
     scan = Scan("servo", "rates.servo_frequency_hz", "Servo frequency f_p in Hz", True)
     scan.points = [
@@ -241,6 +250,22 @@ def test_a_point_whose_process_is_killed_is_an_error_that_says_so(tmp_path: Path
     environment = {**os.environ, "PYTHONPATH": str(BUILD / "python")}
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment)
     assert run.stdout == "the process of a run ended by SIGKILL\n"
+
+
+def test_helpers_that_cannot_all_be_started_leave_none_behind(monkeypatch: pytest.MonkeyPatch) -> None:
+    started: list[subprocess.Popen[bytes]] = []
+    start = subprocess.Popen
+
+    def some(command: list[str], **how: Any) -> subprocess.Popen[bytes]:
+        if started:
+            raise OSError("no more processes")
+        started.append(start([sys.executable, "-S", "-c", "input()"], **how))
+        return started[0]
+
+    monkeypatch.setattr("cmrc.processes.subprocess.Popen", some)
+    with pytest.raises(OSError, match="no more processes"), Helpers("cmrc.limit_worker", 2):
+        pass
+    assert started[0].returncode == -signal.SIGKILL
 
 
 def test_an_ideal_run_answers_within_a_latch_and_misses_nothing() -> None:

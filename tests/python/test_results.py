@@ -148,7 +148,14 @@ def test_what_waits_for_identify_is_never_left_out() -> None:
 
 def test_bus_a_is_full_beyond_95_percent_of_it() -> None:
     def row(dsps: int, bus_a: float) -> dict[str, Any]:
-        return {"part": "policy", "policy": "spin", "dsps": dsps, "bus_a": bus_a, "refresh_us": 9.0 * dsps, "pid_us": 70.0}
+        return {
+            "part": "policy",
+            "policy": "spin",
+            "dsps": dsps,
+            "bus_a": bus_a,
+            "refresh_us": 9.0 * dsps,
+            "pid_us": 70.0,
+        }
 
     assert ends.shared_limits([row(2, 60.0), row(4, 95.0)]) == ""
     said = ends.shared_limits([row(2, 60.0), row(4, 95.1), row(8, 99.0)])

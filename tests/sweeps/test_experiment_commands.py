@@ -143,15 +143,18 @@ def test_the_status_of_a_search_says_whether_its_answer_holds(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """An optimum has nothing to pass; neither has a bisection without further seeds."""
-    nothing = metrics.spread([])
+    given: list[Any] = []
+    outcomes: list[Found] = []
+
+    def search(*places: Any, workers: int, **_: Any) -> Found:
+        given.append((places, workers))
+        return outcomes[-1]
+
+    monkeypatch.setattr("cmrc.sweeps.search", search)
     for best, passed, status in (({"a": 1}, None, 0), ({"a": 1}, True, 0), ({"a": 1}, False, 1), (None, None, 1)):
-        found = Found("misses", best, 0.0, nothing, passed, [])
-        given: list[Any] = []
-        monkeypatch.setattr(
-            "cmrc.sweeps.search", lambda *places, found=found, **more: (given.append((places, more["workers"])), found)[1]
-        )
+        outcomes.append(Found("misses", best, 0.0, metrics.spread([]), passed, []))
         assert main(["search", "grid.toml", "--out", "there", "--workers", "3"]) == status, (best, passed)
-        assert capsys.readouterr().out == found.text() and given == [(("grid.toml", Path("there")), 3)]
+        assert capsys.readouterr().out == outcomes[-1].text() and given[-1] == (("grid.toml", Path("there")), 3)
 
 
 def test_a_difference_and_its_status(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -209,7 +212,10 @@ def test_progress_is_a_line_that_goes_away(monkeypatch: pytest.MonkeyPatch) -> N
     with ProgressLine("work", shorter) as line:
         line.show("10 of 10", now=True)
         line.show("1 of 1", now=True)
-    assert shorter.getvalue().split("\r")[1:3] == ["work: 10 of 10", "work: 1 of 1  "]  # nothing is left of the longer one
+    assert shorter.getvalue().split("\r")[1:3] == [
+        "work: 10 of 10",
+        "work: 1 of 1  ",
+    ]  # nothing is left of the longer one
     log = io.StringIO()
     with ProgressLine("work", log) as line:
         for _ in range(400):

@@ -92,7 +92,11 @@ def test_values_of_ranges_are_those_that_were_written() -> None:
 
 def test_ten_million_runs_are_not_too_many() -> None:
     def runs(seeds: int) -> int:
-        return len(grids.made({"axes": {"cycle_time_factor": {"from": 1, "to": 2, "count": 10_000}}, "repeats": {"seeds": seeds}}))
+        return len(
+            grids.made(
+                {"axes": {"cycle_time_factor": {"from": 1, "to": 2, "count": 10_000}}, "repeats": {"seeds": seeds}}
+            )
+        )
 
     assert runs(1000) == 10_000_000
     with pytest.raises(GridError, match="10010000 runs; at most 10000000"):
@@ -107,7 +111,11 @@ def test_a_preset_can_be_an_axis_and_a_file_stands_beside_the_grid(tmp_path: Pat
 
 
 def test_a_grid_without_axes_or_with_one_value_on_each_is_one_run() -> None:
-    assert grids.made({"axes": {"dsps": [2]}, "together": [{"agvs": [1], "seed": [3]}]}).names == ["machine.dsps", "dock.agvs", "run.seed"]
+    assert grids.made({"axes": {"dsps": [2]}, "together": [{"agvs": [1], "seed": [3]}]}).names == [
+        "machine.dsps",
+        "dock.agvs",
+        "run.seed",
+    ]
     assert len(grids.made({"fixed": {}})) == len(list(grids.made({"fixed": {}}).points())) == 1
 
 

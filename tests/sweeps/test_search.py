@@ -56,9 +56,7 @@ def test_a_monotone_limit_is_found_within_the_tolerance(limit: float, batch: int
 
 
 def test_a_search_ends_where_its_interval_is_the_tolerance() -> None:
-    _, trier = bisected(
-        lambda place, _: place["machine.cycle_time_factor"] > 2, batch=1, tolerance=0.75, neighbours=0
-    )
+    _, trier = bisected(lambda place, _: place["machine.cycle_time_factor"] > 2, batch=1, tolerance=0.75, neighbours=0)
     assert [trial.place["machine.cycle_time_factor"] for trial in trier.trials] == [1.0, 4.0, 2.5, 1.75]
 
 

@@ -84,7 +84,13 @@ def test_the_table_of_a_folder(tmp_path: Path) -> None:
     where not every repeat was. Reasons are counted, ten at the most."""
 
     def done(number: int, dsps: int, seed: int, misses: int, lag: float | None) -> dict[str, Any]:
-        of = {"configuration": {}, "misses": [], "hash": "", "schema_version": 4, "tasks": {"pid": {"misses": misses, "on_time": 1}}}
+        of = {
+            "configuration": {},
+            "misses": [],
+            "hash": "",
+            "schema_version": 4,
+            "tasks": {"pid": {"misses": misses, "on_time": 1}},
+        }
         report = of | {"errors": {"lag": {"crane": {"end_s": lag}}}}
         return row(number, place=json.dumps({"machine.dsps": dsps}), seed=seed, report=store.packed(report))
 
