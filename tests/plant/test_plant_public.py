@@ -160,6 +160,20 @@ def test_a_cranes_values_of_the_wrong_kind_are_named(config: dict[str, object], 
         plant.Crane(config)
 
 
+@pytest.mark.parametrize(
+    ("drives", "error", "says"),
+    [
+        (3, TypeError, "drives must be {joint: {parameter: value}}, not 3"),
+        ({"slew": 3}, TypeError, "the parameters of a drive must be given by name, not 3"),
+        ({"s": {}}, ValueError, "there is no joint 's'; the joints are gantry, slew, luff, hoist, rotator"),
+    ],
+)
+def test_drives_are_given_by_joint_and_name(drives: object, error: type[Exception], says: str) -> None:
+    with pytest.raises(error) as found:
+        plant.Crane(drives=drives)
+    assert str(found.value) == says
+
+
 def test_arrays_of_the_wrong_shape_are_named() -> None:
     crane, scene = plant.Crane(), plant.Scene()
     for torques in ([0.0] * 4, np.zeros((5, 1)), 3.0, None, ["a"] * 5):
@@ -312,3 +326,17 @@ def test_a_linkage_by_its_public_name() -> None:
     bad.jib_mass = -1.0
     with pytest.raises(ValueError, match="positive"):
         plant.Linkage(bad)
+
+
+def test_an_episode_does_not_end_while_the_load_rushes_past_its_target() -> None:
+    """Without torque the drives let the load fall: after 0.1 s it is still there, and faster than 5 cm/s."""
+    start = plant.CraneEnv(target=(0.0, 0.0, 0.0)).crane.payload()
+    env = plant.CraneEnv(target=start.tolist())
+    env.reset(seed=1)
+    for _ in range(100):
+        _, _, terminated, _, info = env.step([0.0] * 5)
+        if info["speed_m_s"] > 0.05:
+            break
+    assert info["way_m"] < 0.1 and not terminated
+    env.reset(seed=1)
+    assert env.step([0.0] * 5)[2]  # at rest it is there

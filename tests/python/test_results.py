@@ -264,6 +264,19 @@ def test_importance(rows: Rows, word: str) -> None:
     assert Importance(crowded_hz=(5000.0,)).verdict(rows).word == word
 
 
+def test_importance_says_where_a_and_where_the_ratio_of_rates_matter() -> None:
+    limit = (
+        Importance(crowded_hz=(5000.0,))
+        .verdict([gap(2, 30.0), gap(8, 0.0), starving(1, 60.0), starving(20, 2.0)])
+        .limit
+    )
+    assert limit.endswith(". With f_s = 2 f_p it misses more than 1 %.") and "60 %" in limit
+    alike = (
+        Importance(crowded_hz=(5000.0,)).verdict([gap(4, 0.0), gap(8, 0.0), starving(1, 60.0), starving(20, 2.0)]).limit
+    )
+    assert alike.endswith(". f_s from 4 to 8 f_p makes no difference to the misses.") and "60 %" in alike
+
+
 def cycles(rule: str, t_w: list[float], t_v: float = 0.0, T_g: tuple[float, ...] = (100.0,)) -> Rows:
     """A run's closed cycles."""
     return [

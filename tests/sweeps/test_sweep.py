@@ -10,14 +10,16 @@ import socket
 import subprocess
 import threading
 import time
+from concurrent.futures import Future
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import cmrc
 import numpy as np
 import pytest
 import sweep_helpers
-from cmrc.sweeps import Status, Sweep, SweepError, grid, session, store, study, sweep
+from cmrc.sweeps import Status, Sweep, SweepError, grid, identity, runner, session, store, study, sweep, work
 from cmrc.sweeps.session import Place
 from locations import ROOT
 
@@ -340,6 +342,59 @@ def test_workers_killed_every_second_cost_no_row_of_a_hundred(tmp_path: Path) ->
     assert found.counts() == {"done": 100, "refused": 0, "failed": 0}
     assert sorted(run["seed"] for run in found.runs) == list(range(1, 101))
     assert len(killed) >= 15 and status.begun_again > 5, (killed, status)
+
+
+def test_a_run_that_is_alone_gives_its_answer_or_says_how_its_process_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    import cloudpickle
+
+    ended = subprocess.CompletedProcess([], 0, cloudpickle.dumps({"key": "k"}))
+    monkeypatch.setattr("cmrc.sweeps.work.subprocess.run", lambda *_, **__: ended)
+    alone = work.Alone(work.execute)
+    assert alone("k", "") == {"key": "k"}
+    for ended.returncode, says in ((1, "ended with status 1"), (-9, "ended by SIGKILL")):
+        with pytest.raises(work.RunDied, match=says):
+            alone("k", "")
+
+
+class OneAtATime:
+    """Stands for workers that do each run at once."""
+
+    def __init__(self) -> None:
+        self.client = self
+
+    def threads(self) -> float:
+        return -1.5  # two for each thread, and four: one
+
+    def mend(self) -> None:
+        pass
+
+    def submit(self, function: Any, run: str, toml: str, /, **_: object) -> Future[Any]:
+        done: Future[Any] = Future()
+        done.set_result(function(run, toml))
+        return done
+
+
+def test_answers_are_written_a_hundred_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """docs/sweeps.md: what a sweep whose process is killed may lose."""
+    written: list[int] = []
+    monkeypatch.setattr("cmrc.sweeps.runner.BATCH_S", 1e9)
+    monkeypatch.setattr("cmrc.sweeps.identity.Run.toml", lambda run: "")
+    [point] = grid.made({"fixed": FIXED}).points()
+    due = [identity.Run(str(n), point) for n in range(250)]
+    folder: Any = SimpleNamespace(write=lambda rows: written.append(len(rows)))
+    workers: Any = OneAtATime()
+    runner.Runner(workers, folder, lambda key, toml: sweep_helpers.answer(key), Status(250, 0, 0), None).run(due)
+    assert written == [100, 100, 50]
+
+
+def test_points_are_counted_while_they_are_looked_at(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A grid of a million points has no run for minutes."""
+    monkeypatch.setattr(session, "TELL_EVERY", 3)
+    seen: list[tuple[int, int]] = []
+    many: dict[str, Any] = {"fixed": {**FIXED, "dsps": 17}, "repeats": {"seeds": 8}}  # each is refused, and none is run
+    found = sweep(many, tmp_path / "s", on_progress=lambda status: seen.append((status.planned, status.runs)))
+    assert seen == [(2, 8), (5, 8)] and found.counts()["refused"] == 8
+    assert len(sweep(many, tmp_path / "s")) == 8
 
 
 def test_an_interrupted_sweep_keeps_what_was_done_and_continues(tmp_path: Path) -> None:

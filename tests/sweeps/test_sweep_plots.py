@@ -81,6 +81,7 @@ def test_a_grid_is_drawn_in_order_with_gaps_and_intervals(sweep: Sweep) -> None:
     staggered, together = drawn.containers
     assert [c.get_label() for c in (staggered, together)] == ["agv_phase = staggered", "agv_phase = together"]
     assert list(staggered.lines[0].get_xdata()) == [2, 3, 4] and list(staggered.lines[0].get_ydata()) == [30, 20, 10]
+    assert all(tick == int(tick) for tick in drawn.get_xticks())  # there is no half a DSP
     found = together.lines[0].get_ydata()
     assert found[0] == 31.5 and math.isnan(found[1]) and found[2] == 11.5
     bars = together.lines[2][0].get_segments()
