@@ -4,6 +4,7 @@ the page with its commands."""
 from __future__ import annotations
 
 import dataclasses
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -47,6 +48,12 @@ def test_every_experiment_runs_in_small(
     drawn = list(tmp_path.glob("*.svg"))
     assert len(drawn) == len(shown) == ("![" in section) and all(file.stat().st_size > 5000 for file in drawn)
     golden(f"claim-{claim.NUMBER}.text", section + "".join(shown))
+
+
+@pytest.mark.parametrize("claim", command.CLAIMS, ids=lambda claim: claim.NAME)
+def test_what_stands_behind_again_makes_the_same_experiment(claim: type[Claim]) -> None:
+    given = command.parser().parse_args(shlex.split(command._options(claim.quick())))
+    assert command.chosen(claim, given) == claim.quick()
 
 
 @pytest.mark.golden
@@ -458,6 +465,7 @@ def test_earlier_runs_are_used_again(tmp_path: Path) -> None:
             "--releases: 'never' is unknown; together, staggered, together-cap",
         ),
         (["--claim", "2", "--trials", "1,2"], "--trials: '1,2'; claim 2 expects one value"),
+        (["--claim", "2", "--dsps", ""], "--dsps: ''; claim 2 expects one value or several"),
         (["--claim", "5", "--trials", "3"], "--trials: claim 5 has no such parameter"),
         (["--claim", "6", "--quick", "--agvs", "99"], "dock.agvs: 99 is out of range"),
         (["--jobs", "0"], "--jobs: at least 1 is expected"),
