@@ -115,6 +115,26 @@ def test_each_landing_has_its_own_tries(
     assert (run.tries, run.missed) == (tries, missed) and (run.above_share, run.waited_s) == (0.25, 3.0)
 
 
+def test_a_run_of_landings_ends_when_the_container_is_set_down(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Goes(Told):
+        """One event more every two seconds."""
+
+        looked = 0
+
+        def run_until(self, time_s: float) -> None:
+            self.looked += 1
+
+        def dock_events(self) -> list[tuple[float, str, int]]:
+            return super().dock_events()[: self.looked]
+
+    made: list[Goes] = []
+    kinds = ("missed", "locked", "touch", "opened", "missed", "locked")
+    monkeypatch.setattr(landings._core.cmrc, "Simulation", lambda config: made.append(Goes(*kinds)) or made[-1])
+    run = landings.land(12.0, 10_000, 90.0, seed=1)
+    assert (run.tries, run.missed, made[0].looked) == ((2, 1), 0, 4)
+    assert landings.land(12.0, 10_000, 90.0, seed=1, limit_s=3.0).tries == (2,)
+
+
 def test_the_table_of_landings_counts_every_landing_once() -> None:
     runs = [landings.Run(12.0, 1e4, (1, 2), 0, 0.5, 1.0), landings.Run(12.0, 1e4, (4,), 2, 0.1, 6.0)]
     row = [cell.strip() for cell in landings.table(runs).splitlines()[-1].strip("|").split("|")]

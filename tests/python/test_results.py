@@ -346,6 +346,32 @@ def test_fleet(rows: Rows, word: str) -> None:
     assert Fleet().verdict(rows).word == word
 
 
+@pytest.mark.golden
+def test_work_cycles_are_told_and_drawn_as_it_is_kept(golden: Callable[[str, str], None]) -> None:
+    """No cycle closes in the second that the experiments in small last."""
+
+    def cycle(number: int, t_w: float | None, T_g: float | None, t_v: float = 5.0) -> dict[str, Any]:
+        # fmt: off
+        return {"number": number, "agv_interval_refreshes": 40 + number, "t_5_s": 30.0, "t_6_s": 50.0, "t_w_s": t_w, "t_v_s": t_v, "T_g_s": T_g, "delivered_s": 100.0 * number + 40}
+        # fmt: on
+
+    report = {"cycles": [cycle(0, 9.0, 90.0, 60.0), cycle(1, 3.0, 100.0), cycle(2, None, 104.0), cycle(3, 1.0, None)]}
+    told = []
+    for claim in (Learning(), Fleet()):
+        runs = [run for run in claim.runs() if run.label.get("rule") != "off"]
+        rows = claim.rows([(run, [{**report, "tasks": {"pid": {"misses": 2}}}]) for run in runs])
+        claim.draw(rows, figure := Figure())
+        told.append(claim.section(rows) + described(figure))
+    golden("claims-of-cycles.text", "\n".join(told))
+
+
+def test_the_joints_are_told_of_each_family_with_tight_loops() -> None:
+    rows = [lost(f"{family}, tight", 30, 3, path) for family, path in (("scattered misses", 0.5), ("gaps", 2.0))]
+    said = cost.tight_loops([{**row, "preset": "tight", "unstable": "–"} for row in rows])
+    assert said.count("With preset `tight`") == 2 and "and scattered misses the joints are so far off" in said
+    assert "30 % missed 0.5 mm" in said and "30 % missed 2 mm" in said
+
+
 def lost(family: str, share: float, gap: float, path: float, f_t: float = 0.0, lag: float = 0.0) -> dict[str, Any]:
     row = {
         "family": family,
