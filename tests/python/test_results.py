@@ -61,6 +61,8 @@ def test_the_experiments_of_the_page_are_those_that_are_kept(golden: Callable[[s
     """What each claim asks for with its own parameters; what it has on its page was measured in these runs."""
     lines = []
     for claim in command.CLAIMS:
+        asked = dataclasses.asdict(claim())
+        lines.append(f"{claim.NAME} parameters {digest(asked)}\n")
         if claim is not Failures:  # which makes runs of its own, to see when a kernel runs
             runs = [dataclasses.asdict(run) for run in claim().runs()]
             lines.append(
