@@ -173,7 +173,7 @@ def test_bus_a_is_full_beyond_95_percent_of_it() -> None:
 
 def test_a_grid_of_dsps_in_any_order_is_judged_alike() -> None:
     rows = load_rows({1: 40.0, 2: 38.0, 4: 0.0}) + rate_rows({1: 2000, 2: 4000, 4: 4000}, GRID)
-    judged = {str(dataclasses.replace(ADDING, dsps=dsps).verdict(rows)) for dsps in ((1, 2, 4), (4, 1, 2))}
+    judged = {str(dataclasses.replace(ADDING, dsps=dsps).verdict(rows)) for dsps in ((1, 2, 4), (2, 1, 4))}
     assert len(judged) == 1
 
 
