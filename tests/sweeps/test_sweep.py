@@ -1,6 +1,7 @@
 """Sweeps on workers of this machine: what is run, what is kept, and what a dead worker costs."""
 
 import contextlib
+import io
 import itertools
 import os
 import re
@@ -19,7 +20,7 @@ import cmrc
 import numpy as np
 import pytest
 import sweep_helpers
-from cmrc.sweeps import Status, Sweep, SweepError, grid, identity, runner, session, store, study, sweep, work
+from cmrc.sweeps import Status, Sweep, SweepError, cluster, grid, identity, runner, session, store, study, sweep, work
 from cmrc.sweeps.session import Place
 from locations import ROOT
 
@@ -354,6 +355,45 @@ def test_a_run_that_is_alone_gives_its_answer_or_says_how_its_process_ended(monk
     for ended.returncode, says in ((1, "ended with status 1"), (-9, "ended by SIGKILL")):
         with pytest.raises(work.RunDied, match=says):
             alone("k", "")
+
+
+def test_a_worker_that_dies_is_replaced_and_so_is_the_process_that_forks_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Forker:
+        """Notes what it is asked for, and says what it is told to."""
+
+        status: int | None = None
+
+        def __init__(self, *_: object, **__: object) -> None:
+            self.stdin = io.BytesIO()
+            reads, self.says = os.pipe()
+            self.stdout = os.fdopen(reads, "rb")
+            started.append(self)
+
+        def poll(self) -> int | None:
+            return self.status
+
+        def workers(self) -> list[str]:
+            return [line.split()[1] for line in self.stdin.getvalue().decode().splitlines()]
+
+    started: list[Forker] = []
+    monkeypatch.setattr("cmrc.sweeps.cluster.subprocess.Popen", Forker)
+    processes = cluster._Processes(2, "scratch")
+    processes.join("tcp://here:1")
+    processes.mend()
+    assert [forker.workers() for forker in started] == [["local-1", "local-2"]]
+    os.write(started[0].says, b"local-1 died\n")
+    processes.mend()
+    assert [forker.workers() for forker in started] == [["local-1", "local-2", "local-3"]]
+    started[0].status = 1
+    monkeypatch.setattr(cluster, "START_AGAIN_S", 1e9)
+    processes.mend()  # not at once: it would be started again and again where it cannot live
+    assert len(started) == 1
+    monkeypatch.setattr(cluster, "START_AGAIN_S", -1.0)
+    processes.mend()
+    assert [forker.workers() for forker in started[1:]] == [["local-4", "local-5"]]
+    for forker in started:
+        os.close(forker.says)
+        forker.stdout.close()
 
 
 class OneAtATime:
