@@ -1,6 +1,7 @@
 """cmrc sweep, search, limits, compare, diff: what they print, write and refuse."""
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -135,8 +136,17 @@ def test_grids_on_the_command_line() -> None:
     for bad in ("", "a", "1:2:0", "1:2:3:4", "1::2", "1:1001"):
         with pytest.raises(ValueError, match="--cycles"):
             numbers(bad, "--cycles")
-    read = [setting(f"a={value}")[1] for value in ("true", "3", "0x5000", "0.5", "x=y")]
-    assert read == [True, 3, 0x5000, 0.5, "x=y"]
+    for text, value in (
+        ("true", True),
+        ("-3", -3),
+        ("0x5000", 0x5000),
+        ("0.5", 0.5),
+        (".5e-3", 5e-4),
+        ("-inf", -math.inf),
+    ):
+        assert setting(f"a={text}")[1] == value and type(setting(f"a={text}")[1]) is type(value)
+    for text in ("x=y", "", "0x", "1_0", " 1", "1\n", "+1", "1e", "True"):
+        assert setting(f"a={text}")[1] == text
 
 
 def test_the_status_of_a_search_says_whether_its_answer_holds(
