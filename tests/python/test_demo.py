@@ -1,8 +1,12 @@
 """The demo: its scenes say what their runs measured, and its page needs no other file."""
 
 import re
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+import cmrc
+import cmrc.page
 import pytest
 from cmrc import __main__ as command
 from cmrc import demo
@@ -27,6 +31,22 @@ def test_a_block_whose_dsp_is_killed_is_run_again() -> None:
     for row in scene.rows:
         assert 0 < float(row[1].removesuffix(" ms")) < 3 and row[2] == "1"
     assert scene.conclusion.startswith("No block is lost")
+
+
+@pytest.mark.golden
+def test_a_dsp_that_is_plugged_in_in_a_tenth_of_a_second(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, golden: Callable[[str, str], None]
+) -> None:
+    """The last scene in small: the new DSP begins to work, and the page is that of its run."""
+
+    def short(settings: dict[str, Any], events: Any = (), reference: Any = None) -> cmrc.Simulation:
+        soon = [{**event, "at_s": event["at_s"] / 60} for event in events]
+        return cmrc.Simulation(settings={**settings, "duration_s": 0.1}, events=soon, reference=reference)
+
+    monkeypatch.setattr(demo, "Simulation", short)
+    golden("demo-plugged.text", demo.plugged_in(tmp_path / "a.html").text())
+    recording = cmrc.page.Recording.read(tmp_path / "a.html")
+    assert recording.header["title"] == "Scene 5: a DSP is plugged in" and recording.report["dsps"][1]["claims"] > 0
 
 
 def test_names_of_runs_take_as_many_lines_as_they_need() -> None:
