@@ -11,7 +11,7 @@ from typing import Any
 
 import cmrc
 import pytest
-from cmrc import _core
+from cmrc import _core, limit_worker
 from cmrc.limit_scans import NOT_RUN, Scan, Scans
 from cmrc.processes import Helpers
 from locations import AT_ONCE, BUILD
@@ -82,6 +82,27 @@ def test_the_text_of_a_scan() -> None:
     ):
         scan.points = points
         assert scan.text().splitlines()[-1] == f"  {says}"
+
+
+def test_a_point_passes_if_its_run_comes_to_an_end_without_a_miss() -> None:
+    """Also where its job is done before its time."""
+
+    def passed(**more: Any) -> bool:
+        task = {"misses": 0, "on_time": 5}
+        report = {
+            "tasks": {"pid": task},
+            "starved_intervals": {"crane": 0},
+            "stop_reason": "completed",
+            "misses": [],
+            **more,
+        }
+        return limit_worker.outcome(report, to_its_end=False)["passed"] is True
+
+    assert passed() and passed(stop_reason="job_done")
+    assert not any(
+        passed(stop_reason=reason) for reason in ("plant_fault", "no_dsp_left", "drives_stopped", "interrupted")
+    )
+    assert not passed(starved_intervals={"crane": 1}) and not passed(tasks={"pid": {"misses": 0, "on_time": 0}})
 
 
 def test_the_standard_grids() -> None:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from cmrc import Simulation
 from cmrc import __main__ as command
 from cmrc.page import Recording
 
@@ -30,6 +31,11 @@ def test_the_page_stands_beside_its_configuration(folder: Path) -> None:
     assert [radius for radius, _ in recording.header["layout"]["movers"]] == [0.4, 0.3]  # the mover, the post
     assert recording.signals["mover0_y_m"][-1] > recording.signals["mover0_y_m"][0] == 0.0
     assert set(recording.signals["mover1_x_m"].tolist()) == {34.0}
+
+
+def test_the_title_of_a_run_has_its_dsps_and_its_duration() -> None:
+    for dsps, title in ((1, "1 DSP, 0.5 s"), (2, "2 DSPs, 0.5 s")):
+        assert Simulation(dsps=dsps, duration_s=0.5).title == title
 
 
 def test_the_old_name_still_writes_it(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -298,6 +298,8 @@ CALLS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         "devices: words of the one at FFFFFFFEh: 3 is out of range",
     ),
     "a long argument of the core": (lambda: plant.gantry_crane("x" * 99), W, f"gantry_crane: '{'x' * 56}... (str)"),
+    "a text of 60 characters": (lambda: c40.decode("x" * 58), W, f"word: '{'x' * 58}' (str)"),
+    "a text of 61 characters": (lambda: c40.decode("x" * 59), W, f"word: '{'x' * 56}... (str)"),
     "Debugger.enable": (lambda: processor().debug().enable(None), W, "number: None"),
     "Debugger.call": (lambda: processor().debug().call(7, print), V, "there is no stop condition 7"),
     "Debugger.step": (lambda: processor().debug().step(3), W, "how: 3 (int)"),
