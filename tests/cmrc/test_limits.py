@@ -13,7 +13,7 @@ import cmrc
 import pytest
 from cmrc import _core, limit_worker
 from cmrc.limit_scans import NOT_RUN, Scan, Scans
-from cmrc.processes import Helpers
+from cmrc.processes import Helpers, ended
 from locations import AT_ONCE, BUILD
 
 EMULATOR = BUILD / "bin" / "emulator"
@@ -271,6 +271,11 @@ def test_a_point_whose_process_is_killed_is_an_error_that_says_so(tmp_path: Path
     environment = {**os.environ, "PYTHONPATH": str(BUILD / "python")}
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment)
     assert run.stdout == "the process of a run ended by SIGKILL\n"
+
+
+def test_the_end_of_a_process_in_words() -> None:
+    said = [ended(status) for status in (3, -signal.SIGSEGV, -200)]
+    assert said == ["ended with status 3", "ended by SIGSEGV", "ended by signal 200"]
 
 
 def test_helpers_that_cannot_all_be_started_leave_none_behind(monkeypatch: pytest.MonkeyPatch) -> None:

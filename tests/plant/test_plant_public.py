@@ -57,6 +57,15 @@ def test_a_scene_of_parts() -> None:
     assert scene.handover.phase == "free" and scene.switches == []
 
 
+def test_torques_become_codes_of_12_bits() -> None:
+    """Code 2047 is the greatest torque of a drive; what is beyond it is cut."""
+    scene = plant.Scene()
+    most = [drive.maximum_torque for drive in scene._dock.config.crane.drives]
+    for share, code in ((1.0, 2047), (0.5, 1024), (-0.25, -512), (-1.0, -2047), (3.0, 2047), (0.0, 0)):
+        scene.step([share * torque for torque in most], 250e-6)
+        assert list(scene.signal.code) == [code] * 5
+
+
 def test_movers_overshoot_none_of_their_waypoints() -> None:
     rng = np.random.default_rng(4)
     for _ in range(20):

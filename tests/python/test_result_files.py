@@ -8,6 +8,7 @@ import re
 import struct
 import subprocess
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -343,6 +344,21 @@ def test_the_frame_is_tidy_and_has_the_columns_of_the_docs(result: cmrc.Result) 
     assert value["run", "misses"] == result.misses
     assert np.isnan(value["home.crane", "response_ps_p99"])
     assert value["pid", "response_ps_p99"] == result.report["tasks"]["pid"]["response_ps"]["p99"]
+
+
+@pytest.mark.golden
+def test_the_frame_has_the_metrics_and_units_that_are_kept(
+    result: cmrc.Result, golden: Callable[[str, str], None]
+) -> None:
+    from cmrc import frames
+
+    rows = list(frames.rows(result.report))
+    kinds = {kind: [(metric, unit) for of, metric, unit, _ in rows if of == kind] for kind, *_ in rows}
+    assert list(kinds) == [*result.report["tasks"], "run"]
+    assert all(kinds[kind] == kinds["pid"] for kind in result.report["tasks"])
+    golden(
+        "frame.table", "".join(f"{kind} {metric} [{unit}]\n" for kind in ("pid", "run") for metric, unit in kinds[kind])
+    )
 
 
 def test_the_table_of_the_buses_has_a_row_for_each_master(result: cmrc.Result) -> None:
