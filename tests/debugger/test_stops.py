@@ -131,6 +131,16 @@ def test_a_stop_goes_on_where_each_of_its_functions_says_so() -> None:
         called.clear()
 
 
+def test_a_command_without_a_chip_means_that_of_the_last_stop() -> None:
+    image = package.assemble("start:  ldi 0,r0\nloop:   addi 1,r0\n        b loop\n")
+    debugger = Network([image, image]).debug()
+    debugger.break_at("loop", chip=1, condition="r0 == 2")
+    assert debugger.go().chip == 1
+    debugger.set_register("r1", 7)
+    assert (debugger.value("r1"), debugger.value("chip1.r1"), debugger.value("r1", chip=0)) == (7, 7, 0)
+    assert debugger.step().chip == 1 and debugger.value("pc - loop") == 1
+
+
 def test_an_instant_in_seconds_is_the_nearest_picosecond() -> None:
     image = package.assemble("start:  ldi 0,r0\nloop:   addi 1,r0\n        b loop\n")
     with package.Processor(image).debug() as debugger:

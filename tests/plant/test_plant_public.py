@@ -349,3 +349,10 @@ def test_an_episode_does_not_end_while_the_load_rushes_past_its_target() -> None
     assert info["way_m"] < 0.1 and not terminated
     env.reset(seed=1)
     assert env.step([0.0] * 5)[2]  # at rest it is there
+
+
+def test_a_step_of_the_environment_is_a_minute_at_most() -> None:
+    assert plant.CraneEnv(target=(14.0, 18.0, 10.0), dt=60.0).dt == 60.0
+    for dt in (0.0, 60.1):
+        with pytest.raises(ValueError, match=f"dt must be above 0, at most 60 s .got {dt}."):
+            plant.CraneEnv(target=(14.0, 18.0, 10.0), dt=dt)

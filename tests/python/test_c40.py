@@ -68,6 +68,17 @@ def test_registers_as_integers_and_floats(program) -> None:
         processor.floats["AR0"]
 
 
+def test_a_reset_clears_the_registers_and_keeps_memory_and_counters(program) -> None:
+    processor = c40.Processor(program)
+    processor.run(until="done")
+    cycles, instructions = processor.cycles, processor.instructions
+    assert processor.registers["R1"] and processor.registers["AR0"] and cycles > 0
+    processor.reset()
+    assert processor.registers["R1"] == processor.registers["AR0"] == 0
+    assert processor.memory.read_floats(0x300100, 1) == [9.0]
+    assert (processor.cycles, processor.instructions) == (cycles, instructions)
+
+
 def test_memory(program) -> None:
     processor = c40.Processor(program)
     processor.memory[0x300200:0x300203] = [1, -1, 0xFFFFFFFE]
