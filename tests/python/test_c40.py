@@ -74,7 +74,7 @@ def test_a_reset_clears_the_registers_and_keeps_memory_and_counters(program) -> 
     cycles, instructions = processor.cycles, processor.instructions
     assert processor.registers["R1"] and processor.registers["AR0"] and cycles > 0
     processor.reset()
-    assert processor.registers["R1"] == processor.registers["AR0"] == 0
+    assert processor.floats["R1"] == processor.registers["AR0"] == 0
     assert processor.memory.read_floats(0x300100, 1) == [9.0]
     assert (processor.cycles, processor.instructions) == (cycles, instructions)
 
