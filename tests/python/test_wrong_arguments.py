@@ -291,7 +291,6 @@ CALLS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     "Debugger.remove 2**31": (lambda: processor().debug().remove(2**31), V, "number: 2147483648 is out of range"),
     "Debugger.break_at ignore": (lambda: processor().debug().break_at(0, ignore="x"), W, "ignore: 'x' (str)"),
     "Network.drive level": (lambda: chips().drive(0, 1, 0), W, "level: 1 (int)"),
-    "Network of no program": (lambda: network.Network([3]), W, "programs: 3 (int)"),
     "device beyond the end": (
         lambda: c40.Processor(devices={0xFFFF_FFFE: type("D", (), {"words": 3, "read": int, "write": int})()}),
         V,
