@@ -66,6 +66,13 @@ def test_torques_become_codes_of_12_bits() -> None:
         assert list(scene.signal.code) == [code] * 5
 
 
+def test_a_scene_without_vehicles_says_so() -> None:
+    with pytest.raises(ValueError, match="index: 0 is out of range; a scene with AGVs is expected, this one has none"):
+        plant.Scene(agvs=0).agv(0)
+    with pytest.raises(ValueError, match="index: 2 is out of range; the number of an AGV, 0 to 1, is expected"):
+        plant.Scene(agvs=2).ranges(2)
+
+
 def test_movers_overshoot_none_of_their_waypoints() -> None:
     rng = np.random.default_rng(4)
     for _ in range(20):
