@@ -4,7 +4,6 @@ the page with its commands."""
 from __future__ import annotations
 
 import dataclasses
-import shlex
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,6 @@ from cmrc.results.hotplug import Hotplug
 from cmrc.results.importance import Importance
 from cmrc.results.learning import Learning
 from cmrc.results.runs import Laboratory, Run
-from digests import digest
 from drawn import described
 from locations import ROOT
 from matplotlib.figure import Figure
@@ -48,27 +46,6 @@ def test_every_experiment_runs_in_small(
     drawn = list(tmp_path.glob("*.svg"))
     assert len(drawn) == len(shown) == ("![" in section) and all(file.stat().st_size > 5000 for file in drawn)
     golden(f"claim-{claim.NUMBER}.text", section + "".join(shown))
-
-
-@pytest.mark.parametrize("claim", command.CLAIMS, ids=lambda claim: claim.NAME)
-def test_what_stands_behind_again_makes_the_same_experiment(claim: type[Claim]) -> None:
-    given = command.parser().parse_args(shlex.split(command._options(claim.quick())))
-    assert command.chosen(claim, given) == claim.quick()
-
-
-@pytest.mark.golden
-def test_the_experiments_of_the_page_are_those_that_are_kept(golden: Callable[[str, str], None]) -> None:
-    """What each claim asks for with its own parameters; what it has on its page was measured in these runs."""
-    lines = []
-    for claim in command.CLAIMS:
-        asked = dataclasses.asdict(claim())
-        lines.append(f"{claim.NAME} parameters {digest(asked)}\n")
-        if claim is not Failures:  # which makes runs of its own, to see when a kernel runs
-            runs = [dataclasses.asdict(run) for run in claim().runs()]
-            lines.append(
-                f"{claim.NAME} {len(runs)} runs {sum(run['duration_s'] for run in runs):.6g} s {digest(runs)}\n"
-            )
-    golden("claims.digests", "".join(lines))
 
 
 def load_rows(missed: dict[int, float], release: str = "together", **more: float) -> Rows:
@@ -346,25 +323,6 @@ def box(agvs: int, t_v: float | None, t_w: float = 0.0) -> dict[str, Any]:
 )
 def test_fleet(rows: Rows, word: str) -> None:
     assert Fleet().verdict(rows).word == word
-
-
-@pytest.mark.golden
-def test_work_cycles_are_told_and_drawn_as_it_is_kept(golden: Callable[[str, str], None]) -> None:
-    """No cycle closes in the second that the experiments in small last."""
-
-    def cycle(number: int, t_w: float | None, T_g: float | None, t_v: float = 5.0) -> dict[str, Any]:
-        # fmt: off
-        return {"number": number, "agv_interval_refreshes": 40 + number, "t_5_s": 30.0, "t_6_s": 50.0, "t_w_s": t_w, "t_v_s": t_v, "T_g_s": T_g, "delivered_s": 100.0 * number + 40}
-        # fmt: on
-
-    report = {"cycles": [cycle(0, 9.0, 90.0, 60.0), cycle(1, 3.0, 100.0), cycle(2, None, 104.0), cycle(3, 1.0, None)]}
-    told = []
-    for claim in (Learning(), Fleet()):
-        runs = [run for run in claim.runs() if run.label.get("rule") != "off"]
-        rows = claim.rows([(run, [{**report, "tasks": {"pid": {"misses": 2}}}]) for run in runs])
-        claim.draw(rows, figure := Figure())
-        told.append(claim.section(rows) + described(figure))
-    golden("claims-of-cycles.text", "\n".join(told))
 
 
 def test_the_joints_are_told_of_each_family_with_tight_loops() -> None:

@@ -80,8 +80,8 @@ def test_a_row_in_two_parts_counts_once(tmp_path: Path) -> None:
 
 
 def test_the_table_of_a_folder(tmp_path: Path) -> None:
-    """A line for each point in the order of its numbers, what has no value last; a dash for what was not measured, and n
-    where not every repeat was. Reasons are counted, ten at the most."""
+    """A line for each point in the order of its numbers, what has no value last. A dash stands for what was not
+    measured, n where not every repeat was. Reasons are counted, ten at the most."""
 
     def done(number: int, dsps: int, seed: int, misses: int, lag: float | None) -> dict[str, Any]:
         of = {

@@ -88,7 +88,8 @@ def setting(text: str) -> tuple[str, Setting]:
 NUMBER = re.compile(
     r"-?\d+|0x[\da-f]+|-?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|-?(?:inf|infinity|nan)", re.ASCII | re.IGNORECASE
 )
-"""What ``emulator`` takes for a number (emulator/isa/ascii.hpp); Python's own conversions also take 1_0, +1 and blanks."""
+"""What ``emulator`` takes for a number (emulator/isa/ascii.hpp). Python's own conversions also take 1_0, +1 and
+blanks."""
 
 
 def setting_value(text: str) -> Setting:
