@@ -34,14 +34,16 @@ class Table(dict[str, NDArray[Any]]):
         return len(next(iter(self.values()), ()))
 
     def __missing__(self, name: object) -> NDArray[Any]:
-        raise KeyError(f"there is no column {name!r}; one of {', '.join(self)} is expected")
+        known = f"one of {', '.join(self)} is expected" if self else "the table has none"
+        raise KeyError(f"there is no column {name!r}; {known}")
 
     def row(self, index: int) -> dict[str, Any]:
         """One row as a dict; -1 is the last one. Raises IndexError."""
         last = self.rows - 1
         arguments.whole("index", index, "the number of a row", -(2**63), 2**63 - 1)
         if not -self.rows <= index <= last:
-            raise IndexError(f"index: there is no row {index}; 0 to {last} is expected")
+            known = f"0 to {last} is expected" if self.rows else "the table has none"
+            raise IndexError(f"index: there is no row {index}; {known}")
         return {name: column[index] for name, column in self.items()}
 
     def to_pandas(self) -> pandas.DataFrame:

@@ -179,6 +179,24 @@ def test_wrong_devices_of_a_network_are_refused(tmp_path: Path, devices: Any, me
         Network([assembled(END)] * 2, boards=str(board(tmp_path, device("led"))), devices=devices)
 
 
+def test_devices_may_stand_side_by_side(tmp_path: Path) -> None:
+    both = {PLACE: Alarm(), PLACE + Alarm.words: Alarm()}
+    text = "        ldi 9,r0\n        sti r0,*+ar2(2)\n        ldi 1,r9\n"
+    processor = Processor(assembled(text + END), board=board(tmp_path), devices=both)
+    assert processor.run(until="done").reason == "until"
+    assert [device.due is None for device in both.values()] == [True, False]
+
+
+def test_an_access_to_a_device_may_wait_a_million_cycles(tmp_path: Path) -> None:
+    slow = Alarm()
+    slow.waits = 1_000_000  # type: ignore[attr-defined]
+    processor = Processor(assembled("        ldi *ar2,r3\n" + END), board=board(tmp_path), devices={PLACE: slow})
+    assert processor.run(until="done").reason == "until" and processor.cycles > 1_000_000
+    slow.waits = 1_000_001  # type: ignore[attr-defined]
+    with pytest.raises(ValueError, match="waits of the one at A0000000h: 1000001 is out of range"):
+        Processor(devices={PLACE: slow})
+
+
 def test_a_network_file_has_devices_per_chip(tmp_path: Path) -> None:
     board(tmp_path, device("fifo"), device("console", 0xA0000100, name="TTY"), device("led", 0xA0000300, name="lamp"))
     text = "        ldi *ar2,r3\n        addi 1,r3\n        sti r3,*ar2\n        ldhi 0a000h,ar3\n        or 100h,ar3\n        addi 30h,r0\n        sti r0,*ar3\n        or 200h,ar3\n        sti r3,*ar3\n"

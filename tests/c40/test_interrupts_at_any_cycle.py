@@ -145,7 +145,7 @@ second: ldi r0,r1
 """)
     chip.memory[VECTORS + 3], chip.memory[VECTORS + 4] = chip.address("first"), chip.address("second")
     chip.run(1)
-    chip.raise_interrupt("IIOF1")
+    chip.raise_interrupt("iiof1")  # small letters do, too
     chip.raise_interrupt("IIOF0")
     chip.run(200)
     assert (chip.registers["R0"] & 0xFF, chip.registers["R1"] & 0xFF) == (2, 1)

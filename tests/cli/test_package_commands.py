@@ -44,6 +44,11 @@ def test_a_file_that_is_not_there_or_no_folder(
     [
         (["--dsps", "four"], 'machine.dsps: "four" is a string; an integer from 1 to 16 is expected'),
         (["--duration", "2s"], 'run.duration_s: "2s" is a string; a number from 1e-06 to 86400 is expected (s)'),
+        (["--dsps", "1_0"], 'machine.dsps: "1_0" is a string; an integer from 1 to 16 is expected'),
+        (["--set", "dsps= 2"], 'machine.dsps: " 2" is a string; an integer from 1 to 16 is expected'),
+        (["--set", "dsps=+2"], 'machine.dsps: "+2" is a string; an integer from 1 to 16 is expected'),
+        (["--set", "dsps=٣"], 'machine.dsps: "٣" is a string; an integer from 1 to 16 is expected'),
+        (["--duration", "2_0.5"], 'run.duration_s: "2_0.5" is a string; a number from 1e-06 to 86400 is expected (s)'),
         (["--seed", "a"], 'run.seed: "a" is a string; an integer of at least 0 is expected'),
     ],
 )

@@ -89,10 +89,12 @@ def test_what_a_program_includes_is_an_input(
 
 def test_no_output_lies_in_the_folder_of_the_programs(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     Path("own.toml").write_text('[run]\nduration_s = 0.021\n[machine]\nprograms = "programs"\n')
+    Path("link").symlink_to("programs")
     for command in (["limits", "--config", "own.toml", "--dsps-grid", "1", "--json"], ["page", "own.toml", "--out"]):
-        assert main([*command, "programs/new"]) == 2
-        said = capsys.readouterr().err
-        assert said.endswith("programs/new: is in machine.programs programs; a place outside is expected\n")
+        for place in ("programs/new", "link/new"):
+            assert main([*command, place]) == 2
+            said = capsys.readouterr().err
+            assert said.endswith(f"{place}: is in machine.programs programs; a place outside is expected\n")
 
 
 @pytest.mark.parametrize("option", ["--csv", "--plot"])

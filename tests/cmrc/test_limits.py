@@ -3,13 +3,17 @@
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import cmrc
 import pytest
-from cmrc.limit_scans import Scan
+from cmrc import _core, limit_worker
+from cmrc.limit_scans import NOT_RUN, Scan, Scans
+from cmrc.processes import Helpers, ended
 from locations import AT_ONCE, BUILD
 
 EMULATOR = BUILD / "bin" / "emulator"
@@ -31,6 +35,84 @@ def test_the_limit_is_where_all_passes_and_anomalies_lie_beyond() -> None:
     # Interrupted: what has not been run says nothing, and the limit is not looked for beyond it.
     assert outcome([(1, True), (2, None), (3, True), (4, False), (5, True)], True) == (1, [5])
     assert outcome([(1, None), (2, True)], True) == (None, [])
+
+
+def test_the_text_of_a_scan() -> None:
+    """docs/report.md, Limits. A rate that does not exist stands with the one that runs."""
+
+    def point(value: float, realised: float | None = None, **more: Any) -> dict[str, Any]:
+        return {
+            "value": value,
+            "realised": value if realised is None else realised,
+            **NOT_RUN,
+            "ran": True,
+            "judged": True,
+            **more,
+        }
+
+    scan = Scan("servo", "rates.servo_frequency_hz", "Servo frequency f_p in Hz", True)
+    scan.points = [
+        point(1000.0, passed=True),
+        point(1001.0, 1000.0, first_miss="pid", first_miss_s=0.0221234567),
+        point(1500.0, passed=True),
+        point(1600.0, starved_intervals=1),
+        point(2000.0, starved_intervals=2),
+        point(4000.0, stop_reason="plant_fault"),
+        point(4500.0, ran=False),
+        point(5000.0, ran=False, refused="f_s >= 2 f_p is required"),
+    ]
+    assert scan.text().splitlines() == [
+        "",
+        "Servo frequency f_p in Hz (rates.servo_frequency_hz)",
+        "       1000  no miss",
+        "  1001 (runs at 1000)  pid missed at 0.022123 s",
+        "       1500  no miss",
+        "       1600  starved: 1 point interval without a new point",
+        "       2000  starved: 2 point intervals without a new point",
+        "       4000  plant_fault",
+        "       4500  not run: interrupted",
+        "       5000  not run: f_s >= 2 f_p is required",
+        "  limit: 1000; every point up to it passes",
+        "  anomalies, passing beyond a miss: 1500",
+    ]
+    for points, says in (
+        ([], "no limit: the easiest point does not pass"),
+        (scan.points[1:2], "no limit: the easiest point does not pass"),
+        (scan.points[6:7], "no limit known: the easiest point has not been run"),
+    ):
+        scan.points = points
+        assert scan.text().splitlines()[-1] == f"  {says}"
+
+
+def test_a_point_passes_if_its_run_comes_to_an_end_without_a_miss() -> None:
+    """Also where its job is done before its time."""
+
+    def passed(**more: Any) -> bool:
+        task = {"misses": 0, "on_time": 5}
+        report = {
+            "tasks": {"pid": task},
+            "starved_intervals": {"crane": 0},
+            "stop_reason": "completed",
+            "misses": [],
+            **more,
+        }
+        return limit_worker.outcome(report, to_its_end=False)["passed"] is True
+
+    assert passed() and passed(stop_reason="job_done")
+    assert not any(
+        passed(stop_reason=reason) for reason in ("plant_fault", "no_dsp_left", "drives_stopped", "interrupted")
+    )
+    assert not passed(starved_intervals={"crane": 1}) and not passed(tasks={"pid": {"misses": 0, "on_time": 0}})
+
+
+def test_the_standard_grids() -> None:
+    """Of f_s = 8 kHz and f_p = 1 kHz: each servo frequency from half of it on."""
+    config = _core.cmrc.config()
+    scans = Scans(config, None, None, None, errors=False).scans
+    values = {scan.name: [(point["value"], point["realised"]) for point in scan.points] for scan in scans}
+    assert values["cycles"] == [(n / 4, n / 4) for n in range(4, 13)]
+    assert values["dsps"] == [(n, n) for n in range(1, 9)]
+    assert values["servo"] == [(8000 / n, pytest.approx(8000 / n)) for n in range(16, 1, -1)]
 
 
 def test_two_dsps_are_the_least_for_the_base_rates() -> None:
@@ -189,6 +271,27 @@ def test_a_point_whose_process_is_killed_is_an_error_that_says_so(tmp_path: Path
     environment = {**os.environ, "PYTHONPATH": str(BUILD / "python")}
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment)
     assert run.stdout == "the process of a run ended by SIGKILL\n"
+
+
+def test_the_end_of_a_process_in_words() -> None:
+    said = [ended(status) for status in (3, -signal.SIGSEGV, -200)]
+    assert said == ["ended with status 3", "ended by SIGSEGV", "ended by signal 200"]
+
+
+def test_helpers_that_cannot_all_be_started_leave_none_behind(monkeypatch: pytest.MonkeyPatch) -> None:
+    started: list[subprocess.Popen[bytes]] = []
+    start = subprocess.Popen
+
+    def some(command: list[str], **how: Any) -> subprocess.Popen[bytes]:
+        if started:
+            raise OSError("no more processes")
+        started.append(start([sys.executable, "-S", "-c", "input()"], **how))
+        return started[0]
+
+    monkeypatch.setattr("cmrc.processes.subprocess.Popen", some)
+    with pytest.raises(OSError, match="no more processes"), Helpers("cmrc.limit_worker", 2):
+        pass
+    assert started[0].returncode == -signal.SIGKILL
 
 
 def test_an_ideal_run_answers_within_a_latch_and_misses_nothing() -> None:

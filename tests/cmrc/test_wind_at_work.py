@@ -115,6 +115,46 @@ def test_each_landing_has_its_own_tries(
     assert (run.tries, run.missed) == (tries, missed) and (run.above_share, run.waited_s) == (0.25, 3.0)
 
 
+def test_a_run_of_landings_ends_when_the_container_is_set_down(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Goes(Told):
+        """One event more every two seconds."""
+
+        looked = 0
+
+        def run_until(self, time_s: float) -> None:
+            self.looked += 1
+
+        def dock_events(self) -> list[tuple[float, str, int]]:
+            return super().dock_events()[: self.looked]
+
+    made: list[Goes] = []
+    kinds = ("missed", "locked", "touch", "opened", "missed", "locked")
+    monkeypatch.setattr(landings._core.cmrc, "Simulation", lambda config: made.append(Goes(*kinds)) or made[-1])
+    run = landings.land(12.0, 10_000, 90.0, seed=1)
+    assert (run.tries, run.missed, made[0].looked) == ((2, 1), 0, 4)
+    assert landings.land(12.0, 10_000, 90.0, seed=1, limit_s=3.0).tries == (2,)
+
+
+def test_every_second_run_of_landings_has_its_wind_across_and_the_others_from_anywhere(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked: list[tuple[float, float, float, int]] = []
+
+    def land(mean: float, mass: float, direction: float, seed: int) -> landings.Run:
+        asked.append((mean, mass, direction, seed))
+        return landings.Run(mean, mass, (1, 1), 0, 0.0, 0.0)
+
+    monkeypatch.setattr(landings, "land", land)
+    landings.campaign()
+    for mean, count in landings.WINDS.items():
+        runs = [(mass, direction, seed) for wind, mass, direction, seed in asked if wind == mean]
+        assert [seed for *_, seed in runs] == list(range(1, count + 1))
+        assert {direction for _, direction, _ in runs[::2]} == {90.0}
+        assert [mass for mass, *_ in runs][:3] == list(landings.MASSES_KG[: len(runs)])
+    anywhere = [direction for wind, _, direction, seed in asked if wind == 15.0 and seed % 2 == 0]
+    assert {int(direction // 90) for direction in anywhere} == {0, 1, 2, 3}
+
+
 def test_the_table_of_landings_counts_every_landing_once() -> None:
     runs = [landings.Run(12.0, 1e4, (1, 2), 0, 0.5, 1.0), landings.Run(12.0, 1e4, (4,), 2, 0.1, 6.0)]
     row = [cell.strip() for cell in landings.table(runs).splitlines()[-1].strip("|").split("|")]

@@ -113,6 +113,43 @@ def test_steps_over_calls_and_lines_go_on_from_a_breakpoint_that_they_have_met(s
     assert reasons == [("breakpoint", 1), ("step", 2), ("step", 3), ("breakpoint", 1), ("breakpoint", 2), ("step", 3)]
 
 
+def test_a_stop_goes_on_where_each_of_its_functions_says_so() -> None:
+    image = package.assemble("start:  ldi 0,r0\nloop:   addi 1,r0\n        b loop\n")
+    called: list[tuple[int, bool]] = []
+    for first, second in ((True, True), (True, False), (False, True), (True, None)):
+        debugger = package.Processor(image).debug()
+        for answer in (first, second):
+            number = debugger.break_at("loop", condition="r0 < 3")
+            if answer is not None:  # a condition without a function stops
+                debugger.call(
+                    number, lambda _, number=number, answer=answer: (called.append((number, answer)), answer)[1]
+                )
+        stop = debugger.go(20e-6)
+        stays = (first, second) != (True, True)
+        assert (stop.reason == "breakpoint") == stays and debugger.value("r0") == 0 or not stays, (first, second)
+        assert len(called) == (1 if second is None else 2 if stays else 6)  # each is called
+        called.clear()
+
+
+def test_a_command_without_a_chip_means_that_of_the_last_stop() -> None:
+    image = package.assemble("start:  ldi 0,r0\nloop:   addi 1,r0\n        b loop\n")
+    debugger = Network([image, image]).debug()
+    debugger.break_at("loop", chip=1, condition="r0 == 2")
+    assert debugger.go().chip == 1
+    debugger.set_register("r1", 7)
+    assert (debugger.value("r1"), debugger.value("chip1.r1"), debugger.value("r1", chip=0)) == (7, 7, 2)  # of chips
+    assert debugger.step().chip == 1 and debugger.value("pc - loop") == 1
+
+
+def test_an_instant_in_seconds_is_the_nearest_picosecond() -> None:
+    image = package.assemble("start:  ldi 0,r0\nloop:   addi 1,r0\n        b loop\n")
+    with package.Processor(image).debug() as debugger:
+        assert 65e-6 * 1e12 < 65_000_000 and debugger.go_to(65e-6).time_ps == 65_000_000
+    assert not debugger.open
+    with pytest.raises(RuntimeError, match="this debugger is closed"):
+        debugger.go()
+
+
 def test_a_step_stops_at_breakpoints_of_all_chips_of_its_instant() -> None:
     image = package.assemble("start:  ldi 0,r0\nloop:   addi 1,r0\n        b loop\n")
     debugger = Network([image, image]).debug()

@@ -212,3 +212,4 @@ def test_a_long_trace_is_read_in_pieces_and_each_event_once(tmp_path: Path, monk
         (tmp_path / "t").write_text("\n".join([events.HEADER, *lines, ""]))
         batches = list(events.of_trace(tmp_path / "t"))
         assert [slot for batch in batches for slot in batch["slot"].to_pylist()] == list(range(count))
+        assert events.write(batches, tmp_path / "e.parquet") == count

@@ -3,9 +3,11 @@
 import json
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from cmrc import Simulation
 from cmrc import __main__ as command
 from cmrc.page import Recording
 
@@ -31,6 +33,11 @@ def test_the_page_stands_beside_its_configuration(folder: Path) -> None:
     assert set(recording.signals["mover1_x_m"].tolist()) == {34.0}
 
 
+def test_the_title_of_a_run_has_its_dsps_and_its_duration() -> None:
+    for dsps, title in ((1, "1 DSP, 0.5 s"), (2, "2 DSPs, 0.5 s")):
+        assert Simulation(dsps=dsps, duration_s=0.5).title == title
+
+
 def test_the_old_name_still_writes_it(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert (
         command.main(
@@ -42,7 +49,8 @@ def test_the_old_name_still_writes_it(folder: Path, capsys: pytest.CaptureFixtur
     assert Recording.read(folder / "old.html").header["to_s"] == 0.05
 
 
-def test_a_page_can_be_plotted(folder: Path) -> None:
+@pytest.mark.golden
+def test_a_page_can_be_plotted(folder: Path, golden: Callable[[str, str], None]) -> None:
     pytest.importorskip("matplotlib")
     assert command.main(["page", str(folder / "scene.html"), "--plots", str(folder / "run.png")]) == 0
     assert (folder / "run.png").stat().st_size > 20_000
@@ -69,6 +77,9 @@ def test_a_page_can_be_plotted(folder: Path) -> None:
         "rope, mm",
         "rotator, mrad",
     ]
+    from drawn import described
+
+    golden("page-plots.text", described(figure))
 
 
 @pytest.mark.parametrize(

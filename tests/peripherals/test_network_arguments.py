@@ -24,6 +24,10 @@ WINDOW = 0xC0000000
             {"memories": [SharedMemory("m", 8, {0: WINDOW, 1: WINDOW}, dual_port=True, pins={5: "IIOF0"})]},
             "memories[0].pins: the memory has no place at chip 5; it has places at 0, 1",
         ),
+        (
+            {"memories": [SharedMemory("m", 8, {0: WINDOW, 1: WINDOW}, dual_port=True, pins={1: "INT9"})]},
+            "memories[0].pins: IIOF0, IIOF1, IIOF2, IIOF3, NMI is expected, not 'INT9'",
+        ),
     ],
 )
 def test_what_names_nothing_is_refused(given: dict[str, Any], message: str) -> None:

@@ -57,6 +57,22 @@ def test_a_scene_of_parts() -> None:
     assert scene.handover.phase == "free" and scene.switches == []
 
 
+def test_torques_become_codes_of_12_bits() -> None:
+    """Code 2047 is the greatest torque of a drive; what is beyond it is cut."""
+    scene = plant.Scene()
+    most = [drive.maximum_torque for drive in scene._dock.config.crane.drives]
+    for share, code in ((1.0, 2047), (0.5, 1024), (-0.25, -512), (-1.0, -2047), (3.0, 2047), (0.0, 0)):
+        scene.step([share * torque for torque in most], 250e-6)
+        assert list(scene.signal.code) == [code] * 5
+
+
+def test_a_scene_without_vehicles_says_so() -> None:
+    with pytest.raises(ValueError, match="index: 0 is out of range; a scene with AGVs is expected, this one has none"):
+        plant.Scene(agvs=0).agv(0)
+    with pytest.raises(ValueError, match="index: 2 is out of range; the number of an AGV, 0 to 1, is expected"):
+        plant.Scene(agvs=2).ranges(2)
+
+
 def test_movers_overshoot_none_of_their_waypoints() -> None:
     rng = np.random.default_rng(4)
     for _ in range(20):
@@ -158,6 +174,20 @@ def test_the_time_of_an_agv_is_counted_not_added_up() -> None:
 def test_a_cranes_values_of_the_wrong_kind_are_named(config: dict[str, object], says: str) -> None:
     with pytest.raises(ValueError, match=says):
         plant.Crane(config)
+
+
+@pytest.mark.parametrize(
+    ("drives", "error", "says"),
+    [
+        (3, TypeError, "drives must be {joint: {parameter: value}}, not 3"),
+        ({"slew": 3}, TypeError, "the parameters of a drive must be given by name, not 3"),
+        ({"s": {}}, ValueError, "there is no joint 's'; the joints are gantry, slew, luff, hoist, rotator"),
+    ],
+)
+def test_drives_are_given_by_joint_and_name(drives: object, error: type[Exception], says: str) -> None:
+    with pytest.raises(error) as found:
+        plant.Crane(drives=drives)
+    assert str(found.value) == says
 
 
 def test_arrays_of_the_wrong_shape_are_named() -> None:
@@ -312,3 +342,24 @@ def test_a_linkage_by_its_public_name() -> None:
     bad.jib_mass = -1.0
     with pytest.raises(ValueError, match="positive"):
         plant.Linkage(bad)
+
+
+def test_an_episode_does_not_end_while_the_load_rushes_past_its_target() -> None:
+    """Without torque the drives let the load fall: after 0.1 s it is still there, and faster than 5 cm/s."""
+    start = plant.CraneEnv(target=(0.0, 0.0, 0.0)).crane.payload()
+    env = plant.CraneEnv(target=start.tolist())
+    env.reset(seed=1)
+    for _ in range(100):
+        _, _, terminated, _, info = env.step([0.0] * 5)
+        if info["speed_m_s"] > 0.05:
+            break
+    assert info["way_m"] < 0.1 and not terminated
+    env.reset(seed=1)
+    assert env.step([0.0] * 5)[2]  # at rest it is there
+
+
+def test_a_step_of_the_environment_is_a_minute_at_most() -> None:
+    assert plant.CraneEnv(target=(14.0, 18.0, 10.0), dt=60.0).dt == 60.0
+    for dt in (0.0, 60.1):
+        with pytest.raises(ValueError, match=f"dt must be above 0, at most 60 s .got {dt}."):
+            plant.CraneEnv(target=(14.0, 18.0, 10.0), dt=dt)

@@ -54,6 +54,8 @@ def test_registers_as_integers_and_floats(program) -> None:
     assert processor.registers["R7"] == 0x00C0000000
     processor.registers["R7"] = 0x0140000000
     assert processor.floats["R7"] == 3.0
+    processor.floats["R11"] = 0.5
+    assert processor.floats["R11"] == 0.5 and list(processor.floats)[-1] == "R11"
     processor.registers["AR3"] = 0xFFFFFFFF
     assert processor.registers["AR3"] == 0xFFFFFFFF
     assert set(processor.registers) == set(c40.REGISTERS)
@@ -64,6 +66,17 @@ def test_registers_as_integers_and_floats(program) -> None:
         processor.registers["R12"]
     with pytest.raises(KeyError, match="AR0 cannot hold a float"):
         processor.floats["AR0"]
+
+
+def test_a_reset_clears_the_registers_and_keeps_memory_and_counters(program) -> None:
+    processor = c40.Processor(program)
+    processor.run(until="done")
+    cycles, instructions = processor.cycles, processor.instructions
+    assert processor.registers["R1"] and processor.registers["AR0"] and cycles > 0
+    processor.reset()
+    assert processor.floats["R1"] == processor.registers["AR0"] == 0
+    assert processor.memory.read_floats(0x300100, 1) == [9.0]
+    assert (processor.cycles, processor.instructions) == (cycles, instructions)
 
 
 def test_memory(program) -> None:
@@ -81,6 +94,21 @@ def test_memory(program) -> None:
     with pytest.raises(ValueError, match="length"):
         processor.memory[0x300200:0x300206:2] = [7] * 6
     assert processor.memory[0x300200] != 7
+    processor.memory[0x300200] = -(1 << 31)
+    with pytest.raises(ValueError, match="32-bit"):
+        processor.memory[0x300200] = -(1 << 31) - 1
+    assert processor.memory[0x300200] == 1 << 31
+
+
+def test_memory_ends_at_its_last_address() -> None:
+    memory = c40.Processor(board="flat").memory
+    memory[0xFFFF_FFFE:0x1_0000_0000] = [1, 2]
+    assert memory[0xFFFF_FFFE:0x1_0000_0000] == [1, 2] and memory[0xFFFF_FFFF] == 2
+    memory[:2] = [3, 4]
+    assert memory[:2] == [3, 4] == memory[0:2]
+    for beyond in (0x1_0000_0000, -1):
+        with pytest.raises(IndexError, match="is out of range; an address"):
+            memory[beyond]
 
 
 def test_a_window_stops_the_run_and_is_answered() -> None:

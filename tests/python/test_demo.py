@@ -1,8 +1,12 @@
 """The demo: its scenes say what their runs measured, and its page needs no other file."""
 
 import re
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+import cmrc
+import cmrc.page
 import pytest
 from cmrc import __main__ as command
 from cmrc import demo
@@ -29,6 +33,22 @@ def test_a_block_whose_dsp_is_killed_is_run_again() -> None:
     assert scene.conclusion.startswith("No block is lost")
 
 
+@pytest.mark.golden
+def test_a_dsp_that_is_plugged_in_in_a_tenth_of_a_second(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, golden: Callable[[str, str], None]
+) -> None:
+    """The last scene in small: the new DSP begins to work, and the page is that of its run."""
+
+    def short(settings: dict[str, Any], events: Any = (), reference: Any = None) -> cmrc.Simulation:
+        soon = [{**event, "at_s": event["at_s"] / 60} for event in events]
+        return cmrc.Simulation(settings={**settings, "duration_s": 0.1}, events=soon, reference=reference)
+
+    monkeypatch.setattr(demo, "Simulation", short)
+    golden("demo-plugged.text", demo.plugged_in(tmp_path / "a.html").text())
+    recording = cmrc.page.Recording.read(tmp_path / "a.html")
+    assert recording.header["title"] == "Scene 5: a DSP is plugged in" and recording.report["dsps"][1]["claims"] > 0
+
+
 def test_names_of_runs_take_as_many_lines_as_they_need() -> None:
     scene = demo.Scene("t", "long " * 40, ("3 DSPs", "missed", *demo.COST))
     scene.rows += [[name, "12.34 %", *["1000.00 mm"] * 8] for name in ("a", "b", "c")]
@@ -44,6 +64,11 @@ def test_lengths_are_those_of_the_report_on_the_terminal() -> None:
     """0.78 um is not 0.00 mm."""
     found = [demo._length(metres) for metres in (0, 7.76e-7, 2.713e-3, 0.5, 10.161159)]
     assert found == ["0 m", "0.776 um", "2.71 mm", "500 mm", "10.16 m"]
+
+
+def test_a_share_that_is_not_0_is_not_shown_as_0() -> None:
+    found = [demo._percent(share) for share in (None, 0.0, 4.9e-5, 5.1e-5, 0.1234)]
+    assert found == ["-", "0 %", "< 0.01 %", "0.01 %", "12.34 %"]
 
 
 @pytest.mark.campaign

@@ -27,6 +27,11 @@ def test_a_word_has_its_operands() -> None:
     assert c40.encodings()[found["row"]]["picture"].startswith("000 000100 gg")
 
 
+def test_behind_the_last_address_comes_the_first() -> None:
+    branch = c40.assemble("start: b start\n").sections[0].words[0]
+    assert c40.disassemble([branch, branch], 0xFFFF_FFFF) == [c40.disassemble(branch, pc) for pc in (0xFFFF_FFFF, 0)]
+
+
 def test_a_reserved_word_is_no_instruction() -> None:
     assert c40.disassemble(0xFFFFFFFF).startswith(".word") and c40.decode(0xFFFFFFFF) is None
 

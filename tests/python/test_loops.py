@@ -10,7 +10,7 @@ from collections import deque
 
 import pytest
 from cmrc import _core
-from cmrc.loops import model
+from cmrc.loops import measured, model
 from cmrc.loops.__main__ import BLOCKS, margins_table, marks, poses_table
 from locations import BUILD, ROOT
 
@@ -112,6 +112,16 @@ def test_the_margins_found_lie_beside_the_predicted_ones() -> None:
     assert len(rows) == 8
     for _, _, predicted, stable, unstable in rows:
         assert float(stable) < float(unstable) and 0.9 * float(predicted) <= float(unstable) <= 1.5 * float(predicted)
+
+
+@pytest.mark.parametrize("margin", [1, 2, 3, 7, 30, 61])
+@pytest.mark.parametrize("predicted_ms", [0.1, 2.0, 7.0])
+def test_the_margin_that_is_found_is_that_of_one_latch(
+    margin: int, predicted_ms: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Wherever the search begins: ``margin`` latches of 125 us are stable, and one more is not."""
+    monkeypatch.setattr(measured, "is_unstable", lambda joint, bandwidth, latches: latches > margin)
+    assert measured.found_ms("slew", 8.0, predicted_ms) == (margin * 0.125, (margin + 1) * 0.125)
 
 
 @pytest.mark.campaign

@@ -8,6 +8,7 @@ import re
 import struct
 import subprocess
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -232,6 +233,12 @@ def test_a_difference_names_settings_event_and_metrics(result: cmrc.Result, othe
     unlike = [kind for kind in tasks[0] if tasks[0][kind]["response_ps"]["p99"] != tasks[1][kind]["response_ps"]["p99"]]
     assert unlike == [kind for kind in tasks[0] if f"tasks.{kind}.response_ps.p99" in metrics]
     assert not any("elapsed" in name for name in metrics)
+    table = found.table
+    [own] = [n for n, name in enumerate(table["metric"]) if name == "tasks.pid.misses"]
+    one, two = metrics["tasks.pid.misses"]
+    assert (table["left"][own], table["right"][own], table["difference"][own]) == (one, two, two - one)
+    of_misses = [name.startswith("misses[") for name in table["metric"]]
+    assert any(of_misses) and of_misses == sorted(of_misses)  # they come last
     assert "machine.dsps: 1 -> 2" in found.text() and found.event["when"] in found.first
     assert "machine.dsps" in found._repr_html_() and json.dumps(found.to_dict())
     assert result.diff(other).first == found.first
@@ -330,15 +337,44 @@ def test_the_frame_is_tidy_and_has_the_columns_of_the_docs(result: cmrc.Result) 
     assert columns in (ROOT / "docs" / "experiments.md").read_text(encoding="utf-8")
     assert not frame.duplicated(["kind", "metric"]).any()
     value = frame.set_index(["kind", "metric"])["value"]
+    unit = frame.set_index(["kind", "metric"])["unit"]
+    assert [unit["pid", f"response_ps_{of}"] for of in ("count", "best", "worst")] == ["jobs", "ps", "ps"]
+    assert [unit["pid", f"start_jitter_ps_{of}"] for of in ("count", "rms")] == ["jobs", "ps"]
     assert value["pid", "released"] == result.report["tasks"]["pid"]["released"]
     assert value["run", "misses"] == result.misses
     assert np.isnan(value["home.crane", "response_ps_p99"])
     assert value["pid", "response_ps_p99"] == result.report["tasks"]["pid"]["response_ps"]["p99"]
 
 
+@pytest.mark.golden
+def test_the_frame_has_the_metrics_and_units_that_are_kept(
+    result: cmrc.Result, golden: Callable[[str, str], None]
+) -> None:
+    from cmrc import frames
+
+    rows = list(frames.rows(result.report))
+    kinds = {kind: [(metric, unit) for of, metric, unit, _ in rows if of == kind] for kind, *_ in rows}
+    assert list(kinds) == [*result.report["tasks"], "run"]
+    assert all(kinds[kind] == kinds["pid"] for kind in result.report["tasks"])
+    golden(
+        "frame.table", "".join(f"{kind} {metric} [{unit}]\n" for kind in ("pid", "run") for metric, unit in kinds[kind])
+    )
+
+
+def test_the_table_of_the_buses_has_a_row_for_each_master(result: cmrc.Result) -> None:
+    buses = result.buses
+    masters = [(name, master) for name, bus in result.report["buses"].items() for master in bus["masters"]]
+    assert list(zip(buses["bus"], buses["master"], strict=True)) == masters
+    assert not any("targets" in name for name in buses) and {"utilisation", "clocks_by_use_data"} < set(buses)
+
+
 def test_a_notebook_shows_a_table(result: cmrc.Result) -> None:
     shown = result._repr_html_()
     assert "<td>pid</td>" in shown and "home.crane" not in shown
+    response = result.report["tasks"]["pid"]["response_ps"]
+    times = "".join(f"<td>{response[of] / 1e6:.2f}</td>" for of in ("mean", "p99", "worst"))
+    pid = result.report["tasks"]["pid"]
+    assert f"<td>pid</td><td>{pid['released']}</td><td>{pid['misses']}</td>{times}</tr>" in shown
     hostile = copy.deepcopy(result)
     hostile.report["tasks"]["<script>"] = hostile.report["tasks"]["pid"]
     assert "<script>" not in hostile._repr_html_()
@@ -431,6 +467,13 @@ def behind(number: int, share_us: int, from_us: int) -> dict[str, Any]:
 def test_a_job_was_blocked_since_the_first_block_in_its_way_not_since_the_longest() -> None:
     text = explained({"blocked": 50}, 50, behind=[behind(3, 10, 40), behind(4, 40, 70)])
     assert "It was blocked for 50 us, since 0.00004 s, by identify number 4 of AGV 0 on DSP 2" in text
+
+
+def test_an_explanation_names_three_blocks_and_counts_the_others() -> None:
+    for blocks, shown, more in ((2, 2, ""), (3, 3, ""), (4, 3, ", and 1 more."), (7, 3, ", and 4 more.")):
+        text = explained({"blocked": 50}, 50, behind=[behind(n, 10, 40) for n in range(blocks)])
+        assert text.count("identify number") == shown and more in text
+        assert (", and 0 more" in text, " and identify number" in text) == (False, not more)
 
 
 def test_an_explanation_leaves_out_what_is_less_than_a_twentieth_of_the_time() -> None:

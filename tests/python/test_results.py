@@ -4,6 +4,7 @@ the page with its commands."""
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,20 +20,32 @@ from cmrc.results.hotplug import Hotplug
 from cmrc.results.importance import Importance
 from cmrc.results.learning import Learning
 from cmrc.results.runs import Laboratory, Run
+from drawn import described
 from locations import ROOT
+from matplotlib.figure import Figure
 
 Rows = list[dict[str, Any]]
 
 
+@pytest.mark.golden
 @pytest.mark.parametrize("claim", command.CLAIMS, ids=lambda claim: claim.NAME)
-def test_every_experiment_runs_in_small(claim: type[Claim], tmp_path: Path) -> None:
+def test_every_experiment_runs_in_small(
+    claim: type[Claim], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, golden: Callable[[str, str], None]
+) -> None:
+    """Its section and what its plot shows are those that are kept."""
     said: list[str] = []
+    shown: list[str] = []
+    save = Figure.savefig
+    monkeypatch.setattr(
+        Figure, "savefig", lambda self, *to, **how: (save(self, *to, **how), shown.append(described(self)))
+    )
     section = command.examine(claim.quick(), Laboratory(jobs=1, progress=said.append), tmp_path, "results")
     assert section.startswith(f"## {claim.NUMBER}. {claim.TITLE}\n\n**")
     assert "| " in section and f"--claim {claim.NUMBER}" in section
     assert "runs" in "".join(said)
     drawn = list(tmp_path.glob("*.svg"))
-    assert len(drawn) == ("![" in section) and all(file.stat().st_size > 5000 for file in drawn)
+    assert len(drawn) == len(shown) == ("![" in section) and all(file.stat().st_size > 5000 for file in drawn)
+    golden(f"claim-{claim.NUMBER}.text", section + "".join(shown))
 
 
 def load_rows(missed: dict[int, float], release: str = "together", **more: float) -> Rows:
@@ -117,6 +130,28 @@ def test_what_waits_for_identify_is_never_left_out() -> None:
         "1 DSP misses some jobs at every f_p of the grid: up to 2 kHz those that wait for identify, and no other"
         in limit
     )
+
+
+def test_bus_a_is_full_beyond_95_percent_of_it() -> None:
+    def row(dsps: int, bus_a: float) -> dict[str, Any]:
+        return {
+            "part": "policy",
+            "policy": "spin",
+            "dsps": dsps,
+            "bus_a": bus_a,
+            "refresh_us": 9.0 * dsps,
+            "pid_us": 70.0,
+        }
+
+    assert ends.shared_limits([row(2, 60.0), row(4, 95.0)]) == ""
+    said = ends.shared_limits([row(2, 60.0), row(4, 95.1), row(8, 99.0)])
+    assert "With idle policy spin bus A is full from 4 DSPs on; with 8 a refresh takes 72 µs" in said
+
+
+def test_a_grid_of_dsps_in_any_order_is_judged_alike() -> None:
+    rows = load_rows({1: 40.0, 2: 38.0, 4: 0.0}) + rate_rows({1: 2000, 2: 4000, 4: 4000}, GRID)
+    judged = {str(dataclasses.replace(ADDING, dsps=dsps).verdict(rows)) for dsps in ((1, 2, 4), (2, 1, 4))}
+    assert len(judged) == 1
 
 
 def test_misses_are_put_down_to_identify_along_their_chain() -> None:
@@ -215,6 +250,19 @@ def test_importance(rows: Rows, word: str) -> None:
     assert Importance(crowded_hz=(5000.0,)).verdict(rows).word == word
 
 
+def test_importance_says_where_a_and_where_the_ratio_of_rates_matter() -> None:
+    limit = (
+        Importance(crowded_hz=(5000.0,))
+        .verdict([gap(2, 30.0), gap(8, 0.0), starving(1, 60.0), starving(20, 2.0)])
+        .limit
+    )
+    assert limit.endswith(". With f_s = 2 f_p it misses more than 1 %.") and "60 %" in limit
+    alike = (
+        Importance(crowded_hz=(5000.0,)).verdict([gap(4, 0.0), gap(8, 0.0), starving(1, 60.0), starving(20, 2.0)]).limit
+    )
+    assert alike.endswith(". f_s from 4 to 8 f_p makes no difference to the misses.") and "60 %" in alike
+
+
 def cycles(rule: str, t_w: list[float], t_v: float = 0.0, T_g: tuple[float, ...] = (100.0,)) -> Rows:
     """A run's closed cycles."""
     return [
@@ -243,6 +291,11 @@ LONG = [60.0] * 8
         ),  # the variation of T_g does not excuse it
         (cycles("off", LONG) + cycles("proportional", LONG[:3]), "not tested"),
         (cycles("off", [1.0] * 8) + cycles("proportional", [1.0] * 8), "not tested"),
+        (
+            cycles("off", LONG)
+            + [{**row, "interval": 2} for row in cycles("proportional", [60, 60, 40, 20, 15, 15, 15, 15])],
+            "holds",
+        ),  # a refresh more or less is 40 s of driving: it cannot do better
     ],
 )
 def test_learning(rows: Rows, word: str) -> None:
@@ -270,6 +323,13 @@ def box(agvs: int, t_v: float | None, t_w: float = 0.0) -> dict[str, Any]:
 )
 def test_fleet(rows: Rows, word: str) -> None:
     assert Fleet().verdict(rows).word == word
+
+
+def test_the_joints_are_told_of_each_family_with_tight_loops() -> None:
+    rows = [lost(f"{family}, tight", 30, 3, path) for family, path in (("scattered misses", 0.5), ("gaps", 2.0))]
+    said = cost.tight_loops([{**row, "preset": "tight", "unstable": "–"} for row in rows])
+    assert said.count("With preset `tight`") == 2 and "and scattered misses the joints are so far off" in said
+    assert "30 % missed 0.5 mm" in said and "30 % missed 2 mm" in said
 
 
 def lost(family: str, share: float, gap: float, path: float, f_t: float = 0.0, lag: float = 0.0) -> dict[str, Any]:
@@ -309,6 +369,10 @@ def test_a_pause_of_the_host_loses_as_many_samples_as_it_says() -> None:
             [Run({}, base, 0.15, events=cost.pauses(gap, gap + 5, 0.15))], "pauses"
         )
         assert cost.longest_gap(report) in (gap - 1, gap, gap + 1), gap
+
+
+def test_a_run_that_is_too_short_for_a_pause_has_none() -> None:
+    assert cost.pauses(20, 25, 0.02) == [] and len(cost.pauses(20, 25, 0.09)) == 1
 
 
 def test_runs_of_a_group_share_an_ideal_run() -> None:
@@ -387,6 +451,7 @@ def test_earlier_runs_are_used_again(tmp_path: Path) -> None:
             "--releases: 'never' is unknown; together, staggered, together-cap",
         ),
         (["--claim", "2", "--trials", "1,2"], "--trials: '1,2'; claim 2 expects one value"),
+        (["--claim", "2", "--dsps", ""], "--dsps: ''; claim 2 expects one value or several"),
         (["--claim", "5", "--trials", "3"], "--trials: claim 5 has no such parameter"),
         (["--claim", "6", "--quick", "--agvs", "99"], "dock.agvs: 99 is out of range"),
         (["--jobs", "0"], "--jobs: at least 1 is expected"),

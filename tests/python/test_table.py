@@ -36,4 +36,11 @@ def test_pandas() -> None:
 
 
 def test_no_rows() -> None:
-    assert Table.from_rows([]).rows == 0
+    empty = Table.from_rows([])
+    assert empty.rows == 0
+    with pytest.raises(IndexError, match="^index: there is no row 0; the table has none$"):
+        empty.row(0)
+    with pytest.raises(KeyError, match="there is no column 'misses'; the table has none"):
+        empty["misses"]
+    with pytest.raises(KeyError, match="there is no column 'misses'; one of kind, "):
+        Table.from_rows(ROWS)["misses"]

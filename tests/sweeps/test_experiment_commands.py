@@ -1,19 +1,21 @@
 """cmrc sweep, search, limits, compare, diff: what they print, write and refuse."""
 
 import json
+import math
 import os
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import cmrc
 import pytest
 from cmrc.__main__ import main
 from cmrc.commands.common import numbers, setting
 from cmrc.progress import ProgressLine, of_sweep
-from cmrc.sweeps import Status
+from cmrc.sweeps import Found, Status, metrics
 from locations import BUILD
 
 pytest.importorskip("distributed")
@@ -128,10 +130,41 @@ def test_grids_on_the_command_line() -> None:
         3.0,
     ]
     assert numbers("500,2000", "--servo") == [500.0, 2000.0]
-    for bad in ("", "a", "1:2:0", "1:2:3:4", "1::2", "1:100000"):
+    assert numbers("0:0.3:0.1", "--cycles") == [0.0, 0.1, 0.2, 0.3]  # no sums of tenths
+    assert numbers("1:1.001:0.0005", "--cycles") == [1.0, 1.0005, 1.001]
+    assert len(numbers("1:1000", "--servo")) == 1000
+    for bad in ("", "a", "1:2:0", "1:2:3:4", "1::2", "1:1001"):
         with pytest.raises(ValueError, match="--cycles"):
             numbers(bad, "--cycles")
-    assert [setting(f"a={value}")[1] for value in ("true", "3", "0.5", "x=y")] == [True, 3, 0.5, "x=y"]
+    for text, value in (
+        ("true", True),
+        ("-3", -3),
+        ("0x5000", 0x5000),
+        ("0.5", 0.5),
+        (".5e-3", 5e-4),
+        ("-inf", -math.inf),
+    ):
+        assert setting(f"a={text}")[1] == value and type(setting(f"a={text}")[1]) is type(value)
+    for text in ("x=y", "", "0x", "1_0", " 1", "1\n", "+1", "1e", "True"):
+        assert setting(f"a={text}")[1] == text
+
+
+def test_the_status_of_a_search_says_whether_its_answer_holds(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """An optimum has nothing to pass; neither has a bisection without further seeds."""
+    given: list[Any] = []
+    outcomes: list[Found] = []
+
+    def search(*places: Any, workers: int, **_: Any) -> Found:
+        given.append((places, workers))
+        return outcomes[-1]
+
+    monkeypatch.setattr("cmrc.sweeps.search", search)
+    for best, passed, status in (({"a": 1}, None, 0), ({"a": 1}, True, 0), ({"a": 1}, False, 1), (None, None, 1)):
+        outcomes.append(Found("misses", best, 0.0, metrics.spread([]), passed, []))
+        assert main(["search", "grid.toml", "--out", "there", "--workers", "3"]) == status, (best, passed)
+        assert capsys.readouterr().out == outcomes[-1].text() and given[-1] == (("grid.toml", Path("there")), 3)
 
 
 def test_a_difference_and_its_status(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -185,6 +218,14 @@ def test_progress_is_a_line_that_goes_away(monkeypatch: pytest.MonkeyPatch) -> N
     assert shown.getvalue().startswith("\rwork: 1 of 3 s simulated, about 2 s left") and shown.getvalue().endswith(
         " \r"
     )
+    shorter = Terminal()
+    with ProgressLine("work", shorter) as line:
+        line.show("10 of 10", now=True)
+        line.show("1 of 1", now=True)
+    assert shorter.getvalue().split("\r")[1:3] == [
+        "work: 10 of 10",
+        "work: 1 of 1  ",
+    ]  # nothing is left of the longer one
     log = io.StringIO()
     with ProgressLine("work", log) as line:
         for _ in range(400):

@@ -84,9 +84,23 @@ def test_values_of_ranges_are_those_that_were_written() -> None:
     assert values(rho, 1e-13, 1e-9, count=5, scale="log") == [1e-13, 1e-12, 1e-11, 1e-10, 1e-9]
     assert values("run.duration_s", 0.1, 0.3, step=0.1) == [0.1, 0.2, 0.3]
     assert values("run.duration_s", 1, 2, step=1 / 3) == [1.0, 1 + 1 / 3, 1 + 2 / 3, 2.0]
+    assert values("run.duration_s", 1, 1.9, step=0.1 * 3) == [1.0, 1.3, 1.6, 1.9]  # 0.30000000000000004
     assert values("run.seed", 1234567890123, 1234567890127, count=5) == list(range(1234567890123, 1234567890128))
     assert values("run.seed", 2**53 + 1, 2**53 + 4, step=1) == list(range(2**53 + 1, 2**53 + 5))
     assert values("run.seed", 1, 10**6, count=7, scale="log") == [10**n for n in range(7)]
+
+
+def test_ten_million_runs_are_not_too_many() -> None:
+    def runs(seeds: int) -> int:
+        return len(
+            grids.made(
+                {"axes": {"cycle_time_factor": {"from": 1, "to": 2, "count": 10_000}}, "repeats": {"seeds": seeds}}
+            )
+        )
+
+    assert runs(1000) == 10_000_000
+    with pytest.raises(GridError, match="10010000 runs; at most 10000000"):
+        runs(1001)
 
 
 def test_a_preset_can_be_an_axis_and_a_file_stands_beside_the_grid(tmp_path: Path) -> None:
@@ -96,7 +110,12 @@ def test_a_preset_can_be_an_axis_and_a_file_stands_beside_the_grid(tmp_path: Pat
     assert "preset" not in next(grid.points()).settings
 
 
-def test_a_grid_without_axes_is_one_run() -> None:
+def test_a_grid_without_axes_or_with_one_value_on_each_is_one_run() -> None:
+    assert grids.made({"axes": {"dsps": [2]}, "together": [{"agvs": [1], "seed": [3]}]}).names == [
+        "machine.dsps",
+        "dock.agvs",
+        "run.seed",
+    ]
     assert len(grids.made({"fixed": {}})) == len(list(grids.made({"fixed": {}}).points())) == 1
 
 

@@ -52,7 +52,12 @@ def test_a_monotone_limit_is_found_within_the_tolerance(limit: float, batch: int
     assert limit - 0.01 <= at <= limit and found.exceptions == []
     assert all(len(places) <= max(batch, 4) for places in trier.batches)
     tried = [trial.place["machine.cycle_time_factor"] for trial in trier.trials]
-    assert len(tried) == len(set(tried))
+    assert len(tried) == len(set(tried)) and min(tried) == 1.0 and max(tried) == 4.0  # also near an end
+
+
+def test_a_search_ends_where_its_interval_is_the_tolerance() -> None:
+    _, trier = bisected(lambda place, _: place["machine.cycle_time_factor"] > 2, batch=1, tolerance=0.75, neighbours=0)
+    assert [trial.place["machine.cycle_time_factor"] for trial in trier.trials] == [1.0, 4.0, 2.5, 1.75]
 
 
 def test_the_easy_end_may_be_the_greater_one() -> None:

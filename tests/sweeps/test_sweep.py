@@ -77,15 +77,16 @@ def test_a_new_metric_and_the_same_sweep_run_nothing(done: Sweep, monkeypatch: p
 def test_a_grid_that_has_grown_runs_what_is_new(done: Sweep, tmp_path: Path) -> None:
     marks = tmp_path / "marks"
     marks.mkdir()
-    more = {**SMALL, "axes": {"dsps": [1, 2, 3], "servo_frequency_hz": [500.0]}}
+    more = {**SMALL, "axes": {"dsps": [1, 2, 3], "servo_frequency_hz": [500.0, 9000.0]}}
     seen: list[Status] = []
     execute = sweep_helpers.Takes(0.0, marks)
     grown = study.run_grid(grid.made(more), done.folder.path, Place(workers=1), execute, on_progress=seen.append)
     assert (
         len(list(marks.iterdir())) == 1
-        and len(grown) == 3
-        and seen[-1].known == 2
-        and seen[-1].done == seen[-1].runs == 3
+        and len(grown) == 6
+        and seen[-1].known == 4
+        and seen[-1].done == seen[-1].runs == 6  # what is refused is done, too
+        and seen[-1].refused == 1
     )
 
 

@@ -79,6 +79,39 @@ def test_a_row_in_two_parts_counts_once(tmp_path: Path) -> None:
         assert sorted(keys(folder)) == [1, 2, 3] and not (tmp_path / "s" / ".part-left").exists()
 
 
+def test_the_table_of_a_folder(tmp_path: Path) -> None:
+    """A line for each point in the order of its numbers, what has no value last. A dash stands for what was not
+    measured, n where not every repeat was. Reasons are counted, ten at the most."""
+
+    def done(number: int, dsps: int, seed: int, misses: int, lag: float | None) -> dict[str, Any]:
+        of = {
+            "configuration": {},
+            "misses": [],
+            "hash": "",
+            "schema_version": 4,
+            "tasks": {"pid": {"misses": misses, "on_time": 1}},
+        }
+        report = of | {"errors": {"lag": {"crane": {"end_s": lag}}}}
+        return row(number, place=json.dumps({"machine.dsps": dsps}), seed=seed, report=store.packed(report))
+
+    def refused(number: int, why: str) -> dict[str, Any]:
+        return row(number, status=store.REFUSED, message=why, seed=None, report=None)
+
+    with Folder(tmp_path / "s") as folder:
+        folder.write([refused(20 + n, f"reason {min(n, 10)}\nand more") for n in range(12)])
+        folder.write([done(1, 10, 1, 3, None), done(2, 10, 2, 5, None), done(3, 2, 1, 7, 0.5), done(4, 2, 2, 7, None)])
+    assert Sweep(tmp_path / "s").text("misses", "lag").splitlines() == [
+        "dsps  n  misses (jobs)      lag (s)",
+        "   2  2              7  0.5 (n = 1)",
+        "  10  2       4 [3, 5]            –",
+        "   –  0              –            –",
+        "",
+        "4 runs done, 12 refused, 0 failed.",
+        "Intervals of 95 %: Wilson's of shares of runs, else bootstrap of the mean; none where all repeats agree.",
+        *(f"  1 refused: reason {n}" for n in range(10)),
+    ]
+
+
 def test_a_second_sweep_is_refused_and_names_the_first(tmp_path: Path) -> None:
     with Folder(tmp_path / "s"):
         with pytest.raises(SweepError, match=f"process {os.getpid()} on .* one sweep at a time"):

@@ -107,6 +107,7 @@ def test_names_of_columns_are_different() -> None:
     assert metrics.names_of(of, {"seed", "status"}) == [
         "<lambda>", "misses", "<lambda> 2", "seed 2", "metric", "metric 2", "misses", "seed 3",
     ]  # fmt: skip
+    assert metrics.names_of(["misses", "seed", "misses", "seed"], {"seed"}) == ["misses", "seed 2", "misses", "seed 2"]
 
 
 def test_a_function_changes_nothing_that_others_measure() -> None:

@@ -3,6 +3,7 @@
 import itertools
 import json
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from cmrc.sweeps.store import Folder
 pytest.importorskip("matplotlib")
 pytest.importorskip("pyarrow")
 from cmrc import plot
+from drawn import described
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -79,6 +81,7 @@ def test_a_grid_is_drawn_in_order_with_gaps_and_intervals(sweep: Sweep) -> None:
     staggered, together = drawn.containers
     assert [c.get_label() for c in (staggered, together)] == ["agv_phase = staggered", "agv_phase = together"]
     assert list(staggered.lines[0].get_xdata()) == [2, 3, 4] and list(staggered.lines[0].get_ydata()) == [30, 20, 10]
+    assert all(tick == int(tick) for tick in drawn.get_xticks())  # there is no half a DSP
     found = together.lines[0].get_ydata()
     assert found[0] == 31.5 and math.isnan(found[1]) and found[2] == 11.5
     bars = together.lines[2][0].get_segments()
@@ -104,6 +107,7 @@ def test_long_names_below_an_axis_do_not_lie_on_each_other(
     drawn.figure.canvas.draw()  # type: ignore[union-attr]
     ticks = drawn.get_xticklabels()
     assert len({tick.get_text() for tick in ticks}) == 4 and max(len(tick.get_text()) for tick in ticks) < 30
+    assert [tick.get_text() for tick in ticks[:3]] == [f"{name[:14]}…{name[-13:]}" for name in names[1:]]
     assert {tick.get_rotation() for tick in ticks} == {25}
     places = [drawn.transData.transform((n, 0))[0] for n in range(4)]
     height = max(tick.get_fontsize() for tick in ticks) * drawn.figure.dpi / 72
@@ -197,6 +201,8 @@ def test_a_gantt_chart_has_the_misses_of_the_trace_and_the_reports_names(tmp_pat
     ]
     assert len(found.missed) == 3 and len(in_window) > 20
     assert [len(line.get_xdata()) for line in drawn.lines] == [len(in_window)]  # type: ignore[arg-type]
+    plot.gantt(found, drawn := axes(), 0.05, float(in_window[-1].split()[0]))  # both ends belong to the window
+    assert [len(line.get_xdata()) for line in drawn.lines] == [len(in_window)]  # type: ignore[arg-type]
     whole = cmrc.run(preset="saturated", dsps=1, duration_s=0.1, keep_events=True)
     plot.gantt(whole, drawn := axes(), 0.0, 0.2)
     assert sum(len(line.get_xdata()) for line in drawn.lines) == len(whole.missed)  # type: ignore[arg-type]
@@ -216,10 +222,54 @@ def test_cumulated_response_times_hold_the_percentiles(result: cmrc.Result) -> N
     assert np.all(np.diff(y) >= 0) and y[np.argmin(abs(x - response["p50"] / 1e6))] == pytest.approx(50, abs=2)
 
 
+def test_each_percentile_has_its_share() -> None:
+    at = {"best": 1e6, "p50": 4e6, "p99": 1e7, "p99_9": 3e7, "worst": 4e7}
+    task = {"response_ps": {**at, "count": 1000, "log2_histogram": [0] * 40}}
+    drawn = axes()
+    plot.cdf(cmrc.Result({"tasks": {"pid": task}}, "", cmrc.Table()), drawn)
+    [pid] = drawn.lines
+    shares = dict(zip(np.round(pid.get_xdata(), 6).tolist(), pid.get_ydata(), strict=True))
+    assert [shares[time] for time in (1, 4, 10, 30, 40)] == pytest.approx([0, 50, 99, 99.9, 100])
+
+
+def test_the_title_says_how_many_repeats_there_are(tmp_path: Path) -> None:
+    for n, (repeats, title) in enumerate(
+        (
+            ({1: 1, 2: 1}, "one run per point"),
+            ({1: 2, 2: 2}, "mean of n = 2: all repeats agree"),
+            ({1: 3, 2: 1}, "mean of n = 1 to 3: all repeats agree"),
+        )
+    ):
+        rows = [
+            row(10 * dsps + seed, {"machine.dsps": dsps}, seed, 5)
+            for dsps, seeds in repeats.items()
+            for seed in range(seeds)
+        ]
+        with Folder(tmp_path / str(n)) as folder:
+            folder.write(rows)
+        plot.grid(Sweep(tmp_path / str(n)), drawn := axes(), x="dsps")
+        assert drawn.get_title() == title
+
+
 def test_the_sheet_is_drawn_also_of_a_run_without_a_reference(result: cmrc.Result, tmp_path: Path) -> None:
     result.plot().savefig(tmp_path / "a.png", dpi=40)
-    cmrc.run(dsps=1, duration_s=0.03, settings={"report.reference": "none"}).plot().savefig(tmp_path / "b.png", dpi=40)
+    bare = cmrc.run(dsps=1, duration_s=0.03, settings={"report.reference": "none"}).plot()
+    bare.savefig(tmp_path / "b.png", dpi=40)
+    assert "text 'no reference: no true error' at 0.5 0.5" in described(bare)
     assert (tmp_path / "a.png").stat().st_size > 5000 < (tmp_path / "b.png").stat().st_size
+
+
+@pytest.mark.golden
+def test_plots_show_what_is_kept(result: cmrc.Result, sweep: Sweep, golden: Callable[[str, str], None]) -> None:
+    """Titles, units, bars, lines and legends of a run and of a sweep."""
+    window = axes()
+    plot.gantt(result, window, 0.021, 0.0235)
+    over_dsps, over_words, price = axes(), axes(), axes()
+    plot.grid(sweep, over_dsps)
+    plot.grid(sweep, over_words, x="agv_phase", metric="load_rms")
+    plot.cost(sweep, price)
+    figures = [result.plot(), *(drawn.figure for drawn in (window, over_dsps, over_words, price))]
+    golden("plots.text", "\n".join(described(figure) for figure in figures))  # type: ignore[arg-type]
 
 
 def test_a_notebook_shows_the_sheet_without_pyplot(result: cmrc.Result) -> None:

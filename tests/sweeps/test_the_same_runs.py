@@ -4,7 +4,8 @@ import shutil
 from pathlib import Path
 
 import pytest
-from cmrc.sweeps import Sweep, SweepError, sweep
+from cmrc.simulation import configured
+from cmrc.sweeps import Sweep, SweepError, sweep, work
 
 pytest.importorskip("distributed")
 pytest.importorskip("pyarrow")
@@ -38,6 +39,8 @@ def test_a_run_whose_file_was_changed_is_not_run_again(done: Sweep, tmp_path: Pa
     (tmp_path / "a" / "base.toml").write_text(BASE.format(3))
     with pytest.raises(SweepError, match="the run .* would not be the same again: a file that its settings name"):
         done.rerun(done.runs[0])
+    with pytest.raises(SweepError, match="would not be the same again"):
+        done.rerun(done.runs[0], keep_events=True)
     assert len(done.rerun(done.runs[0], dsps=2).report["dsps"]) == 2  # another run, asked for
 
 
@@ -52,6 +55,12 @@ def test_a_relative_file_of_another_folder_is_not_taken(tmp_path: Path, monkeypa
     monkeypatch.chdir(tmp_path / "b")
     with pytest.raises(SweepError, match="another one from this working folder"):
         found.rerun(found.runs[0])
+
+
+def test_a_worker_without_the_files_of_a_run_says_so(tmp_path: Path) -> None:
+    toml = configured(None, None, {"machine.programs": str(tmp_path / "none")}, (), {}).to_toml()
+    with pytest.raises(RuntimeError, match="the run's files cannot be read here: .*none/dsp.asm is not there"):
+        work.execute("0" * 64, toml)
 
 
 def test_a_folder_that_has_lost_its_runs_is_an_error(done: Sweep) -> None:

@@ -6,6 +6,7 @@ import argparse
 import difflib
 import math
 import os
+import re
 import stat
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -84,10 +85,19 @@ def setting(text: str) -> tuple[str, Setting]:
     return key, setting_value(value)
 
 
+NUMBER = re.compile(
+    r"-?\d+|0x[\da-f]+|-?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|-?(?:inf|infinity|nan)", re.ASCII | re.IGNORECASE
+)
+"""What ``emulator`` takes for a number (emulator/isa/ascii.hpp). Python's own conversions also take 1_0, +1 and
+blanks."""
+
+
 def setting_value(text: str) -> Setting:
     """A value on the command line; the configuration checks it."""
     if text in ("true", "false"):
         return text == "true"
+    if NUMBER.fullmatch(text) is None:
+        return text
     for kind in (lambda text: int(text, 16 if text.startswith("0x") else 10), float):
         try:
             return kind(text)

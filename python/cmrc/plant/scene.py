@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cmrc import _core
-from cmrc.arguments import flag, instance, number, whole
+from cmrc.arguments import flag, instance, number, shown, whole
 from cmrc.plant.arguments import device_code, numbers
 from cmrc.plant.crane import JOINTS, Array
 from cmrc.plant.parts import (
@@ -95,6 +95,8 @@ class Scene:
 
     def _agv(self, index: object) -> int:
         count = self._dock.config.agv_count
+        if count == 0:
+            raise ValueError(f"index: {shown(index)} is out of range; a scene with AGVs is expected, this one has none")
         return whole("index", index, f"the number of an AGV, 0 to {count - 1},", 0, count - 1)
 
     @property

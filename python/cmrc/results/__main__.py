@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import os
+import shlex
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -106,7 +107,8 @@ def chosen(claim: type[Claim], given: argparse.Namespace) -> Claim:
             values = tuple(kind(word) for word in text.split(",") if word)
         except ValueError:
             raise ValueError(f"{_option(one.name)}: {text!r} is no {kind.__name__} or list of them") from None
-        if not values or (len(values) > 1 and not several):
+        empty = several and one.metadata["quick"] == ()  # a part of the experiment that may be left out
+        if (not values and not empty) or (len(values) > 1 and not several):
             raise ValueError(
                 f"{_option(one.name)}: {text!r}; claim {claim.NUMBER} expects "
                 f"{'one value or several' if several else 'one value'}"
@@ -140,7 +142,7 @@ def examine(claim: Claim, laboratory: Laboratory, plots: Path | None, link: str 
 def _options(claim: Claim) -> str:
     """What on the command line gives these parameters."""
     return "".join(
-        f" {_option(one.name)} {_text(getattr(claim, one.name))}"
+        f" {_option(one.name)} {shlex.quote(_text(getattr(claim, one.name)))}"
         for one in dataclasses.fields(claim)
         if getattr(claim, one.name) != one.default
     )

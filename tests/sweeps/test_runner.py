@@ -1,0 +1,110 @@
+"""What a sweep asks of its workers, and what it does with their answers: without workers."""
+
+import io
+import os
+import subprocess
+from concurrent.futures import Future
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+import sweep_helpers
+from cmrc.sweeps import Status, cluster, grid, identity, runner, session, sweep, work
+
+pytest.importorskip("distributed")
+pytest.importorskip("pyarrow")
+
+FIXED = {"duration_s": 0.03, "report.reference": "none"}
+
+
+def test_a_run_that_is_alone_gives_its_answer_or_says_how_its_process_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    import cloudpickle
+
+    ended = subprocess.CompletedProcess([], 0, cloudpickle.dumps({"key": "k"}))
+    monkeypatch.setattr("cmrc.sweeps.work.subprocess.run", lambda *_, **__: ended)
+    alone = work.Alone(work.execute)
+    assert alone("k", "") == {"key": "k"}
+    for ended.returncode, says in ((1, "ended with status 1"), (-9, "ended by SIGKILL")):
+        with pytest.raises(work.RunDied, match=says):
+            alone("k", "")
+
+
+def test_a_worker_that_dies_is_replaced_and_so_is_the_process_that_forks_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Forker:
+        """Notes what it is asked for, and says what it is told to."""
+
+        status: int | None = None
+
+        def __init__(self, *_: object, **__: object) -> None:
+            self.stdin = io.BytesIO()
+            reads, self.says = os.pipe()
+            self.stdout = os.fdopen(reads, "rb")
+            started.append(self)
+
+        def poll(self) -> int | None:
+            return self.status
+
+        def workers(self) -> list[str]:
+            return [line.split()[1] for line in self.stdin.getvalue().decode().splitlines()]
+
+    started: list[Forker] = []
+    monkeypatch.setattr("cmrc.sweeps.cluster.subprocess.Popen", Forker)
+    processes = cluster._Processes(2, "scratch")
+    processes.join("tcp://here:1")
+    processes.mend()
+    assert [forker.workers() for forker in started] == [["local-1", "local-2"]]
+    os.write(started[0].says, b"local-1 died\n")
+    processes.mend()
+    assert [forker.workers() for forker in started] == [["local-1", "local-2", "local-3"]]
+    started[0].status = 1
+    monkeypatch.setattr(cluster, "START_AGAIN_S", 1e9)
+    processes.mend()  # not at once: it would be started again and again where it cannot live
+    assert len(started) == 1
+    monkeypatch.setattr(cluster, "START_AGAIN_S", -1.0)
+    processes.mend()
+    assert [forker.workers() for forker in started[1:]] == [["local-4", "local-5"]]
+    for forker in started:
+        os.close(forker.says)
+        forker.stdout.close()
+
+
+class OneAtATime:
+    """Stands for workers that do each run at once."""
+
+    def __init__(self) -> None:
+        self.client = self
+
+    def threads(self) -> float:
+        return -1.5  # two for each thread, and four: one
+
+    def mend(self) -> None:
+        pass
+
+    def submit(self, function: Any, run: str, toml: str, /, **_: object) -> Future[Any]:
+        done: Future[Any] = Future()
+        done.set_result(function(run, toml))
+        return done
+
+
+def test_answers_are_written_a_hundred_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """docs/sweeps.md: what a sweep whose process is killed may lose."""
+    written: list[int] = []
+    monkeypatch.setattr("cmrc.sweeps.runner.BATCH_S", 1e9)
+    monkeypatch.setattr("cmrc.sweeps.identity.Run.toml", lambda run: "")
+    [point] = grid.made({"fixed": FIXED}).points()
+    due = [identity.Run(str(n), point) for n in range(250)]
+    folder: Any = SimpleNamespace(write=lambda rows: written.append(len(rows)))
+    workers: Any = OneAtATime()
+    runner.Runner(workers, folder, lambda key, toml: sweep_helpers.answer(key), Status(250, 0, 0), None).run(due)
+    assert written == [100, 100, 50]
+
+
+def test_points_are_counted_while_they_are_looked_at(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A grid of a million points has no run for minutes."""
+    monkeypatch.setattr(session, "TELL_EVERY", 3)
+    seen: list[tuple[int, int]] = []
+    many: dict[str, Any] = {"fixed": {**FIXED, "dsps": 17}, "repeats": {"seeds": 8}}  # each is refused, and none is run
+    found = sweep(many, tmp_path / "s", on_progress=lambda status: seen.append((status.planned, status.runs)))
+    assert seen == [(2, 8), (5, 8)] and found.counts()["refused"] == 8
+    assert len(sweep(many, tmp_path / "s")) == 8
