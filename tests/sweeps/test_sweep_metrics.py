@@ -124,5 +124,5 @@ def test_a_place_that_only_some_reports_have_is_nan_in_the_others() -> None:
     reports = [(str(n), {"dsps": [{"claims": 10 * n + slot} for slot in range(n)]}) for n in (2, 4)]
     found = metrics.of_reports(reports, ["dsps[3].claims", "dsps[0].claims"])
     assert np.isnan(found["2"][0]) and [*found["2"][1:], *found["4"]] == [20, 43, 40]
-    with pytest.raises(metrics.NoSuchPlaceError, match=r"dsps\[4\].claims: there is no \[4\].claims"):
+    with pytest.raises(KeyError, match=r"dsps\[4\].claims: there is no \[4\].claims"):
         metrics.of_reports(reports, ["dsps[0].claims", "dsps[4].claims"])

@@ -39,14 +39,10 @@ COUNTED = ("count", "log2_histogram")
 USUAL = ("misses", "f_p_missed", "load_rms", "lag")
 
 
-class NoSuchPlaceError(KeyError):
-    """A report does not have the place that a metric names."""
-
-
 def value(report: Mapping[str, Any], metric: Metric) -> float | bool:
     """A metric of a report: a short name, a dotted place (``tasks.pid.response_ps.p99``, ``dsps[0].cycles``), or a
-    function of the report. NaN if nothing was measured. Raises NoSuchPlaceError for a place that the report does not
-    have, TypeError for a function that gives no number."""
+    function of the report. NaN if nothing was measured. Raises KeyError for a place that the report does not have,
+    TypeError for a function that gives no number."""
     found = metric(report) if callable(metric) else NAMED[metric][1](report) if metric in NAMED else _at(report, metric)
     if found is None:
         return math.nan
@@ -66,9 +62,9 @@ def values(report: Mapping[str, Any], of: Sequence[Metric]) -> list[float | bool
 
 def of_reports(reports: Iterable[tuple[str, Mapping[str, Any]]], of: Sequence[Metric]) -> dict[str, list[float | bool]]:
     """The metrics of reports, by key. NaN where a report does not have a place that another one has, as a run with two
-    DSPs has no ``dsps[3]``. Raises NoSuchPlaceError for a place that none has."""
+    DSPs has no ``dsps[3]``. Raises KeyError for a place that none has."""
     found: dict[str, list[float | bool]] = {}
-    missing: dict[int, NoSuchPlaceError] = {}
+    missing: dict[int, KeyError] = {}
     there: set[int] = set()
     for key, report in reports:
         found[key] = []
@@ -76,7 +72,9 @@ def of_reports(reports: Iterable[tuple[str, Mapping[str, Any]]], of: Sequence[Me
             try:
                 found[key] += values(report, [metric])
                 there.add(n)
-            except NoSuchPlaceError as error:
+            except KeyError as error:
+                if callable(metric):
+                    raise
                 missing.setdefault(n, error)
                 found[key].append(math.nan)
     for n in sorted(missing.keys() - there):
@@ -144,7 +142,7 @@ def _at(report: Mapping[str, Any], place: str) -> Any:
         index = re.match(r"\[(\d+)\]\.?", rest)
         if index and isinstance(node, list):
             if int(index[1]) >= len(node):
-                raise NoSuchPlaceError(f"{place}: there is no {rest}")
+                raise KeyError(f"{place}: there is no {rest}")
             node, rest = node[int(index[1])], rest[index.end() :]
             continue
         names = (
@@ -153,7 +151,7 @@ def _at(report: Mapping[str, Any], place: str) -> Any:
             else []
         )
         if not names:
-            raise NoSuchPlaceError(f"{place}: the report has no such place")
+            raise KeyError(f"{place}: the report has no such place")
         name = max(names, key=len)
         node, rest = node[name], rest[len(name) :].removeprefix(".")
     return node
