@@ -90,6 +90,18 @@ def test_a_wrong_command_line_says_what_would_be_right(run, arguments: list[str]
     assert message in done.stderr and done.stderr.count("\n") == 1
 
 
+@pytest.mark.parametrize(("option", "given"), [("-D", "x=-5"), ("-D", "x=0b11"), ("--section", ".text=zz")])
+def test_a_number_of_the_assembler_is_not_called_an_address(run, tmp_path: Path, option: str, given: str) -> None:
+    (tmp_path / "p.asm").write_text("start: nop\n")
+    done = run("asm", tmp_path / "p.asm", "-o", tmp_path / "p.out", option, given)
+    value = given.partition("=")[2]
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == (
+        f'emulator: {option}: "{value}" cannot be used; a number from 0 to 0FFFFFFFFh is expected '
+        "(300000h, 0x300000 or decimal)\n"
+    )
+
+
 def test_a_trace_window_after_the_end_is_refused(run, tmp_path: Path) -> None:
     done = run("--duration", 1, "--trace", "t", "--trace-window", "2:3")
     assert done.returncode == 2

@@ -314,3 +314,9 @@ def test_a_name_of_a_register_keeps_its_meaning(first: str, second: str) -> None
 def test_an_address_that_does_not_fit_is_an_error_but_for_the_logical_ones(use: str) -> None:
     assert "an address has 32 bits" in errors(f"x:\t{use}\n")[0][2]
     assert words("x:\tor x,r0\n\tand x,r0\n\ttstb x,r0\n") == [0x10600000, 0x02E00000, 0x1A600000]
+
+
+def test_label_ends_the_word_of_fields_as_a_label_on_its_own_line_does() -> None:
+    source = "\t.field 1,4\n\t{}\n\t.field 2,4\n\t.word x\n"
+    assert words(source.format(".label x")) == words("\t.field 1,4\nx:\n\t.field 2,4\n\t.word x\n")
+    assert words(source.format(".label x")) == [1, 2, 0x300001]

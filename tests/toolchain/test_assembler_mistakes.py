@@ -44,7 +44,10 @@ def test_a_missing_file_is_an_error_with_its_name(tmp_path: Path) -> None:
         ("\taddi 5,r0,r1,r2", 12, "operands, not 4"),
         ("\tldf ar0,r0", 6, "only R0 to R11"),
         ("\tldi 70000,r0", 6, "-32768 to 32767"),
-        ("\tand 70000,r0", 6, "0 to 65535"),
+        ("\tand 70000,r0", 6, "(0 to 65535)"),
+        ("\tmpyuhi -32769,r0", 9, "(-32768 to 65535)"),
+        ("\taddi3 *+ar0(300),r0,r1", 8, "*+ARn(0..31), or any indirect form with a displacement of 1"),
+        ("\taddi3 r0,*+ar0(32),r1", 11, "*+ARn(0..31)"),
         ("\taddi3 200,r0,r1", 8, "-128 to 127"),
         ("\tldi *ar0(1),r0", 10, "write *+ARn(x)"),
         ("\tldi *+ar0(256),r0", 6, "0 to 255"),
@@ -126,11 +129,41 @@ def test_an_error_in_a_macro_names_the_line_of_the_macro_and_of_its_call() -> No
 
 
 @pytest.mark.parametrize(
-    ("source", "line"),
-    [("\t.if 1\n\tnop\n", 1), ("\tnop\nm .macro\n\tnop\n", 2), ("\t.rept 2\n\tnop\n", 1)],
+    ("source", "line", "message"),
+    [
+        ("\t.if 1\n\tnop\n", 1, ".if has no .endif"),
+        ("\tnop\nm .macro\n\tnop\n", 2, ".macro has no .endm"),
+        ("\t.rept 2\n\tnop\n", 1, ".rept has no .endr"),
+        ("\t.LOOP 3\n\tnop\n", 1, ".loop has no .endloop"),
+        ("\t.loop x\n\tnop\n", 1, ".loop has no .endloop"),
+        ("\nu .union\nx .int\n", 2, ".union has no .endunion"),
+    ],
 )
-def test_what_is_left_open_is_reported_where_it_was_opened(source: str, line: int) -> None:
-    assert errors(source)[0][0] == line
+def test_what_is_left_open_is_reported_where_it_was_opened(source: str, line: int, message: str) -> None:
+    assert (line, 1, message) in errors(source)
+
+
+def test_a_members_name_that_is_there_already_is_reported_in_its_line() -> None:
+    source = "x .struct\na .word\nb .int\nc .word\na: .word\nn .endstruct\n\t.word n\nx.b .set 7\n"
+    assert errors(source) == [
+        (5, 1, "'x.a' is defined already at <text>:2"),
+        (8, 1, "'x.b' is defined already at <text>:3"),
+    ]
+    inner = "p .struct\na .int\n .endstruct\nq .struct\ni.a .int\ni .tag p\n .endstruct\n"
+    assert errors(inner) == [(6, 1, "'q.i.a' is defined already at <text>:5")]
+
+
+def test_what_an_option_says_is_named_by_the_option() -> None:
+    for options, message in (
+        ({"entry": "man"}, "--entry man: error: the entry symbol 'man' is not defined"),
+        (
+            {"sections": {".bss": 0x300000}},
+            "--section .bss: error: the sections '.text' (1 words at 300000h) and '.bss' (2 words at 300000h) overlap",
+        ),
+    ):
+        with pytest.raises(toolchain.AssemblyError) as caught:
+            toolchain.assemble("\tnop\n\t.bss v,2\n", **({"sections": {".text": 0x300000}} | options))
+        assert str(caught.value) == message
 
 
 def test_a_slip_costs_neither_memory_nor_time() -> None:

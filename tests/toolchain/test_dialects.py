@@ -60,6 +60,9 @@ def test_a_number_that_was_a_page_is_warned_of() -> None:
     for part in ("30h is in page 0", "Earlier versions took it as page 30h", "ldpk", "--dialect gnu"):
         assert part in image.warnings[0]
     assert toolchain.assemble(" ldp 30h\n", dialect="gnu").warnings == []
+    for cpu in ("c40", "c3x"):
+        (warning,) = toolchain.assemble(" ldp 30h,ar3\n", cpu=cpu).warnings
+        assert "30h is in page 0. 'ldiu 48,ar3' loads ar3 with 30h\n" in warning
 
 
 @pytest.mark.parametrize(

@@ -84,9 +84,28 @@ def test_short_floats_round_to_nearest_and_refuse_what_they_cannot_hold() -> Non
 
 
 def test_floats_out_of_range_are_refused() -> None:
-    for text in ("3.4028236e38", "-3.5e38", "1e39", "1e400"):
-        with pytest.raises(toolchain.AssemblyError):
+    for text in (
+        "3.4028236e38",
+        "-3.5e38",
+        "1e39",
+        "1e400",
+        "-1e400",
+        "1e99999999999999999999",
+        "1" + 400 * "0" + ".0",
+    ):
+        with pytest.raises(toolchain.AssemblyError, match="out of the range of a 32-bit float"):
             toolchain.assemble(f"\t.float {text}\n")
+    with pytest.raises(toolchain.AssemblyError, match="out of the range of a 16-bit float"):
+        toolchain.assemble("\tldf 1e400,r0\n")
+
+
+@pytest.mark.parametrize("text", ["1e-50", "1e-400", "-1e-400", "1e-99999999999999999999", "0." + 400 * "0" + "1"])
+def test_a_number_nearer_to_0_than_to_the_least_float_is_0(text: str) -> None:
+    zero = 0x80000000
+    assert list(toolchain.assemble(f"\t.float {text}\n").sections[0].words) == [zero]
+    assert list(toolchain.assemble(f"\t.ldouble {text}\n").sections[0].words) == [0x80000000, 0]
+    assert list(toolchain.assemble(f"\tldf {text},r0\n").sections[0].words) == [0x07608000]
+    assert toolchain.assemble(f"\t.ieee {text}\n").sections[0].words[0] & 0x7FFFFFFF == 0
 
 
 def test_disassembly_shows_short_floats_exactly() -> None:

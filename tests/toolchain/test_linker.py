@@ -370,6 +370,7 @@ def test_a_blocked_section_of_a_whole_page_and_one_that_just_fits_before_its_end
             "<map>:4: x.align: a power of 2 is expected",
         ),
         ("# empty", "<map>: there is no memory; [memory] with NAME = "),
+        ("[memory]", "<map>: there is no memory; [memory] with NAME = "),
         (
             "[memory]\nm = { origin = 0 }\nn = 3\n[sektions]",
             (

@@ -326,3 +326,78 @@ def test_a_parameter_with_the_name_of_a_directive() -> None:
 
 def test_a_quote_behind_a_backslash_does_not_end_a_text() -> None:
     assert words('\t.asg 5,n\n\t.string "a\\"n"\n') == [int.from_bytes(b'a"n', "little")]
+
+
+@pytest.mark.parametrize("live", [".asg ar2,p", ".asg 7,p", ".eval 7,p", ".asg q,p"])
+@pytest.mark.parametrize("head", ["get .macro p", "\t.macro get p", "\t.macro get, p ; p"])
+def test_a_parameter_keeps_its_name_beside_a_substitution_symbol(live: str, head: str) -> None:
+    assert words(f"\t{live}\n{head}\n ldi *p,r0\n .word N\n .endm\nN .set 1\n get ar5\n") == [0x0840C500, 1]
+
+
+def test_a_parameters_default_is_text() -> None:
+    assert words('\t.asg 5,d\n\t.asg 6,a\nm .macro a,b=d,c=$symlen("xyz") ; a\n .word a,b,c\n .endm\n m 1\n') == [
+        1,
+        5,
+        3,
+    ]
+
+
+def test_a_macro_in_a_macro_has_its_own_parameters_and_gets_the_outer_ones_of_other_names() -> None:
+    source = """
+m       .macro  a,b,c
+n       .macro  a,d=b
+        .var    c
+        .asg    9,c
+        .word   a,b,c,d
+o       .macro  b
+        .word   a,b,c
+        .endm
+        .endm
+        .word   a
+        .endm
+        m       5,6,7
+        n       1
+        o       2
+        n       3,4
+"""
+    # In o, a and c are those of n at its expansion.
+    assert words(source) == [5, 1, 6, 9, 6, 1, 2, 9, 3, 6, 9, 4]
+
+
+def test_a_name_that_a_macros_argument_gives_is_put_in_where_it_is_forced() -> None:
+    source = """
+m       .macro  p,s
+n       .macro  v\\p,:s:w
+        .word   v:p:,xw
+        .endm
+        .asg    8,g:s:
+        .endm
+        m       5,x
+        n       3,4
+        .word   gx
+"""
+    assert words(source) == [3, 4, 8]
+
+
+@pytest.mark.parametrize("name", ["a", "ab", "abc", "abcd", "abcdefgh"])
+def test_a_name_in_a_character_constant_is_put_in_where_it_is_forced(name: str) -> None:
+    x, xy = ord("x"), ord("x") | ord("y") << 8
+    constants = f"':{name}:','\\{name}',':{name}(2):','{name[:4]}',':no:'"
+    kept = [int.from_bytes(name[:4].encode(), "little"), int.from_bytes(b":no:", "little")]
+    for value, whole in (("x", x), ("xy", xy)):
+        expected = [whole, whole, ord(value[1]) if value[1:] else None, *kept]
+        text = constants if value[1:] else constants.replace(f",':{name}(2):'", "")
+        expected = [word for word in expected if word is not None]
+        assert words(f"m .macro {name}\n .word {text}\n .endm\n m {value}\n") == expected
+        assert words(f"\t.asg {value},{name}\n .word {text}\n") == expected
+    assert words(f"\t.asg x,{name}\n .byte ':{name}:',{4 * chr(39)}\n") == [x, 39]
+    assert "one to four characters" in errors(f"\t.asg hello,{name}\n .word ':{name}:'\n")[0][2]
+
+
+def test_the_least_number_is_put_in_by_eval() -> None:
+    assert words("\t.eval 1<<63,x\n\t.eval x+1,y\n\t.word x>>32,x>>63,y==-9223372036854775807,3*(x/x)\n") == [
+        0x80000000,
+        0xFFFFFFFF,
+        1,
+        3,
+    ]

@@ -16,8 +16,8 @@ namespace toolchain {
 struct Options {
   std::vector<std::filesystem::path> include_dirs;  ///< Searched after the directory of the including file.
   std::map<std::string, Word> symbols;              ///< Predefined constants.
-  /// Addresses of sections. The other sections follow, each after the one before: .text, .data, further loaded ones,
-  /// .bss, further reserved ones.
+  /// Addresses of sections. The other sections are put where these leave room: .text, .data, further loaded ones, .bss,
+  /// further reserved ones.
   std::map<std::string, Address> sections = {{".text", 0x300000}};
   /// The symbol at which the program starts. If empty: _start, _c_int00, c_int00, start, START or the first word of
   /// .text.

@@ -233,6 +233,7 @@ void Reader::directive_label(Statement& s) {
   const std::size_t offset = s.parser.offset();
   const std::string name = s.parser.required_identifier("a symbol");
   s.parser.expect_end();
+  program_.end_field();
   program_.define(name, program_.here(), s.line, offset);
 }
 

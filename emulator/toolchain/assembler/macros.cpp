@@ -1,6 +1,7 @@
 // Macros and repeats of the assembler's reader.
 #include <fmt/format.h>
 
+#include <limits>
 #include <utility>
 
 #include "isa/ascii.hpp"
@@ -23,6 +24,12 @@ std::string without_quotes(const std::string& argument) {
     if (inside[i] == '"' && i + 1 < inside.size() && inside[i + 1] == '"') ++i;
   }
   return out;
+}
+
+/// The number as a source writes it. The least one has no literal: its digits without the minus are too large.
+std::string written(std::int64_t number) {
+  constexpr std::int64_t least = std::numeric_limits<std::int64_t>::min();
+  return number == least ? fmt::format("({}-1)", least + 1) : std::to_string(number);
 }
 
 }  // namespace
@@ -141,7 +148,7 @@ void Reader::assign_number(Statement& s) {
   s.parser.expect(",");
   const std::string name = s.parser.required_identifier("a symbol");
   s.parser.expect_end();
-  SubstituteScopes{parameters_, &substitutes_}.owner(name)[name] = std::to_string(value);
+  SubstituteScopes{parameters_, &substitutes_}.owner(name)[name] = written(value);
 }
 
 /// `.var symbol,...`: substitution symbols of this expansion only.
@@ -158,16 +165,21 @@ void Reader::forget_text(Statement& s) {
   s.parser.expect_end();
 }
 
+/// `NAME .macro` or `.macro NAME[,]`
+std::string Reader::macro_name(Statement& s) {
+  if (!s.label.empty()) return s.label;
+  std::string name = s.parser.required_identifier("the macro's name");
+  s.parser.accept(",");
+  return name;
+}
+
 void Reader::start_macro(Statement& s) {
   auto collector = std::make_unique<Collector>();
   collector->opening = s.line;
+  if (parameters_ != nullptr) collector->scopes.back() = *parameters_;
   collector_ = std::move(collector);  // First of all, so that after an error in the head the body is still collected.
   Parser& p = s.parser;
-  std::string name = s.label;
-  if (name.empty()) {
-    name = p.required_identifier("the macro's name");
-    p.accept(",");
-  }
+  std::string name = macro_name(s);
   if (!p.at_end()) {
     do {
       Parameter parameter{p.required_identifier("a parameter"), {}};
@@ -178,6 +190,7 @@ void Reader::start_macro(Statement& s) {
         while (!parameter.fallback.empty() && ascii::is_space(parameter.fallback.back())) parameter.fallback.pop_back();
         p.seek(p.offset() + (comma == std::string_view::npos ? tail.size() : comma));
       }
+      collector_->scopes.back().erase(parameter.name);
       collector_->macro.parameters.push_back(std::move(parameter));
     } while (p.accept(","));
   }

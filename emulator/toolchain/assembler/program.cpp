@@ -14,8 +14,6 @@
 namespace toolchain {
 namespace {
 
-constexpr Address largest_loaded_section = 1U
-                                           << 24;  // In words; a mistake in a source must not fill the host's memory.
 constexpr Address largest_reserved_section = 0xFFFFFFFF;
 constexpr int deepest_definition = 200;
 constexpr std::size_t most_names_compared = 2'000'000;  // With undefined symbols; later ones get no suggestion.
@@ -276,7 +274,7 @@ std::vector<Program::Section*> Program::placement_order() {
 }
 
 Diagnostic Program::about_section(const Section& section, std::string message) {
-  const SourceLine nowhere{std::make_shared<const std::string>("sections"), 0, section.name, nullptr};
+  const SourceLine nowhere = of_option("--section", section.name);
   return make_diagnostic(section.items.empty() ? nowhere : *section.items.front().line, 0, std::move(message));
 }
 
@@ -330,9 +328,8 @@ Address Program::entry_point(const Image& image, std::vector<Diagnostic>& diagno
   if (!options_.entry.empty()) {
     const auto found = image.symbols.find(options_.entry);
     if (found != image.symbols.end()) return found->second;
-    const SourceLine nowhere{std::make_shared<const std::string>("options"), 0, options_.entry, nullptr};
-    diagnostics.push_back(
-        make_diagnostic(nowhere, 0, fmt::format("the entry symbol '{}' is not defined", options_.entry)));
+    diagnostics.push_back(make_diagnostic(of_option("--entry", options_.entry), 0,
+                                          fmt::format("the entry symbol '{}' is not defined", options_.entry)));
   }
   for (const std::string_view name : {"_start", "_c_int00", "c_int00", "start", "START", "Start"})
     if (const auto found = image.symbols.find(name); found != image.symbols.end()) return found->second;

@@ -10,11 +10,14 @@
 
 namespace toolchain {
 
-/// As the linker does without a map. A section that has an address moves those after it; an empty one lies behind the
-/// one before it.
+/// As the linker does: nothing is put where a section with an address lies. Such a section moves those after it; an
+/// empty one lies behind the one before it.
 void Program::place(std::vector<Diagnostic>& diagnostics) {
   std::uint64_t from = 0x300000, end = from;
   std::vector<Extent> taken;
+  for (const Section& section : sections_)
+    if (const auto wanted = options_.sections.find(section.name); wanted != options_.sections.end())
+      taken.push_back({wanted->second, section.size});
   std::vector<Section*> placed;
   for (Section* section : placement_order()) {
     const auto wanted = options_.sections.find(section->name);
@@ -34,10 +37,12 @@ void Program::place(std::vector<Diagnostic>& diagnostics) {
     placed.push_back(section);
     if (section->size != 0) {
       end = at + section->size;
-      taken.push_back({at, section->size});
-      if (wanted != options_.sections.end()) from = end;
+      if (wanted != options_.sections.end())
+        from = end;
+      else
+        taken.push_back({at, section->size});
     }
-    const SourceLine nowhere{std::make_shared<const std::string>("sections"), 0, section->name, nullptr};
+    const SourceLine nowhere = of_option("--section", section->name);
     const auto complain = [&](std::string message) {
       diagnostics.push_back(make_diagnostic(nowhere, 0, std::move(message)));
     };

@@ -42,6 +42,11 @@ bool closes_collection(std::string_view operation) {
   return operation == ".endm" || operation == ".endr" || operation == ".endloop";
 }
 
+/// What usually closes it.
+std::string_view closing_of(std::string_view opening) {
+  return opening == ".macro" ? ".endm" : opening == ".loop" ? ".endloop" : ".endr";
+}
+
 }  // namespace
 
 Reader::Reader(Program& program, const Options& options, std::vector<Diagnostic>& diagnostics)
@@ -141,12 +146,12 @@ void Reader::read_text(std::string_view text, const std::string& name, const std
 
 void Reader::end_of_source(std::size_t outer_conditionals) {
   if (collector_) {
-    const bool macro = collector_->kind != Collector::Kind::repeat;
-    report(*collector_->opening, {0, macro ? ".macro has no .endm" : ".rept has no .endr"});
+    const std::string opening = lower(take_apart(collector_->opening).operation);
+    report(*collector_->opening, {0, fmt::format("{} has no {}", opening, closing_of(opening))});
     collector_.reset();
   }
   if (structure_ && open_files_.size() <= 1 && expansion_depth_ == 0) {
-    report(*structure_->opening, {0, ".struct has no .endstruct"});
+    report(*structure_->opening, {0, structure_->is_union ? ".union has no .endunion" : ".struct has no .endstruct"});
     structure_.reset();
   }
   while (conditionals_.size() > outer_conditionals) {
@@ -204,8 +209,9 @@ bool Reader::collect(const SourceLinePtr& line) {
   } catch (const LineError&) {
     // An error in the line is reported when the line is expanded.
   }
-  if (opens_collection(operation)) ++collector_->depth;
-  if (closes_collection(operation) && --collector_->depth == 0) {
+  std::vector<Substitutes>& scopes = collector_->scopes;
+  if (closes_collection(operation)) scopes.pop_back();
+  if (scopes.empty()) {
     if (!label.empty())
       report(*line, {at, fmt::format("'{}' takes no label; a line of its own before it is expected", operation)});
     finish_collecting();
@@ -213,10 +219,20 @@ bool Reader::collect(const SourceLinePtr& line) {
   }
   const bool repeat = collector_->kind == Collector::Kind::repeat;
   if (!repeat && line->text.starts_with('!')) return true;  // a comment of the definition
-  // A macro in a macro gets the arguments of the outer one now; the lines of a repeat get theirs each time they are
-  // read.
-  collector_->macro.body.push_back(
-      repeat || parameters_ == nullptr ? line : with_text(line, substitute(line->text, *parameters_, false)));
+  if (opens_collection(operation)) scopes.push_back(scopes.back());
+  const Substitutes& outer = opens_collection(operation) ? *std::prev(scopes.end(), 2) : scopes.back();
+  if (repeat || outer.empty()) {
+    collector_->macro.body.push_back(line);
+    return true;
+  }
+  std::string text;
+  for (const LinePart& part : parts_of(line)) {
+    const std::string put = (part.declares ? substitute_forced : substitute)(part.text, outer, false);
+    if (part.declares && (operation == ".macro" || operation == ".var"))
+      scopes.back().erase(std::string(ascii::trimmed(put)));
+    text += put;
+  }
+  collector_->macro.body.push_back(with_text(line, std::move(text)));
   return true;
 }
 
@@ -289,30 +305,52 @@ bool Reader::conditional(Statement& s) {
   return true;
 }
 
-/// The line with its substitution symbols replaced. The last operand of an assignment stays a name.
-SourceLinePtr Reader::substituted(const SourceLinePtr& line) {
-  if (parameters_ == nullptr && substitutes_.empty() && line->text.find('$') == std::string::npos) return line;
-  std::string text = line->text, kept;
-  std::string operation;
+/// The line in its parts. Most lines are one.
+std::vector<Reader::LinePart> Reader::parts_of(const SourceLinePtr& line) const {
+  const std::string& text = line->text;
+  std::vector<LinePart> parts;
+  std::size_t from = 0;
+  const auto cut = [&](std::size_t at, bool declares) {
+    if (at > from) parts.push_back({text.substr(from, at - from), declares});
+    from = std::max(from, at);
+  };
   try {
-    operation = lower(take_apart(line).operation);
+    Statement s = take_apart(line);
+    const std::string operation = lower(s.operation);
+    const std::size_t code = without_comment(text, reading_.dialect).size();
+    if (operation == ".asg" || operation == ".eval") {
+      if (const std::size_t comma = text.substr(0, code).rfind(','); comma != std::string::npos) {
+        cut(comma + 1, false);
+        cut(code, true);
+      }
+    } else if (operation == ".macro" || operation == ".var" || operation == ".unasg") {
+      if (operation == ".macro") macro_name(s);
+      cut(s.parser.offset(), false);
+      while (from < code) {
+        const std::size_t comma = std::min(text.find(',', from), code);
+        cut(std::min(text.find('=', from), comma), true);
+        cut(std::min(comma + 1, code), false);  // a parameter's default
+      }
+    }
   } catch (const LineError&) {
     // After substitution the line may be correct: ":NAME: nop".
   }
-  if (operation == ".asg" || operation == ".eval") {
-    const auto comma = without_comment(text, reading_.dialect).rfind(',');
-    if (comma != std::string::npos) {
-      kept = text.substr(comma);
-      text.resize(comma);
-    }
-  } else if (operation == ".var" || operation == ".unasg") {
-    return line;
+  cut(text.size(), false);
+  return parts;
+}
+
+/// The line with its substitution symbols replaced, but not in the names that it declares.
+SourceLinePtr Reader::substituted(const SourceLinePtr& line) {
+  if (parameters_ == nullptr && substitutes_.empty() && line->text.find('$') == std::string::npos) return line;
+  const SubstituteScopes scopes{parameters_, &substitutes_, options_.cpu,
+                                [this](const std::string& name) { return program_.is_defined(name); }};
+  std::string text;
+  for (const auto& [part, declares] : parts_of(line)) {
+    const auto replace = declares ? substitute_forced : substitute;
+    std::string put = declares ? part : replace_functions(part, without_comment(part, reading_.dialect).size(), scopes);
+    if (parameters_ != nullptr) put = replace(put, *parameters_, false);
+    text += replace(put, substitutes_, true);
   }
-  text = replace_functions(text, without_comment(text, reading_.dialect).size(),
-                           {parameters_, &substitutes_, options_.cpu,
-                            [this](const std::string& name) { return program_.is_defined(name); }});
-  if (parameters_ != nullptr) text = substitute(text, *parameters_, false);
-  text = substitute(text, substitutes_, true) + kept;
   return text == line->text ? line : with_text(line, std::move(text));
 }
 

@@ -34,14 +34,17 @@ class Reader {
     std::vector<Parameter> parameters;
     std::vector<SourceLinePtr> body;
   };
-  /// Collects the lines of a macro or a repeat; `depth` counts the nested ones.
+  /// Collects the lines of a macro or a repeat.
   struct Collector {
     enum class Kind : std::uint8_t { macro, repeat, broken } kind = Kind::broken;
     std::string name;
     Macro macro;
     std::int64_t count = 0;
     SourceLinePtr opening;
-    int depth = 1;
+    /// The arguments of the macro that is being expanded, for it and each macro or repeat that is open in it: without
+    /// those that a parameter of the same name hides. The lines of a macro in a macro get these now, those of a repeat
+    /// get theirs each time they are read.
+    std::vector<Substitutes> scopes = {{}};
   };
   struct Conditional {
     bool active = false;  ///< The present part is assembled.
@@ -60,10 +63,21 @@ class Reader {
     std::size_t operation_offset = 0;
     bool bars = false;
   };
+  /// Text of a line; names that the line declares are parts of their own.
+  struct LinePart {
+    std::string text;
+    bool declares = false;
+  };
+  struct Member {
+    std::string name;
+    Address place = 0;  ///< In words.
+    SourceLinePtr line;
+    std::size_t offset = 0;
+  };
   /// A .struct or .union.
   struct Structure {
     std::string name;
-    std::vector<std::pair<std::string, Address>> members;  ///< With their places, in words.
+    std::vector<Member> members;
     Address size = 0;
     Address place = 0;  ///< Of the next member.
     bool is_union = false;
@@ -83,6 +97,7 @@ class Reader {
 
   // reader.cpp
   void read_line(const SourceLinePtr& line);
+  std::vector<LinePart> parts_of(const SourceLinePtr& line) const;
   SourceLinePtr substituted(const SourceLinePtr& line);
   void read_active_line(Statement& statement);
   Statement take_apart(const SourceLinePtr& line) const;
@@ -105,6 +120,7 @@ class Reader {
   void expand(const Macro& macro, Statement& statement);
   void read_lines(const std::vector<SourceLinePtr>& body, const SourceLinePtr& from);
   std::vector<std::string> macro_arguments(std::string_view text) const;
+  static std::string macro_name(Statement& statement);
   void start_macro(Statement& statement);
   void start_repeat(Statement& statement);
   void leave_macro(Statement& statement);

@@ -41,10 +41,14 @@ void Reader::end_structure(Statement& s) {
   const Structure structure = std::move(*structure_);
   structure_.reset();
   const Value size = Value::of(std::int64_t{structure.size});
-  for (const auto& [member, place] : structure.members) {
-    const std::string name = structure.name.empty() ? member : structure.name + "." + member;
+  for (const Member& member : structure.members) {
+    const std::string name = structure.name.empty() ? member.name : structure.name + "." + member.name;
     count_member(name, s.operation_offset);
-    program_.define(name, Value::of(std::int64_t{place}), s.line, s.operation_offset);
+    try {
+      program_.define(name, Value::of(std::int64_t{member.place}), member.line, member.offset);
+    } catch (const LineError& error) {
+      report(*member.line, error);
+    }
   }
   if (!s.label.empty()) program_.define(s.label, size, s.line, s.label_offset);
   if (!structure.name.empty()) {
@@ -69,9 +73,10 @@ void Reader::member(Statement& s) {
   } else if (operation == ".tag") {
     const Structure& other = structure_named(p);
     if (!s.label.empty())
-      for (const auto& [name, place] : other.members) {
-        structure_->members.emplace_back(s.label + "." + name, structure_->place + place);
-        count_member(structure_->members.back().first, s.label_offset);
+      for (const Member& inner : other.members) {
+        structure_->members.push_back(
+            {s.label + "." + inner.name, structure_->place + inner.place, s.line, s.label_offset});
+        count_member(structure_->members.back().name, s.label_offset);
       }
     size = other.size;
   } else if (words.contains(operation) || operation == ".ldouble") {
@@ -81,7 +86,7 @@ void Reader::member(Statement& s) {
     throw LineError{s.operation_offset, fmt::format("'{}' cannot declare a member of a structure", s.operation)};
   }
   p.expect_end();
-  if (!s.label.empty()) structure_->members.emplace_back(s.label, structure_->place);
+  if (!s.label.empty()) structure_->members.push_back({s.label, structure_->place, s.line, s.label_offset});
   structure_->size = std::max(structure_->size, structure_->place + size);
   if (!structure_->is_union) structure_->place = structure_->size;
 }
@@ -102,11 +107,11 @@ void Reader::tag(Statement& s) {
   s.parser.expect_end();
   const std::size_t at = s.label_offset;
   const Expression base{Expression::Kind::symbol, {}, s.label, {}, at};
-  for (const auto& [member, place] : structure.members) {
-    const Expression offset{Expression::Kind::constant, Value::of(std::int64_t{place}), {}, {}, at};
-    count_member(s.label + "." + member, at);
-    program_.define(s.label + "." + member, Expression{Expression::Kind::binary, {}, "+", {base, offset}, at}, s.line,
-                    at);
+  for (const Member& member : structure.members) {
+    const Expression offset{Expression::Kind::constant, Value::of(std::int64_t{member.place}), {}, {}, at};
+    const std::string name = s.label + "." + member.name;
+    count_member(name, at);
+    program_.define(name, Expression{Expression::Kind::binary, {}, "+", {base, offset}, at}, s.line, at);
   }
 }
 

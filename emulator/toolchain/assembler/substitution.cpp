@@ -31,7 +31,7 @@ class Substitution {
  public:
   Substitution(const Substitutes& symbols, bool nested) : symbols_(symbols), nested_(nested) {}
 
-  std::string line(std::string_view text, int depth) {
+  std::string line(std::string_view text, int depth, bool with_words = true) {
     std::string out;
     char quote = 0;
     for (std::size_t i = 0; i < text.size();) {
@@ -41,29 +41,53 @@ class Substitution {
         break;
       }
       if (c == '"') quote = quote == 0 ? c : '\0';
-      if (const std::size_t length = quote == 0 ? character_constant(text.substr(i)) : 0; length != 0) {
-        out += text.substr(i, length);
+      if (const std::size_t length = quote == 0 && c == '\'' ? character(text, i, out, depth) : 0; length != 0) {
         i += length;
         continue;
       }
-      const std::size_t taken = c == '\\' || c == ':'            ? forced(text, i, out, depth)
-                                : quote == 0 && is_identifier(c) ? word(text, i, out, depth)
-                                                                 : 0;
+      const std::size_t taken = c == '\\' || c == ':'                          ? forced(text, i, out, depth)
+                                : with_words && quote == 0 && is_identifier(c) ? word(text, i, out, depth)
+                                                                               : 0;
       const std::size_t kept = taken != 0 ? 0 : quote != 0 && c == '\\' ? 2 : 1;  // \" in quotes does not end them
       out += text.substr(i, kept);
       i += taken + kept;
-      if (out.size() > longest_line)
-        throw LineError{0, fmt::format("substitution makes this line longer than {} characters", longest_line)};
+      check_length(out);
     }
     return out;
   }
 
  private:
+  static void check_length(std::string_view out) {
+    if (out.size() > longest_line)
+      throw LineError{0, fmt::format("substitution makes this line longer than {} characters", longest_line)};
+  }
+
   void put(const std::string& value, std::string& out, int depth) {
     if (nested_ && depth + 1 < deepest)
       out += line(value, depth + 1);
     else
       out += value;
+  }
+
+  /// A character constant, as it is written or as it is with its \name and :name: put in.
+  std::size_t character(std::string_view text, std::size_t at, std::string& out, int depth) {
+    const std::size_t written = character_constant(text.substr(at));
+    const std::size_t end = text.find('\'', at + 1);
+    if (end == std::string_view::npos || end == at + 1) {  // '''' is a quote
+      out += text.substr(at, written);
+      return written;
+    }
+    std::string constant = "'";
+    for (std::size_t i = at + 1; i < end;) {
+      const std::size_t taken = text[i] == '\\' || text[i] == ':' ? forced(text.substr(0, end), i, constant, depth) : 0;
+      if (taken == 0) constant += text[i];
+      i += std::max<std::size_t>(taken, 1);
+      check_length(constant);
+    }
+    constant += '\'';
+    if (written == 0 && character_constant(constant) != constant.size()) return 0;
+    out += constant;
+    return end + 1 - at;
   }
 
   std::size_t word(std::string_view text, std::size_t at, std::string& out, int depth) {
@@ -179,6 +203,10 @@ std::vector<std::string> split_arguments(std::string_view text) {
 
 std::string substitute(const std::string& text, const Substitutes& symbols, bool nested) {
   return symbols.empty() ? text : Substitution(symbols, nested).line(text, 0);
+}
+
+std::string substitute_forced(const std::string& text, const Substitutes& symbols, bool nested) {
+  return symbols.empty() ? text : Substitution(symbols, nested).line(text, 0, false);
 }
 
 const std::string* SubstituteScopes::find(std::string_view name) const {

@@ -11,10 +11,13 @@ namespace toolchain {
 
 using Substitutes = std::map<std::string, std::string, std::less<>>;
 
-/// Replaces the symbols that are whole words outside quotes and comments; and `\name`, `:name:`, `:name(n):`,
-/// `:name(n,count):` (characters from the nth, counted from 1) anywhere. If `nested`, the inserted texts are replaced
-/// in turn. Throws LineError if the line grows without bounds.
+/// Replaces the symbols that are whole words outside quotes, character constants and comments; and `\name`, `:name:`,
+/// `:name(n):`, `:name(n,count):` (characters from the nth, counted from 1) anywhere. If `nested`, the inserted texts
+/// are replaced in turn. Throws LineError if the line grows without bounds.
 std::string substitute(const std::string& text, const Substitutes& symbols, bool nested);
+
+/// The same of names that a line declares: whole words stay.
+std::string substitute_forced(const std::string& text, const Substitutes& symbols, bool nested);
 
 /// The substitution symbols of a line: the parameters of the present macro, if any, hide the others.
 struct SubstituteScopes {

@@ -28,6 +28,9 @@ std::string modes_text(isa::Modes modes) {
   return out;
 }
 
+constexpr std::string_view three_operand_indirect =
+    "a three-operand instruction takes *+ARn(0..31), or any indirect form with a displacement of 1";
+
 /// An attempt to encode a statement with one row.
 class Attempt : public OperandEncoder {
  public:
@@ -213,8 +216,10 @@ class Attempt : public OperandEncoder {
     type2(src1, src2);
   }
 
+  /// On the C40, type 2 takes more displacements than 1.
   Word type1_byte(const OperandSyntax& o) const {
-    return o.kind == Kind::indirect ? byte(o) : register_code(o, row_.source);
+    if (o.kind != Kind::indirect) return register_code(o, row_.source);
+    return context_.cpu == isa::Cpu::c40 ? byte(o, three_operand_indirect) : byte(o);
   }
 
   void type1(const OperandSyntax& src1, const OperandSyntax& src2) {
@@ -237,7 +242,7 @@ class Attempt : public OperandEncoder {
     if (!is_type2_indirect(o))
       miss(o.kind == Kind::indirect ? Mismatch::contents : Mismatch::kind, o.offset,
            o.kind == Kind::indirect
-               ? "a three-operand instruction takes *+ARn(0..31), or any indirect form with a displacement of 1"
+               ? std::string(three_operand_indirect)
                : fmt::format("no encoding takes {} here; an immediate or *+ARn(x) can be the first operand only{}",
                              kind_text(o, context_.cpu),
                              row_.immediate == Immediate::none ? ", and float instructions take no immediate" : ""));

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "isa/ascii.hpp"
+
 namespace toolchain {
 
 using isa::Immediate;
@@ -174,7 +176,7 @@ Word OperandEncoder::indirect_field(const OperandSyntax& o) const {
   return m << 11 | (Word{isa::code(o.reg)} & 7) << 8 | d;
 }
 
-Word OperandEncoder::byte(const OperandSyntax& o) const {
+Word OperandEncoder::byte(const OperandSyntax& o, std::string_view refusal) const {
   need_kind(o, Kind::indirect, "an indirect address");
   Word m = o.modn;
   if (m < 8) {
@@ -182,7 +184,7 @@ Word OperandEncoder::byte(const OperandSyntax& o) const {
     if (m == 0 && d == 0 && !o.exact)
       m = isa::modn::plain;
     else if (d != 1 || o.exact)
-      miss(Mismatch::contents, o.offset, "the displacement can only be 1 in this instruction");
+      miss(Mismatch::contents, o.offset, std::string(refusal));
   }
   return m << 3 | (Word{isa::code(o.reg)} & 7);
 }
@@ -208,7 +210,8 @@ Word OperandEncoder::immediate(const OperandSyntax& o) const {
              ? "an address has 32 bits; load it with LDHI hi16(x),reg and OR lo16(x),reg, or from a .word"
              : "an address has 24 bits; load it from a .word, or with LDI hi16(x),reg, LSH 16,reg and OR lo16(x),reg");
   const bool fits = immediate_takes(row_, number, false);
-  if (row_.immediate == Immediate::zero) return in_range(o, number, fits, "0 to 65535");
+  if (row_.immediate == Immediate::zero)
+    return in_range(o, number, fits, gnu_takes_signed(row_.operation) ? "-32768 to 65535" : "0 to 65535");
   if (!fits_signed(number, 16) && fits)
     context_.on_warning({o.offset, fmt::format("{} is taken as the signed number {}", number, number - 65536), half_});
   return in_range(o, number, fits, "-32768 to 32767");
@@ -251,14 +254,17 @@ Word OperandEncoder::page_of_address(const OperandSyntax& o) const {
   if (context_.relocations == nullptr || v.is_absolute())
     in_range(o, number, fits_unsigned(number, 32), "an address is 0 to 0FFFFFFFFh");
   const Word page = page_that_exists(o, static_cast<Word>(number) >> 16);
-  if (o.kind == Kind::expression && v.is_absolute() && number > 0 && number <= 0xFFFF)
+  if (o.kind == Kind::expression && v.is_absolute() && number > 0 && number <= 0xFFFF) {
+    const bool named = operands().size() == 2;
+    const std::string loads =
+        named && operand(1).reg != isa::Register::DP
+            ? fmt::format("'ldiu {0},{1}' loads {1} with {0:X}h", number, ascii::lower(isa::name(operand(1).reg)))
+        : context_.cpu == isa::Cpu::c3x
+            ? fmt::format("'ldiu {0},dp' loads page {0:X}h", number)
+            : fmt::format("Earlier versions took it as page {0:X}h: use 'ldpk {0}', or --dialect gnu", number);
     context_.on_warning(
-        {o.offset,
-         fmt::format("'ldp' takes an address: {:X}h is in page 0. ", number) +
-             (context_.cpu == isa::Cpu::c40
-                  ? fmt::format("Earlier versions took it as page {0:X}h: use 'ldpk {0}', or --dialect gnu", number)
-                  : fmt::format("'ldiu {0},dp' loads page {0:X}h", number)),
-         half_});
+        {o.offset, fmt::format("'ldp' takes an address: {:X}h is in page 0. {}", number, loads), half_});
+  }
   return page;
 }
 

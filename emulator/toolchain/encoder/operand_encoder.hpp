@@ -70,8 +70,10 @@ class OperandEncoder {
   std::int64_t displacement(const OperandSyntax& operand) const;
   Word direct_field(const OperandSyntax& operand) const;
   Word indirect_field(const OperandSyntax& operand) const;  ///< The 16-bit form.
-  Word byte(const OperandSyntax& operand) const;            ///< The 8-bit form, whose displacement can only be 1.
-  Word immediate(const OperandSyntax& operand) const;       ///< 16 bits.
+  /// The 8-bit form, whose displacement can only be 1. \param refusal of another one
+  Word byte(const OperandSyntax& operand,
+            std::string_view refusal = "the displacement can only be 1 in this instruction") const;
+  Word immediate(const OperandSyntax& operand) const;  ///< 16 bits.
 
   const isa::Row& row_;
   const EncodeContext& context_;

@@ -31,7 +31,8 @@ class MapReader {
       map_.is_c = true, map_.loader_sets_values = *model;
     });
     each(root, "memory", [&](const std::string& name, const toml::node& node) { add_memory(name, node); });
-    if (root.get("memory") == nullptr || map_.memories.empty())
+    const auto* const memories = root.get("memory");
+    if (memories == nullptr || (memories->is_table() && memories->as_table()->empty()))
       toml_.note("there is no memory; [memory] with NAME = { origin = ADDRESS, length = WORDS } is expected");
     toml_.finish<MemoryMapError>();  // the others name memories
     map_.others = map_.memories.front().name;
@@ -135,6 +136,12 @@ class MapReader {
 const MemoryMap::Memory* MemoryMap::memory(std::string_view name) const {
   for (const Memory& memory : memories)
     if (memory.name == name) return &memory;
+  return nullptr;
+}
+
+const MemoryMap::Memory* MemoryMap::memory_at(Address address) const {
+  for (const Memory& memory : memories)
+    if (address >= memory.origin && address - memory.origin < memory.length) return &memory;
   return nullptr;
 }
 

@@ -26,7 +26,7 @@ struct MemoryMap {
   };
   struct Placement {
     std::string section;
-    std::string memory;  ///< Empty if only an address is given.
+    std::string memory;  ///< Empty if only an address is given: the memory in which it is, or none.
     std::optional<isa::Address> address;
     isa::Address alignment = 1;
     isa::Address size = 0;  ///< At least this number of words; words without contents are reserved.
@@ -43,6 +43,7 @@ struct MemoryMap {
   bool is_c = false;  ///< One of the two is asked for, so the program starts at _c_int00, of a library if need be.
 
   const Memory* memory(std::string_view name) const;
+  const Memory* memory_at(isa::Address address) const;
 
   /// One memory, `local`: a megaword from 300000h on, as on the board `default`.
   static MemoryMap standard();

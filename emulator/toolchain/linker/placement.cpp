@@ -54,6 +54,10 @@ void Placement::place(const MemoryMap& map, isa::Cpu cpu, std::vector<std::strin
     section->size = std::max(section->size, wanted.size);
     section->alignment = std::max(section->alignment, wanted.alignment);
   }
+  for (const OutputSection& section : sections_)
+    if (section.loaded && section.size > largest_loaded_section)
+      errors.push_back(fmt::format("section '{}' has {} words; {} are the most of a loaded section", section.name,
+                                   section.size, largest_loaded_section));
   // TI's run-time library has a stack of 0 words and a heap of 1: its linker gives them their sizes.
   constexpr Address usual_words = 0x400;
   for (const std::string_view name : {".stack", ".sysmem"})
@@ -71,7 +75,8 @@ void Placement::place(const MemoryMap& map, isa::Cpu cpu, std::vector<std::strin
   for (const auto& wanted : map.sections)
     if (wanted.address)
       if (OutputSection* section = take(wanted.section))
-        put(*section, *wanted.address, map.memory(wanted.memory), errors);
+        put(*section, *wanted.address,
+            wanted.memory.empty() ? map.memory_at(*wanted.address) : map.memory(wanted.memory), errors);
   for (const auto& wanted : map.sections)
     if (!wanted.address)
       if (OutputSection* section = take(wanted.section)) put_in(*section, *map.memory(wanted.memory), errors);

@@ -35,12 +35,13 @@ std::optional<Address> find_address(std::string_view text, const Image* image) {
 }
 
 std::string no_address(std::string_view text, const Image* image) {
+  if (image == nullptr)
+    return fmt::format(
+        "\"{}\" cannot be used; a number from 0 to 0FFFFFFFFh is expected (300000h, 0x300000 or decimal)", text);
   std::vector<std::string_view> symbols;
-  if (image != nullptr)
-    for (const auto& [name, address] : image->symbols) symbols.push_back(name);
-  return fmt::format("\"{}\" is neither {}a 32-bit address (300000h, 0x300000 or decimal){}", text,
-                     image != nullptr ? "a symbol of the program nor " : "",
-                     io::suggestion(io::nearest(text, symbols, io::most_wrong(text))));
+  for (const auto& [name, address] : image->symbols) symbols.push_back(name);
+  return fmt::format("\"{}\" is neither a symbol of the program nor a 32-bit address (300000h, 0x300000 or decimal){}",
+                     text, io::suggestion(io::nearest(text, symbols, io::most_wrong(text))));
 }
 
 void require_c40(const Image& image, std::string_view name) {

@@ -6,6 +6,9 @@
 
 namespace toolchain {
 
+/// In words; a mistake in a source or a memory map must not fill the host's memory.
+constexpr std::uint32_t largest_loaded_section = 1U << 24;
+
 /// .text, .data, other loaded sections, .bss, other reserved ones: the lower rank comes first.
 int placement_rank(std::string_view name, bool loaded);
 

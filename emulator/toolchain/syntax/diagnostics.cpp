@@ -23,9 +23,15 @@ std::string indentation(std::string_view text, std::size_t width) {
 
 }  // namespace
 
+SourceLine of_option(std::string_view option, std::string text) {
+  return {std::make_shared<const std::string>(option), 0, std::move(text), nullptr};
+}
+
 std::string Diagnostic::format() const {
-  std::string out = fmt::format("{}:{}:{}: {}: {}\n  {}\n  {}^", file, line, column, warning ? "warning" : "error",
-                                message, text, indentation(text, static_cast<std::size_t>(column - 1)));
+  const char* const kind = warning ? "warning" : "error";
+  if (line == 0) return fmt::format("{} {}: {}: {}", file, text, kind, message);
+  std::string out = fmt::format("{}:{}:{}: {}: {}\n  {}\n  {}^", file, line, column, kind, message, text,
+                                indentation(text, static_cast<std::size_t>(column - 1)));
   for (const std::string& note : notes) out += "\n  " + note;
   return out;
 }

@@ -3,6 +3,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace toolchain {
@@ -10,22 +11,26 @@ namespace toolchain {
 /// One line of source as it was assembled, after macro substitution.
 struct SourceLine {
   std::shared_ptr<const std::string> file;
-  int number = 0;  ///< Counted from 1.
+  int number = 0;  ///< Counted from 1; 0 for an option in place of a line.
   std::string text;
   std::shared_ptr<const SourceLine> expanded_from;  ///< The macro call or loop that produced this line.
 };
 using SourceLinePtr = std::shared_ptr<const SourceLine>;
 
+/// In place of a line, what an option says: `--entry`, `main`.
+SourceLine of_option(std::string_view option, std::string text);
+
 struct Diagnostic {
   std::string file;
-  int line = 0;
+  int line = 0;    ///< Counted from 1; 0: `file` is the name of an option, `text` its value.
   int column = 0;  ///< Counted from 1.
   bool warning = false;
   std::string message;
   std::string text;                ///< The offending line.
   std::vector<std::string> notes;  ///< The macro calls that led to the line.
 
-  /// "file:line:column: error: message", the line, a caret under the column, the notes.
+  /// "file:line:column: error: message", the line, a caret under the column, the notes; "--option value: error:
+  /// message".
   std::string format() const;
 };
 

@@ -11,6 +11,8 @@
 namespace toolchain {
 namespace {
 
+constexpr long endless = 1'000'000'000;  // Longer than the digits of any text.
+
 /// 0.d1d2d3... * 10^exponent, d1 not 0; zero has no digits.
 struct Decimal {
   std::string digits;
@@ -24,7 +26,8 @@ Decimal decimal_of(std::string_view text) {
   if (e != std::string_view::npos) {
     auto tail = text.substr(e + 1);
     if (!tail.empty() && tail[0] == '+') tail.remove_prefix(1);
-    std::from_chars(tail.data(), tail.data() + tail.size(), exponent);
+    const auto read = std::from_chars(tail.data(), tail.data() + tail.size(), exponent);
+    if (read.ec == std::errc::result_out_of_range) exponent = tail[0] == '-' ? -endless : endless;
     text = text.substr(0, e);
   }
   bool after_point = false;
@@ -134,10 +137,14 @@ Real real_of(std::int64_t number) {
 }
 
 std::optional<Real> parse_real(std::string_view text) {
-  const auto nearest = ascii::number<double>(text);
-  if (!nearest || !std::isfinite(*nearest)) return std::nullopt;
-  if (!text.empty() && text[0] == '-') return -*parse_real(text.substr(1));
-  return Real{*nearest, compare(decimal_of(text), exact_decimal(*nearest))};
+  double nearest = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), nearest);
+  if (end != text.data() + text.size() || error == std::errc::invalid_argument || !std::isfinite(nearest)) return {};
+  if (text[0] == '-') return -*parse_real(text.substr(1));
+  const Decimal decimal = decimal_of(text);
+  if (error == std::errc::result_out_of_range)  // of a double, and so of all formats of the chip
+    return decimal.exponent < 0 ? Real{0, 1} : Real{HUGE_VAL, 0};
+  return Real{nearest, compare(decimal, exact_decimal(nearest))};
 }
 
 std::optional<isa::Word> to_single(Real value) { return convert({8, 23}, value); }

@@ -21,7 +21,8 @@ struct Real {
 
 Real real_of(std::int64_t number);
 
-/// "1.5", "2e-3", ".5"; none if the text is no number or is beyond the range of double.
+/// "1.5", "2e-3", ".5"; none if the text is no number. Beyond the range of double it is 0 with a residue, or
+/// infinite, which no format takes.
 std::optional<Real> parse_real(std::string_view text);
 
 /// The 32-bit single format; none if the value is out of range. Values nearer to 0 than to the least number give 0.
