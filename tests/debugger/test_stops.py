@@ -113,17 +113,6 @@ def test_steps_over_calls_and_lines_go_on_from_a_breakpoint_that_they_have_met(s
     assert reasons == [("breakpoint", 1), ("step", 2), ("step", 3), ("breakpoint", 1), ("breakpoint", 2), ("step", 3)]
 
 
-@pytest.mark.parametrize(("step", "line"), [("line", "add"), ("next_line", "back")])
-def test_a_step_to_another_line_goes_into_a_call_or_over_it(step: str, line: str) -> None:
-    stack = "        ldhi 2fh,sp\n        or 0fb00h,sp\n"
-    image = package.assemble(f"start:\n{stack}loop:   call add\nback:   b loop\nadd:    addi 1,r0\n        rets\n")
-    debugger = package.Processor(image).debug()
-    debugger.break_at("loop")
-    debugger.go()
-    debugger.step(step)
-    assert debugger.value(f"pc == {line}") == 1
-
-
 def test_a_step_stops_at_breakpoints_of_all_chips_of_its_instant() -> None:
     image = package.assemble("start:  ldi 0,r0\nloop:   addi 1,r0\n        b loop\n")
     debugger = Network([image, image]).debug()
