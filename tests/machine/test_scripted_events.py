@@ -83,6 +83,16 @@ def wrote(m: machine.Machine, slot: int, since: int) -> bool:
     return any(what == "write" and values[0] == slot and time > since for time, what, values in m.events)
 
 
+def test_a_script_may_begin_with_the_run() -> None:
+    setup = config(dsps=DSPS, slots=SLOTS)
+    setup.script(0, Action.fail, 1, 1)
+    m = machine.Machine(
+        assemble("again: sti r0, *ar0\n        b again\n"), setup, host=[(US, 0, [1, 2], 0)], record=True
+    )
+    m.run_until(100 * US)
+    assert wrote(m, 0, 50 * US) and not wrote(m, 1, 50 * US)
+
+
 # The state of a DSP's board 50 us later; the other boards continue.
 SEEN: dict[str, Callable[[machine.Machine, int], bool]] = {
     "fail": lambda m, n: m.standing(n),
