@@ -93,6 +93,16 @@ def test_a_script_may_begin_with_the_run() -> None:
     assert wrote(m, 0, 50 * US) and not wrote(m, 1, 50 * US)
 
 
+@pytest.mark.parametrize("action", [Action.reset, Action.unplug])
+def test_a_dsp_that_is_reset_or_taken_out_is_not_idle_any_more(action: machine.Action) -> None:
+    setup = config(dsps=DSPS, slots=SLOTS)
+    setup.script(50 * US, action, 1)
+    idles = assemble("        ldi DOORBELL_IDLE - SEMAPHORE, ir0\n        sti r7, *+ar1(ir0)\n")
+    m = machine.Machine(idles, setup, host=[(time * US, 0x10101, [], 1) for time in (49, 51)], record=True)
+    m.run_until(60 * US)
+    assert [words for _, _, words in m.reads] == [[0b11], [0b01]]
+
+
 # The state of a DSP's board 50 us later; the other boards continue.
 SEEN: dict[str, Callable[[machine.Machine, int], bool]] = {
     "fail": lambda m, n: m.standing(n),
