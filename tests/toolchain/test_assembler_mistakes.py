@@ -126,11 +126,21 @@ def test_an_error_in_a_macro_names_the_line_of_the_macro_and_of_its_call() -> No
 
 
 @pytest.mark.parametrize(
-    ("source", "line"),
-    [("\t.if 1\n\tnop\n", 1), ("\tnop\nm .macro\n\tnop\n", 2), ("\t.rept 2\n\tnop\n", 1)],
+    ("source", "line", "message"),
+    [
+        ("\t.if 1\n\tnop\n", 1, ".if has no .endif"),
+        ("\tnop\nm .macro\n\tnop\n", 2, ".macro has no .endm"),
+        ("\t.rept 2\n\tnop\n", 1, ".rept has no .endr"),
+        ("\tnop\n\t.LOOP 2\n\tnop\n", 2, ".loop has no .endloop"),
+        ("u\t.union\nx\t.int\n", 1, ".union has no .endunion"),
+    ],
 )
-def test_what_is_left_open_is_reported_where_it_was_opened(source: str, line: int) -> None:
-    assert errors(source)[0][0] == line
+def test_what_is_left_open_is_reported_where_it_was_opened(source: str, line: int, message: str) -> None:
+    assert errors(source)[0] == (line, 1, message)
+
+
+def test_a_wrong_head_that_is_left_open_is_named_too() -> None:
+    assert (1, 1, ".rept has no .endr") in errors("\t.rept 1 2\n\tnop\n")
 
 
 def test_a_slip_costs_neither_memory_nor_time() -> None:

@@ -161,6 +161,7 @@ void Reader::forget_text(Statement& s) {
 void Reader::start_macro(Statement& s) {
   auto collector = std::make_unique<Collector>();
   collector->opening = s.line;
+  collector->directive = lower(s.operation);
   collector_ = std::move(collector);  // First of all, so that after an error in the head the body is still collected.
   Parser& p = s.parser;
   std::string name = s.label;
@@ -192,6 +193,7 @@ void Reader::start_macro(Statement& s) {
 void Reader::start_repeat(Statement& s) {
   collector_ = std::make_unique<Collector>();
   collector_->opening = s.line;
+  collector_->directive = lower(s.operation);
   const std::int64_t count = s.parser.at_end() ? usual_repeats : known_number(s.parser, "the number of repeats");
   s.parser.expect_end();
   if (count < 0 || count > most_repeats)

@@ -141,12 +141,13 @@ void Reader::read_text(std::string_view text, const std::string& name, const std
 
 void Reader::end_of_source(std::size_t outer_conditionals) {
   if (collector_) {
-    const bool macro = collector_->kind != Collector::Kind::repeat;
-    report(*collector_->opening, {0, macro ? ".macro has no .endm" : ".rept has no .endr"});
+    const std::string& opened = collector_->directive;
+    const char* end = opened == ".macro" ? ".endm" : opened == ".rept" ? ".endr" : ".endloop";
+    report(*collector_->opening, {0, fmt::format("{} has no {}", opened, end)});
     collector_.reset();
   }
   if (structure_ && open_files_.size() <= 1 && expansion_depth_ == 0) {
-    report(*structure_->opening, {0, ".struct has no .endstruct"});
+    report(*structure_->opening, {0, structure_->is_union ? ".union has no .endunion" : ".struct has no .endstruct"});
     structure_.reset();
   }
   while (conditionals_.size() > outer_conditionals) {

@@ -41,6 +41,7 @@ class Reader {
     Macro macro;
     std::int64_t count = 0;
     SourceLinePtr opening;
+    std::string directive;  ///< of the opening, in small letters
     int depth = 1;
   };
   struct Conditional {
