@@ -143,7 +143,7 @@ def test_hex_words_are_checked(run, tmp_path: Path) -> None:
         (["--dump", "start"], ["--dump", "ADDRESS:COUNT"]),
         (["--dump", "start:0"], ["--dump: 0 words; 1 to 1000000 are possible"]),
         (["--dump", "start:1000001"], ["--dump: 1000001 words; 1 to 1000000 are possible"]),
-        (["--dump", "start:1000000"], ["h is no memory of this board"]),
+        (["--dump", "0F0000000h:1000000"], ["F0000000h is no memory of this board"]),
         (["--dump", "start:x"], ["--dump"]),
         (["--dump", "0F0000000h:4"], ["F0000000"]),
         (["--dump", "1FFFFFFFFh:4"], ["--dump"]),
