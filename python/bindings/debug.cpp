@@ -104,8 +104,6 @@ void bind_debug(py::module_& core) {
       .def(
           "places",
           [](PythonDebugger& d, std::size_t chip, const std::string& text) {
-            if (chip >= d.get("places").programs().size())
-              throw machine::debug::DebugError("there is no chip " + std::to_string(chip));
             return machine::debug::places_named(d.get("places").programs(), chip, text);
           },
           py::arg("chip"), py::arg("text"))
@@ -181,8 +179,6 @@ void bind_debug(py::module_& core) {
           "evaluate",
           [](PythonDebugger& d, std::size_t chip, const std::string& text) {
             Debugger& x = d.get("evaluate");
-            if (chip >= x.programs().size())
-              throw machine::debug::DebugError("there is no chip " + std::to_string(chip));
             return value_of(machine::debug::Expression(text, x.debuggee(), x.programs(), chip).value());
           },
           py::arg("chip"), py::arg("text"))

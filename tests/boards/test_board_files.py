@@ -106,13 +106,27 @@ def test_a_rom_that_is_cut_short_or_too_large_is_refused(tmp_path: Path, image: 
     assert len(errors) == 1 and message in errors[0], errors
 
 
-def test_roms_that_overlap_are_refused(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("second", "overlaps"),
+    [
+        ("2FFFC1h", "002FFFC1h to 00300000h"),
+        ("300020h", "00300020h to 0030005Fh"),
+        ("30003Fh", "0030003Fh to 0030007Eh"),
+        ("2FFFC0h", None),
+        ("300040h", None),
+    ],
+)
+def test_roms_that_overlap_are_refused_and_those_that_touch_are_not(
+    tmp_path: Path, second: str, overlaps: str | None
+) -> None:
     for name in ("a", "b"):
         (tmp_path / name).write_bytes(b"\x08\0\0\0" + b"\0" * 60)
-    done = emulator(
-        "exec", "--rom", f"{tmp_path / 'a'}@300000h", "--rom", f"{tmp_path / 'b'}@300020h", "--boot", "300000h"
-    )
-    assert done.returncode == 2 and "its words 00300020h to 0030005Fh overlap those of" in done.stderr, done.stderr
+    roms = ("--rom", f"{tmp_path / 'a'}@300000h", "--rom", f"{tmp_path / 'b'}@{second}")
+    done = emulator("exec", *roms, "--boot", "300000h", "--cycles", 100)
+    if overlaps is None:
+        assert done.returncode == 0, done.stderr
+    else:
+        assert done.returncode == 2 and f"its words {overlaps} overlap those of" in done.stderr, done.stderr
 
 
 SRAM_TEST = """

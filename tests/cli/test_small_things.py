@@ -137,3 +137,27 @@ def test_disasm_folds_equal_words_and_shows_data_as_data(run, tmp_path: Path) ->
     assert re.fullmatch(r"\.\.\.       19 more of the same, to [0-9A-F]{8}h", lines[first + 2])
     assert lines[first + 3] == "y:"
     assert lines[first + 4].endswith("00000007  .word 0x00000007")
+
+
+REPEATED = {
+    "DIR": "d", "NAME[=NUMBER]": "a=1", "NAME=ADDRESS": ".text=1000h", "[CHIP:]ADDRESS:COUNT": "1000h:2", "default|flat|FILE.toml": "flat",
+    "CHIP.PORT:CHIP.PORT": "0.0:1.3", "0.TCLK0>1.IIOF1": "0.TCLK0>1.IIOF1", "AT_US,ACTION,LINK|CHIP|NET": "1,cut,0.0:1.3", "[CHIP:]SYMBOL|ADDRESS[==WORD]": "end",
+    "FILE@ADDRESS": "rom@1000h", "FILE@[CHIP:]ADDRESS": "words@1000h", "[CHIP:]ADDRESS=WORD": "1000h=2", "NAME=FILE": "D=words", "FILE": "commands", "COMMAND": "quit",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("command", ["exec", "debug", "asm", "disasm"])
+def test_an_option_that_may_be_repeated_takes_one_value_each_time(run, command: str) -> None:
+    """What follows the value is the program."""
+    options = re.findall(
+        r"^  (?:-\w,)?(--?[a-z][\w-]*) (\S+) \.\.\.", run(command, "--help").stdout, flags=re.MULTILINE
+    )
+    assert options
+    for option, value in options:
+        if option == "--set":  # of the dock: no program follows
+            continue
+        before = {"asm": ["-o", "p.out"], "--rom": ["--boot", "1000h"]}
+        given = [*before.get(command, []), *before.get(option, []), option, REPEATED[value], "p.asm"]
+        done = run(command, *given)
+        expected = ("p.asm: no such file", "there is no device D")
+        assert done.returncode == 2 and any(text in done.stderr for text in expected), (given, done.stderr)

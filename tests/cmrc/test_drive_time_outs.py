@@ -1,7 +1,21 @@
 """Drives that time out, and the second after it: what continues by itself, and what waits for the operator."""
 
+import cmrc
 import pytest
 from error_scenes import EVERY_RATE, EVERYTHING, LEG, LOWERING, SERVO, at, clear, only, rates, run
+from locations import AT_ONCE
+
+
+@pytest.mark.parametrize(("fails_s", "runs", "noticed"), [(0.0036, 2, []), (0.0042, 3, ["drive time-out"])])
+def test_drives_wait_for_codes_after_the_third_run_of_pid(fails_s: float, runs: int, noticed: list[str]) -> None:
+    """Its first runs only enable them."""
+    settings = {**AT_ONCE, "machine.dsps": 1, "dock.drive_timeout_ms": 20, "report.reference": "none"}
+    simulation = cmrc.Simulation(duration_s=0.1, settings=settings)
+    simulation.at(fails_s, "fail", dsp=0)
+    report = simulation.run().report
+    pid = report["tasks"]["pid"]
+    assert pid["on_time"] + pid["late"] == runs
+    assert [error["origin"] for error in report["errors_handled"]] == noticed
 
 
 def test_drives_that_have_timed_out_come_back_by_themselves_so_often() -> None:

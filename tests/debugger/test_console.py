@@ -147,6 +147,18 @@ def test_what_cannot_be_debugged_is_refused(arguments: list[str], message: str) 
     assert done.returncode == 2 and message in done.stderr
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        "--link 0.0:1.3", "--net 0.TCLK0>1.IIOF1", "--action 1,cut,0.0:1.3", "--entry start", "--load-at 300000h", "--load words@300000h", "--poke 300000h=1",
+        "--until 300000h", "--memory-max 3", "--board default --board flat", "--console-input keys", "--device-input D=words", "--device-script D=words",
+    ],
+)  # fmt: skip
+def test_what_is_for_programs_is_refused_for_the_dock(arguments: str) -> None:
+    done = debug("--dsps", "2", *arguments.split())
+    assert done.returncode == 2 and "for programs and networks; give a PROGRAM or --network" in done.stderr
+
+
 def test_a_program_and_the_dock_exclude_each_other(program: Path) -> None:
     done = debug(program, "--dsps", "2")
     assert done.returncode == 2 and "are for the dock" in done.stderr
@@ -167,6 +179,8 @@ def test_the_dock_by_commands() -> None:
     for text in ("task=pid", "DSP 2", "refresh number=", "snapshots from 0.000000000 s", "cycles of its last run"):
         assert text in done.stdout, text
     assert re.search(r"claim task=pid, met [1-9] times", done.stdout) and "error:" not in done.stdout
+    first, third, second = map(int, re.findall(r"refresh number=(\d+)", done.stdout))
+    assert (second, third) == (first + 1, first + 2)
 
 
 def test_fields_and_options_of_an_event_stand_in_any_order() -> None:
@@ -177,6 +191,16 @@ def test_fields_and_options_of_an_event_stand_in_any_order() -> None:
     assert stops == ["1", "1", "1"], done.stdout
     for order in ("on claim chip 2 total", "on claim chip 2 =pid"):
         assert "the end of the command is expected" in debug(*dock, stdin=order).stdout
+
+
+def test_stop_conditions_are_listed_as_they_were_given(program: Path) -> None:
+    done = debug(program, stdin="break add\nwatch total\nwatch r1\nwhen r0 == 3\nstops\n")
+    assert re.findall(r"^\d: (.*), met 0 times$", done.stdout, re.MULTILINE) == [
+        "before add (00300009h)",
+        "after writes to total (0030000Dh) as chip 0 sees it",
+        "after a change of r1 of chip 0",
+        "when r0 == 3",
+    ]
 
 
 def test_all_registers_of_the_processor_are_shown(program: Path) -> None:

@@ -410,3 +410,10 @@ def test_one_line_with_several_addresses_is_one_stop_condition(tmp_path: Path) -
         arguments=("many.asm",),
     )
     assert re.findall(r"^(\d): .*met (\d) times", shown, re.MULTILINE) == [("1", "6")]
+
+
+def test_of_many_addresses_the_first_are_named_and_the_others_counted(tmp_path: Path) -> None:
+    write(tmp_path, many_asm="start:  ldi 0,r0\n        .rept 10\n        addi 1,r0\n        .endr\nend:    b end\n")
+    shown = by_commands(tmp_path, "break many.asm:3", arguments=("many.asm",))
+    named = ", ".join(f"start+0x{n} (0030000{n}h)" for n in range(1, 9))
+    assert f"1: before {named}, and 2 more\n" in shown

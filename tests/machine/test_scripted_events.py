@@ -83,6 +83,26 @@ def wrote(m: machine.Machine, slot: int, since: int) -> bool:
     return any(what == "write" and values[0] == slot and time > since for time, what, values in m.events)
 
 
+def test_a_script_may_begin_with_the_run() -> None:
+    setup = config(dsps=DSPS, slots=SLOTS)
+    setup.script(0, Action.fail, 1, 1)
+    m = machine.Machine(
+        assemble("again: sti r0, *ar0\n        b again\n"), setup, host=[(US, 0, [1, 2], 0)], record=True
+    )
+    m.run_until(100 * US)
+    assert wrote(m, 0, 50 * US) and not wrote(m, 1, 50 * US)
+
+
+@pytest.mark.parametrize("action", [Action.reset, Action.unplug])
+def test_a_dsp_that_is_reset_or_taken_out_is_not_idle_any_more(action: machine.Action) -> None:
+    setup = config(dsps=DSPS, slots=SLOTS)
+    setup.script(50 * US, action, 1)
+    idles = assemble("        ldi DOORBELL_IDLE - SEMAPHORE, ir0\n        sti r7, *+ar1(ir0)\n")
+    m = machine.Machine(idles, setup, host=[(time * US, 0x10101, [], 1) for time in (49, 51)], record=True)
+    m.run_until(60 * US)
+    assert [words for _, _, words in m.reads] == [[0b11], [0b01]]
+
+
 # The state of a DSP's board 50 us later; the other boards continue.
 SEEN: dict[str, Callable[[machine.Machine, int], bool]] = {
     "fail": lambda m, n: m.standing(n),

@@ -134,6 +134,9 @@ def test_signals_are_the_docks(run: tuple[cmrc.Simulation, Recording, Path]) -> 
             )
     peak = result.report["errors"]["load_m"]["peak"]
     assert ours["load_error_m"].max() == pytest.approx(peak, abs=2e-9) and peak > 1e-6
+    away = [np.hypot(ours[f"agv{n}_ghost_x_m"], ours[f"agv{n}_ghost_y_m"]).max() for n in range(4)]
+    peaks = [agv["peak"] for agv in result.report["errors"]["agvs"].values()]
+    assert away == pytest.approx(peaks, abs=1e-4) and max(peaks) > 1e-4
 
 
 def test_watching_changes_nothing(run: tuple[cmrc.Simulation, Recording, Path]) -> None:

@@ -99,6 +99,21 @@ def test_two_programs_and_a_link(run: Any) -> None:
     assert all(sum(chip["causes"].values()) == chip["cycles"] for chip in report["chips"])
 
 
+def test_links_nets_events_and_dumps_as_text(run: Any) -> None:
+    """The cut comes while the second word is on its way. A row of a dump has eight words."""
+    given = ("--link", "0.0:1.3", "--net", "p: 0.TCLK0>1.IIOF1", "--action", "0.5,cut,0.0:1.3")
+    text = run("send.asm", "take.asm", *given, "--dump", f"1:{DATA}:9", "--dump", f"0:{DATA}:1").stdout
+    assert text[text.index("\nlink ") + 1 :].splitlines() == [
+        "link 0.0:1.3 (cut): forth 2 words (1 lost), back 0 words",
+        "net p (0.TCLK0>1.IIOF1): high, 0 edges",
+        "event 500000 cut 0.0:1.3",
+        "event 500000 lost 0.0>1.3 00000002 after 0 bytes",
+        "chip 1 002FF800: 00000001" + 7 * " 00000000",
+        "chip 1 002FF808: 00000000",
+        "chip 0 002FF800: 00000000",
+    ]
+
+
 def test_a_network_file(run: Any, tmp_path: Path) -> None:
     (tmp_path / "network.toml").write_text(FILE)
     result = run("--network", "network.toml", "--json", "--dump", f"1:{DATA}:3")
@@ -315,7 +330,9 @@ def test_interrupts_and_dma_are_events() -> None:
     (["send.asm", "take.asm", "--load-at", "1000h"], "--load-at: is for .hex files only"),
     (["send.asm", "take.asm", "--pipeline", "5"], "--pipeline: \"5\" is not FIRST:LAST"),
     (["send.asm", "take.asm", "--dump", "table:3"], "is not CHIP:ADDRESS:COUNT"),
-    (["send.asm", "take.asm", "--dump", "2:0x300000:3"], "there is no chip 2"),
+    (["send.asm", "take.asm", "--dump", "2:0x300000:3"], "there is no chip 2; 0 to 1 are possible"),
+    (["send.asm", "take.asm", "--dump", "1:0x300000:0"], "--dump: 0 words; 1 to 1000000 are possible"),
+    (["send.asm", "take.asm", "--dump", "1:0x300000:1000001"], "--dump: 1000001 words; 1 to 1000000 are possible"),
     (["--network", "nowhere.toml"], "nowhere.toml: no such file"),
     (["--network", "nowhere.toml", "--until", "end"], "where a chip starts and ends are given in the file"),
 ])  # fmt: skip

@@ -28,6 +28,7 @@ CHANGES: dict[str, Callable[[cmrc.Simulation], Any]] = {
     "run_until": lambda s: s.run_until(0.19),
     "at": lambda s: s.at(0.19, "fail", dsp=0),
     "profile": lambda s: s._core.profile(),
+    "record": lambda s: s.record(),
     "register": lambda s: s.dsp(0).registers.__setitem__("R0", 1),
     "memory word": lambda s: s.dsp(0).memory.__setitem__(0x300000, 1),
 }

@@ -185,7 +185,11 @@ def nasty(count):
     ]
 
 
-@pytest.mark.parametrize("words", [smooth(700), nasty(700), nasty(1), [struct.pack("<d", -0.0)] * 900, []])
+# As numbers of 2^-30 they would not fit.
+LARGE = [struct.pack("<d", 2.0**power) for power in range(60, 90)]
+
+
+@pytest.mark.parametrize("words", [smooth(700), nasty(700), nasty(1), [struct.pack("<d", -0.0)] * 900, LARGE, []])
 @pytest.mark.parametrize("columns", [1, 3])
 def test_tables_come_back_from_a_file_bit_for_bit(words, columns):
     rows = b"".join(words)

@@ -35,6 +35,11 @@ start:  nop
     }  # fmt: skip
 
 
+def test_a_sections_name_needs_no_quotes() -> None:
+    image = toolchain.assemble("stack\t.usect vars,7\n\t.sect tables ; of words\n\t.word 1\n")
+    assert {(section.name, section.size) for section in image.sections} == {("vars", 7), ("tables", 1)}
+
+
 def test_overlapping_sections_and_the_end_of_memory_are_errors() -> None:
     source = "\t.space 10\n\t.data\n\t.space 10\n"
     assert "overlap" in errors(source, sections={".text": 0x1000, ".data": 0x1005})[0][2]

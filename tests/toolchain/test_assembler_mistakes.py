@@ -143,6 +143,10 @@ def test_what_is_left_open_is_reported_where_it_was_opened(source: str, line: in
     assert (line, 1, message) in errors(source)
 
 
+def test_a_wrong_head_that_is_left_open_is_named_too() -> None:
+    assert (1, 1, ".rept has no .endr") in errors("\t.rept 1 2\n\tnop\n")
+
+
 def test_a_members_name_that_is_there_already_is_reported_in_its_line() -> None:
     source = "x .struct\na .word\nb .int\nc .word\na: .word\nn .endstruct\n\t.word n\nx.b .set 7\n"
     assert errors(source) == [

@@ -81,6 +81,13 @@ def test_equal_programs_give_equal_files_and_the_header_is_that_of_version_2(tmp
     )  # executable, no relocations, lines
 
 
+def test_the_optional_header_has_sizes_entry_and_starts(tmp_path: Path) -> None:
+    source = "\tnop\nstart:\tnop\n\t.data\n\t.word 1,2,3\n\t.bss x,5\n"
+    toolchain.write_coff(toolchain.assemble(source, entry="start"), tmp_path / "a")
+    header = struct.unpack_from("<HHIIIIII", (tmp_path / "a").read_bytes(), 22)
+    assert header == (0x108, 0, 2, 3, 5, 0x300001, 0x300000, 0x300002)
+
+
 COPIES = (2, 0x2000, 77, 78, 1, 0x2010, 79, 0)  # What the loader sets: records up to a count of 0.
 
 
