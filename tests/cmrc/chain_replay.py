@@ -163,10 +163,13 @@ class Trace:
                 if kind not in SERVO:
                     numbers[kind] = number + 1
                 self.dropped[kind, number] = time
-            elif name == "idle":
-                self.slots[slot].set(time, ("asleep" if n["state"] else "awake", None))
-            elif name == "interrupt":
-                self.slots[slot].set(time, ("awake", None))
+            elif name in (
+                "idle",
+                "interrupt",
+            ):  # one that has failed stays away, whatever was on its way from it or to it
+                if self.slots[slot].values[-1][0] != "off":
+                    asleep = name == "idle" and n["state"] == 1
+                    self.slots[slot].set(time, ("asleep" if asleep else "awake", None))
             elif name in ("fault", "reset") or (name == "scripted" and n["action"] in STANDS_STILL):
                 slot = n["number"] if name == "scripted" else slot
                 if name == "reset" and n["state"] == 1:
