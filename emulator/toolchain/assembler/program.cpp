@@ -207,7 +207,7 @@ Value Program::value_of(const std::string& name, std::size_t offset) const {
   }
   if (found == symbols_.end()) throw UndefinedSymbol{{offset, undefined(name)}, name};
   const Symbol& symbol = found->second;
-  if (const auto* value = std::get_if<Value>(&symbol.meaning)) return *value;
+  if (const auto* value = std::get_if<Value>(&symbol.meaning)) return settled(*value);
   const auto fail = [&](const Problem& problem) {
     std::string message = problem.undefined.empty() ? problem.message : undefined(problem.undefined);
     if (evaluation_depth_ == 0) message += fmt::format(" (in '{}', defined {})", name, place_of(symbol.line.get()));
@@ -237,6 +237,10 @@ Value Program::value_of(const std::string& name, std::size_t offset) const {
   symbol.found = std::move(now);
   if (const auto* problem = std::get_if<Problem>(&symbol.found->result)) fail(*problem);
   return std::get<Value>(symbol.found->result);
+}
+
+Value Program::settled(const Value& value) const {
+  return placed_ && value.half != Value::Half::none ? Value::of(number_of(value)) : value;
 }
 
 const Program::Evaluated* Program::known(const Symbol& symbol) const {
@@ -310,8 +314,7 @@ void Program::export_symbols(Image& image, std::vector<Diagnostic>& diagnostics)
         if (single) image.symbols[name] = *single;
         continue;
       }
-      image.symbols[name] =
-          static_cast<Word>(value.is_absolute() ? value.integer : address_of_section(value.section) + value.integer);
+      image.symbols[name] = static_cast<Word>(number_of(value));
     } catch (const LineError& error) {
       if (symbol.line) diagnostics.push_back(make_diagnostic(*symbol.line, error.offset, error.message));
     }

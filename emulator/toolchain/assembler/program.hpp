@@ -169,6 +169,8 @@ class Program final : public SymbolSource {
   static void check_run(std::span<const Item> items, const Image::Section& section, Image& image);
   void export_symbols(Image& image, std::vector<Diagnostic>& diagnostics) const;
   void check_globals(std::vector<Diagnostic>& diagnostics) const;
+  /// Half of an address is a number once the sections are placed.
+  Value settled(const Value& value) const;
   /// What the last evaluation gave, if another would give the same.
   const Evaluated* known(const Symbol& symbol) const;
   std::optional<std::int64_t> predefined_value(const std::string& name) const;
