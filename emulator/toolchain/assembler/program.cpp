@@ -337,8 +337,17 @@ Address Program::entry_point(const Image& image, std::vector<Diagnostic>& diagno
     diagnostics.push_back(
         make_diagnostic(nowhere, 0, fmt::format("the entry symbol '{}' is not defined", options_.entry)));
   }
-  for (const std::string_view name : {"_start", "_c_int00", "c_int00", "start", "START", "Start"})
-    if (const auto found = image.symbols.find(name); found != image.symbols.end()) return found->second;
+  for (const std::string_view name : usual_entries) {
+    const auto found = symbols_.find(name);
+    if (found == symbols_.end()) continue;
+    try {
+      const Value value = value_of(found->first, 0);
+      if (value.is_address() && sections_[index(value.section)].load == Load::loaded)
+        return static_cast<Address>(number_of(value));
+    } catch (const LineError&) {
+      // export_symbols() has reported it.
+    }
+  }
   return sections_[0].address;
 }
 
@@ -348,6 +357,10 @@ Image Program::finish(std::vector<Diagnostic>& diagnostics) {
   image.warnings = warnings_;
   image.dialects = dialects_;
   image.files_read = files_read_;
+  for (const auto& [name, address] : options_.sections)
+    if (std::ranges::none_of(sections_, [&](const Section& section) { return section.name == name; }))
+      image.warnings.push_back(
+          fmt::format("warning: an address is given for the section '{}', and the program has no such section", name));
   place(diagnostics);
   for (const Section& section : sections_) encode_section(section, image, diagnostics, nullptr);
   export_symbols(image, diagnostics);

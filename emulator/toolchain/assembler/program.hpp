@@ -177,6 +177,7 @@ class Program final : public SymbolSource {
   std::string undefined(const std::string& name) const;
   /// "; did you mean 'start'?", what the name means on the other processor, or nothing.
   std::string symbol_near(const std::string& name) const;
+  static void check_global(const std::string& name, const Value& value, std::size_t offset);
   bool goes_into_object(std::size_t section) const;
   void add_object_symbols(Object& object, const std::vector<int>& numbers, std::vector<Diagnostic>& diagnostics);
   Relocation relocation(Object& object, const std::vector<int>& numbers, const WordRelocation& wanted) const;
