@@ -151,6 +151,6 @@ def test_a_library_of_the_c3x_is_linked_for_the_c3x_alone(library: str, tmp_path
             "--c-model",
             "ram",
         )
-        assert ("all of a program are of one processor" in said) == refused
+        assert ("all objects of a program must be for one processor" in said) == refused
     done = subprocess.run([EMULATOR, "exec", tmp_path / "all.out"], capture_output=True, text=True, check=False)
     assert done.returncode == 2 and "C3x" in done.stderr

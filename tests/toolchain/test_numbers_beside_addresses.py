@@ -27,7 +27,7 @@ def test_an_object_takes_the_numbers_beside_an_address_that_a_source_takes(opera
     [
         ("rpts n", -1, False), ("rpts n", 0xFFFF, True), ("rpts n+2", -1, True), ("rpts n-1", 0, False),
         ("ldi n,r0", -1, True), ("ldi n,r0", 0xFFFF, True), ("ldi n,r0", -32769, False), ("subc n,r0", -1, True),
-        ("and n,r0", -1, True),
+        ("and n,r0", -1, False), ("and n,r0", 0xFFFF, True), ("ldhi n,r0", 5, True), ("ldpk n", -1, False),
     ],
 )  # fmt: skip
 def test_an_immediate_takes_of_the_linker_what_it_takes_of_a_source(instruction: str, n: int, takes: bool) -> None:

@@ -131,8 +131,8 @@ ChipText chip_text(std::string_view text, std::size_t chips, std::string_view wh
 }
 
 std::string symbol_at(const Image& image, Address address) {
-  for (const auto& [name, value] : image.symbols)
-    if (value == address) return name;
+  for (const auto& [name, value] : image.names())
+    if (value == address) return std::string(name);
   return {};
 }
 

@@ -73,6 +73,10 @@ int assemble(const AssembleOptions& options) {
   check_files({options.source}, options.output, "--listing", options.listing);
   const toolchain::Options how = toolchain_options(options);
   if (options.object) {
+    if (options.entry)
+      throw InputError("--entry: the linker decides where a program starts; use emulator link --entry");
+    if (!options.sections.empty())
+      throw InputError("--section: the linker assigns the addresses; use emulator link --map");
     const auto assembled = toolchain::assemble_object_file(options.source, how);
     check_files(assembled.listed.files_read, options.output, "--listing", options.listing);
     print_warnings(assembled.listed);

@@ -50,7 +50,7 @@ AddressNames names_of(const toolchain::Image& image) {
 
 ProgramView::ProgramView(const toolchain::Image& image) : image_(image), names_(names_of(image)) {
   for (std::size_t i = 0; i < image.lines.size(); ++i) lines_.emplace(image.lines[i].address, i);
-  for (const auto& [name, value] : image.symbols)
+  for (const auto& [name, value] : image.names())
     if (in_code(image, value) && !name.starts_with('.') && name.find('$') == std::string::npos)
       labels_.emplace(value, name);
   for (const std::string& file : image.files) {
@@ -95,8 +95,9 @@ std::string ProgramView::file_text(std::string_view file) const {
 }
 
 std::optional<Address> ProgramView::address(std::string_view label) const {
-  if (const auto at = names_.address(label)) return at;
   const auto symbol = image_.symbols.find(label);
+  if (symbol != image_.symbols.end() && names_.name(symbol->second) == label) return symbol->second;
+  if (const auto at = names_.address(label)) return at;
   return symbol == image_.symbols.end() ? std::nullopt : std::optional<Address>(symbol->second);
 }
 

@@ -20,10 +20,10 @@ std::string source_of(const toolchain::Image& image, Address pc) {
   if (section == image.sections.end()) return {};
   std::string out;
   Address nearest = 0;
-  for (const auto& [name, value] : image.symbols)
+  for (const auto& [name, value] : image.names())
     if (value >= section->address && value <= pc && (out.empty() || value > nearest)) {
       nearest = value;
-      out = value == pc ? name : fmt::format("{}+{}", name, pc - value);
+      out = value == pc ? std::string(name) : fmt::format("{}+{}", name, pc - value);
     }
   for (const toolchain::LineRecord& line : image.lines)
     if (line.address == pc && line.file < image.files.size() && &image.sections[line.section] == &*section)

@@ -51,7 +51,7 @@ AddressNames::Region& AddressNames::add(std::string name, Address base, Address 
 AddressNames::AddressNames(const toolchain::Image& image) {
   for (const toolchain::Image::Section& section : image.sections) {
     Region& region = add(section.name, section.address, section.size);
-    for (const auto& [name, value] : image.symbols)
+    for (const auto& [name, value] : image.names())
       if (value - section.address < section.size && !name.starts_with('.')) region.labels.emplace(value, name);
   }
 }

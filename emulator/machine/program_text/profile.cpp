@@ -24,7 +24,7 @@ void add(report::ProfileCost& to, const report::ProfileCost& cost) {
 /// If several symbols have one value, the first in the alphabet.
 std::map<Address, std::string> labels(const toolchain::Image& image) {
   std::map<Address, std::string> all;
-  for (const auto& [name, value] : image.symbols) all.try_emplace(value, name);
+  for (const auto& [name, value] : image.names()) all.try_emplace(value, name);
   return all;
 }
 

@@ -205,7 +205,7 @@ Value Program::value_of(const std::string& name, std::size_t offset) const {
   }
   if (found == symbols_.end()) throw UndefinedSymbol{{offset, undefined(name)}, name};
   const Symbol& symbol = found->second;
-  if (const auto* value = std::get_if<Value>(&symbol.meaning)) return *value;
+  if (const auto* value = std::get_if<Value>(&symbol.meaning)) return settled(*value);
   const auto fail = [&](const Problem& problem) {
     std::string message = problem.undefined.empty() ? problem.message : undefined(problem.undefined);
     if (evaluation_depth_ == 0) message += fmt::format(" (in '{}', defined {})", name, place_of(symbol.line.get()));
@@ -235,6 +235,10 @@ Value Program::value_of(const std::string& name, std::size_t offset) const {
   symbol.found = std::move(now);
   if (const auto* problem = std::get_if<Problem>(&symbol.found->result)) fail(*problem);
   return std::get<Value>(symbol.found->result);
+}
+
+Value Program::settled(const Value& value) const {
+  return placed_ && value.half != Value::Half::none ? Value::of(number_of(value)) : value;
 }
 
 const Program::Evaluated* Program::known(const Symbol& symbol) const {
@@ -308,8 +312,7 @@ void Program::export_symbols(Image& image, std::vector<Diagnostic>& diagnostics)
         if (single) image.symbols[name] = *single;
         continue;
       }
-      image.symbols[name] =
-          static_cast<Word>(value.is_absolute() ? value.integer : address_of_section(value.section) + value.integer);
+      image.symbols[name] = static_cast<Word>(number_of(value));
     } catch (const LineError& error) {
       if (symbol.line) diagnostics.push_back(make_diagnostic(*symbol.line, error.offset, error.message));
     }
@@ -331,8 +334,17 @@ Address Program::entry_point(const Image& image, std::vector<Diagnostic>& diagno
     diagnostics.push_back(make_diagnostic(of_option("--entry", options_.entry), 0,
                                           fmt::format("the entry symbol '{}' is not defined", options_.entry)));
   }
-  for (const std::string_view name : {"_start", "_c_int00", "c_int00", "start", "START", "Start"})
-    if (const auto found = image.symbols.find(name); found != image.symbols.end()) return found->second;
+  for (const std::string_view name : usual_entries) {
+    const auto found = symbols_.find(name);
+    if (found == symbols_.end()) continue;
+    try {
+      const Value value = value_of(found->first, 0);
+      if (value.is_address() && sections_[index(value.section)].load == Load::loaded)
+        return static_cast<Address>(number_of(value));
+    } catch (const LineError&) {
+      // export_symbols() has reported it.
+    }
+  }
   return sections_[0].address;
 }
 
@@ -342,6 +354,10 @@ Image Program::finish(std::vector<Diagnostic>& diagnostics) {
   image.warnings = warnings_;
   image.dialects = dialects_;
   image.files_read = files_read_;
+  for (const auto& [name, address] : options_.sections)
+    if (std::ranges::none_of(sections_, [&](const Section& section) { return section.name == name; }))
+      image.warnings.push_back(
+          fmt::format("warning: an address is given for the section '{}', and the program has no such section", name));
   place(diagnostics);
   for (const Section& section : sections_) encode_section(section, image, diagnostics, nullptr);
   export_symbols(image, diagnostics);

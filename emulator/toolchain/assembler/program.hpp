@@ -169,12 +169,15 @@ class Program final : public SymbolSource {
   static void check_run(std::span<const Item> items, const Image::Section& section, Image& image);
   void export_symbols(Image& image, std::vector<Diagnostic>& diagnostics) const;
   void check_globals(std::vector<Diagnostic>& diagnostics) const;
+  /// Half of an address is a number once the sections are placed.
+  Value settled(const Value& value) const;
   /// What the last evaluation gave, if another would give the same.
   const Evaluated* known(const Symbol& symbol) const;
   std::optional<std::int64_t> predefined_value(const std::string& name) const;
   std::string undefined(const std::string& name) const;
   /// "; did you mean 'start'?", what the name means on the other processor, or nothing.
   std::string symbol_near(const std::string& name) const;
+  static void check_global(const std::string& name, const Value& value, std::size_t offset);
   bool goes_into_object(std::size_t section) const;
   void add_object_symbols(Object& object, const std::vector<int>& numbers, std::vector<Diagnostic>& diagnostics);
   Relocation relocation(Object& object, const std::vector<int>& numbers, const WordRelocation& wanted) const;

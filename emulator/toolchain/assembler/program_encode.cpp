@@ -131,11 +131,11 @@ std::vector<Word> Program::encode_item(const Section& section, const Item& item,
 Word Program::plain_word(const Expression& expression, const Value& value, Address offset,
                          WordRelocations* relocations) const {
   if (value.is_real()) throw LineError{expression.offset, "a float; use .float, or single(x) for its word"};
+  if (!value.is_absolute() && value.half == Value::Half::none && std::abs(value.integer) >= std::int64_t{1} << 32)
+    throw LineError{expression.offset, fmt::format("{} beside an address does not fit in 32 bits", value.integer)};
   if (relocations != nullptr && !value.is_absolute()) {
     const auto address = static_cast<Word>(value.integer);
     const bool high = value.half == Value::Half::high, low = value.half == Value::Half::low;
-    if (!high && !low && std::abs(value.integer) >= std::int64_t{1} << 32)
-      throw LineError{expression.offset, fmt::format("{} beside an address does not fit in 32 bits", value.integer)};
     relocations->push_back({offset,
                             {high  ? RelocationType::partms16
                              : low ? RelocationType::partls16
@@ -143,7 +143,7 @@ Word Program::plain_word(const Expression& expression, const Value& value, Addre
                              value}});
     return high ? address >> 16 : low ? address & 0xFFFF : address;
   }
-  const std::int64_t number = value.is_absolute() ? value.integer : address_of_section(value.section) + value.integer;
+  const std::int64_t number = number_of(value);
   if (number < -(std::int64_t{1} << 31) || number >= std::int64_t{1} << 32)
     throw LineError{expression.offset, fmt::format("{} does not fit in 32 bits", number)};
   return static_cast<Word>(number);

@@ -69,16 +69,14 @@ void Program::add_object_symbols(Object& object, const std::vector<int>& numbers
   for (const auto& [name, symbol] : symbols_) {
     try {
       const Value value = value_of(name, symbol.offset);
-      if (name.find('?') != std::string::npos || value.is_real()) continue;
+      if (name.find('?') != std::string::npos) continue;
       const bool global = globals_.contains(name);
-      if (value.is_external() || value.half != Value::Half::none) {
-        if (global)
-          throw LineError{symbol.offset,
-                          fmt::format("'{}' is defined through a symbol of another object; it cannot be global", name)};
-        continue;
-      }
+      if (global) check_global(name, value, symbol.offset);
+      if (value.is_external() || value.half != Value::Half::none) continue;  // no symbol can say what it is
+      const auto single = value.is_real() ? to_single(value.real) : std::optional<Word>(0);
+      if (!single) continue;
       object.symbols.push_back({.name = name,
-                                .value = static_cast<Word>(value.integer),
+                                .value = value.is_real() ? *single : static_cast<Word>(value.integer),
                                 .section = value.is_absolute() ? ObjectSymbol::absolute : numbers[index(value.section)],
                                 .global = global,
                                 .stands_for_section = false});
@@ -92,6 +90,20 @@ void Program::add_object_symbols(Object& object, const std::vector<int>& numbers
   for (const auto& [name, number] : externals_)
     object.symbols[first_external_ + index(number)] = {
         .name = name, .value = 0, .section = ObjectSymbol::undefined, .global = true, .stands_for_section = false};
+}
+
+/// Other objects see an address in a section, or an integer of 32 bits.
+void Program::check_global(const std::string& name, const Value& value, std::size_t offset) {
+  if (value.is_real())
+    throw LineError{offset, fmt::format("'{}' is a float; other objects can see addresses and integers", name)};
+  if (value.half != Value::Half::none)
+    throw LineError{offset,
+                    fmt::format("'{}' is half of an address that the linker assigns; it cannot be global", name)};
+  if (value.is_external())
+    throw LineError{offset,
+                    fmt::format("'{}' is defined through a symbol of another object; it cannot be global", name)};
+  if (value.is_absolute() && !fits_signed(value.integer, 32) && !fits_unsigned(value.integer, 32))
+    throw LineError{offset, fmt::format("'{}' is {}: other objects can see 32 bits of it", name, value.integer)};
 }
 
 /// A branch refers to a symbol exactly at its target, so that 16 bits always hold the rest of the distance; so does an
@@ -118,9 +130,7 @@ Relocation Program::relocation(Object& object, const std::vector<int>& numbers, 
     return out;
   }
   if (!found([&](const ObjectSymbol& s) { return s.section == section && s.value == value; })) {
-    const std::string base =
-        target.is_absolute() ? std::string("=") : object.sections[static_cast<std::size_t>(section)].name + "+";
-    object.symbols.push_back({.name = fmt::format("{}{:X}h", base, value),
+    object.symbols.push_back({.name = name_for_relocations(object, section, value),
                               .value = value,
                               .section = section,
                               .global = false,

@@ -24,9 +24,10 @@ bool is_table_for_loader(const Image& image, const Image::Section& section) {
 }
 
 /// Names of addresses within the sections; if an address has several, the first in the alphabet.
-Labels labels_of(const Image& image) {
+template <class Names>
+Labels labels_of(const Image& image, const Names& names) {
   Labels out;
-  for (const auto& [name, value] : image.symbols)
+  for (const auto& [name, value] : names)
     for (const auto& section : image.sections)
       if (value - section.address < section.size && !name.starts_with('.') && !is_table_for_loader(image, section))
         out.emplace(value, name);
@@ -177,7 +178,7 @@ std::string argument(const std::string& text) {
 }  // namespace
 
 std::string disassembly(const Image& image) {
-  const Labels labels = labels_of(image);
+  const Labels labels = labels_of(image, image.names());
   const auto lookup = lookup_in(labels);
   std::string out = head(image.cpu);
   for (const auto& section : image.sections) {
@@ -240,7 +241,7 @@ std::string disassembly(const Object& object) {
 
 std::string source_of(const Image& image) {
   Labels labels;
-  for (const auto& [address, name] : labels_of(image))
+  for (const auto& [address, name] : labels_of(image, image.symbols))
     if (can_be_written(name)) labels.emplace(address, name);
   add_targets(image, labels);
   const std::string entry = named(image.entry, image, labels);

@@ -39,6 +39,11 @@ bool is_logical(isa::Operation operation) {
   return operation == and_ || operation == andn || operation == or_ || operation == tstb || operation == xor_;
 }
 
+Value::Half half_taken_by(isa::Operation operation) {
+  if (operation == isa::Operation::ldhi || operation == isa::Operation::ldpk) return Value::Half::high;
+  return is_logical(operation) ? Value::Half::low : Value::Half::none;
+}
+
 bool fits_signed(std::int64_t value, unsigned bits) {
   return value >= -(std::int64_t{1} << (bits - 1)) && value < (std::int64_t{1} << (bits - 1));
 }
@@ -94,7 +99,7 @@ std::int64_t OperandEncoder::integer(const OperandSyntax& o, const Value& v) con
   if (v.is_absolute()) return v.integer;
   if (context_.relocations != nullptr)
     miss(Mismatch::contents, o.offset, "an address that the linker assigns is not possible here");
-  return context_.symbols.address_of_section(v.section) + v.integer;
+  return context_.symbols.number_of(v);
 }
 
 std::int64_t OperandEncoder::address(const OperandSyntax& o, const Value& v, RelocationType type) const {
@@ -103,12 +108,25 @@ std::int64_t OperandEncoder::address(const OperandSyntax& o, const Value& v, Rel
   if (!settled) relocations_.push_back({type, v});
   const unsigned bits = width(type);
   const bool is_half = type == RelocationType::partls16 || type == RelocationType::partms16;
-  if (v.is_external() && !is_half && !fits_signed(v.integer, bits) &&
-      !(type == RelocationType::rel24 && fits_unsigned(v.integer, bits)))
-    miss(
-        Mismatch::contents, o.offset,
-        fmt::format("{} is added to another object's symbol here, and the object has {} bits for it", v.integer, bits));
+  if (v.half != Value::Half::none && !is_half)
+    miss(Mismatch::contents, o.offset, "half of an address that the linker assigns is not possible here");
+  const bool counts = v.is_external() ? !is_half : type == RelocationType::rel24 && !settled;
+  if (counts && !fits_signed(v.integer, bits) && !(type == RelocationType::rel24 && fits_unsigned(v.integer, bits)))
+    miss(Mismatch::contents, o.offset,
+         fmt::format("{} is added to {} here, and the object has {} bits for it", v.integer,
+                     v.is_external() ? "another object's symbol" : "an address", bits));
   return v.integer;
+}
+
+Word OperandEncoder::half_of_address(const OperandSyntax& o, const Value& v, Value::Half otherwise) const {
+  const Value::Half which = v.half != Value::Half::none ? v.half : otherwise;
+  if (which == Value::Half::high) return static_cast<Word>(address(o, v, RelocationType::partms16)) >> 16;
+  return static_cast<Word>(address(o, v, RelocationType::partls16)) & 0xFFFF;
+}
+
+void OperandEncoder::need_whole(const OperandSyntax& o, const Value& v) const {
+  if (v.half != Value::Half::none)
+    miss(Mismatch::contents, o.offset, "a whole address is needed here; 'ldpk' takes half of one");
 }
 
 Word OperandEncoder::in_range(const OperandSyntax& o, std::int64_t number, bool fits, std::string_view range) const {
@@ -163,7 +181,7 @@ Word OperandEncoder::expansion_code(const OperandSyntax& o) const {
 std::int64_t OperandEncoder::displacement(const OperandSyntax& o) const { return o.expression ? integer(o) : 1; }
 
 Word OperandEncoder::direct_field(const OperandSyntax& o) const {
-  return static_cast<Word>(address(o, value(o), RelocationType::partls16)) & 0xFFFF;
+  return half_of_address(o, value(o), Value::Half::low);
 }
 
 Word OperandEncoder::indirect_field(const OperandSyntax& o) const {
@@ -196,14 +214,12 @@ Word OperandEncoder::immediate(const OperandSyntax& o) const {
     const Word bits = short_float(o, v);
     return row_.operation == isa::Operation::ldm ? bits & 0x0FFF : bits;  // the mantissa alone
   }
-  const bool page_of_address = row_.operation == isa::Operation::ldhi && !v.is_real() && !v.is_absolute();
-  if (v.half == Value::Half::high || (page_of_address && v.half == Value::Half::none))
-    return static_cast<Word>(address(o, v, RelocationType::partms16) >> 16) & 0xFFFF;
-  const bool low_half = v.half == Value::Half::low || (!v.is_real() && !v.is_absolute() && is_logical(row_.operation));
-  if (low_half) return static_cast<Word>(address(o, v, RelocationType::partls16)) & 0xFFFF;
-  if (context_.relocations != nullptr && !v.is_absolute())
-    return static_cast<Word>(address(o, v, RelocationType::relword)) & 0xFFFF;
-  const std::int64_t number = integer(o, v);
+  const Value::Half taken = half_taken_by(row_.operation);
+  if (v.half != Value::Half::none || (v.is_address() && !linker_decides(v) && taken != Value::Half::none))
+    return half_of_address(o, v, taken);
+  if (context_.relocations != nullptr && !v.is_absolute()) return number_or_address(o, v);
+  const std::int64_t given = integer(o, v);
+  const std::int64_t number = v.is_absolute() ? given : static_cast<std::int32_t>(static_cast<Word>(given));
   if (!v.is_absolute() && !immediate_takes(row_, number, true))
     miss(Mismatch::contents, o.offset,
          context_.cpu == isa::Cpu::c40
@@ -215,6 +231,14 @@ Word OperandEncoder::immediate(const OperandSyntax& o) const {
   if (!fits_signed(number, 16) && fits)
     context_.on_warning({o.offset, fmt::format("{} is taken as the signed number {}", number, number - 65536), half_});
   return in_range(o, number, fits, "-32768 to 32767");
+}
+
+bool OperandEncoder::linker_decides(const Value& v) const {
+  return v.is_external() && v.half == Value::Half::none && context_.dialect == Dialect::ti;
+}
+
+Word OperandEncoder::number_or_address(const OperandSyntax& o, const Value& v) const {
+  return static_cast<Word>(address(o, v, RelocationType::relword)) & 0xFFFF;
 }
 
 Word OperandEncoder::short_float(const OperandSyntax& o, const Value& v) const {
@@ -232,13 +256,11 @@ Word OperandEncoder::page_that_exists(const OperandSyntax& o, std::int64_t page)
 }
 
 Word OperandEncoder::page(const OperandSyntax& o) const {
-  const auto page_of = [&](const Value& v) {
-    return page_that_exists(o, static_cast<Word>(address(o, v, RelocationType::partms16)) >> 16);
-  };
-  if (o.kind == Kind::direct) return page_of(value(o));
-  need_kind(o, Kind::expression, "a page number or @address");
+  if (o.kind != Kind::direct) need_kind(o, Kind::expression, "a page number or @address");
   const Value v = value(o);
-  if (!v.is_real() && !v.is_absolute()) return page_of(v);
+  if (o.kind == Kind::direct) need_whole(o, v);
+  if (o.kind != Kind::direct && linker_decides(v)) return number_or_address(o, v);
+  if (o.kind == Kind::direct || v.is_address()) return page_that_exists(o, half_of_address(o, v, Value::Half::high));
   const std::int64_t number = integer(o, v);
   const Word page =
       in_range(o, number, fits_unsigned(number, 16), "a page is 0 to 65535; @x takes the page of the address x");
@@ -248,8 +270,7 @@ Word OperandEncoder::page(const OperandSyntax& o) const {
 Word OperandEncoder::page_of_address(const OperandSyntax& o) const {
   if (o.kind != Kind::direct) need_kind(o, Kind::expression, "an address");
   const Value v = value(o);
-  if (v.half != Value::Half::none)
-    miss(Mismatch::contents, o.offset, "a whole address is needed here; 'ldpk' takes half of one");
+  need_whole(o, v);
   const std::int64_t number = address(o, v, RelocationType::partms16);
   if (context_.relocations == nullptr || v.is_absolute())
     in_range(o, number, fits_unsigned(number, 32), "an address is 0 to 0FFFFFFFFh");

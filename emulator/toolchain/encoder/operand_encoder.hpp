@@ -23,6 +23,8 @@ bool fits_signed(std::int64_t value, unsigned bits);
 bool fits_unsigned(std::int64_t value, unsigned bits);
 /// Only these take the low half of an address alone: an instruction for the high half comes before or behind them.
 bool is_logical(isa::Operation operation);
+/// The half of an address that an instruction with an immediate takes, or none. A constant is a number for all of them.
+Value::Half half_taken_by(isa::Operation operation);
 /// Whether an instruction with an immediate takes the number in its 16 bits. An address has to be the immediate's
 /// value; a constant may also be given as the 16 bits themselves, where the row does not count from 0.
 bool immediate_takes(const isa::Row& row, std::int64_t number, bool is_address);
@@ -59,6 +61,14 @@ class OperandEncoder {
   std::int64_t integer(const OperandSyntax& operand, const Value& value) const;
   /// A number, or the known part of an address; a relocation of this type is noted for the rest.
   std::int64_t address(const OperandSyntax& operand, const Value& value, RelocationType type) const;
+  /// The half that the source asks for, or `otherwise`, in a field of 16 bits.
+  Word half_of_address(const OperandSyntax& operand, const Value& value, Value::Half otherwise) const;
+  void need_whole(const OperandSyntax& operand, const Value& value) const;  ///< No half of an address.
+  /// Whether the linker finds out if the symbol of another object is an address, of which it puts the half that the
+  /// instruction takes, or a number. GNU as has one relocation for both, that of an address.
+  bool linker_decides(const Value& value) const;
+  /// The field of an immediate for another object's symbol.
+  Word number_or_address(const OperandSyntax& operand, const Value& value) const;
   std::int64_t integer(const OperandSyntax& operand) const { return integer(operand, value(operand)); }
   Word in_range(const OperandSyntax& operand, std::int64_t number, bool fits, std::string_view range) const;
 

@@ -24,6 +24,7 @@ struct Definition {
   Word value = 0;
   const Object* object = nullptr;  ///< Null if the memory map or the linker itself defines the symbol.
   bool is_address = false;
+  bool is_loaded = false;  ///< An address in a section that an object loads.
 };
 
 class Linker {
@@ -49,7 +50,7 @@ class Linker {
     out.image.cpu = cpu();
     build(out.image);
     export_symbols(out.image);
-    out.image.entry = entry(out.image);
+    out.image.entry = entry();
     if (!errors_.empty()) throw LinkError(std::move(errors_));
     out.image.warnings = std::move(warnings_);
     out.map = map_text(out.image);
@@ -171,12 +172,13 @@ class Linker {
   }
 
   void define_symbols() {
-    for (const auto& [name, value] : map_.symbols) globals_[name] = {value, nullptr, false};
+    for (const auto& [name, value] : map_.symbols) globals_[name] = {.value = value};
     for (std::size_t i = 0; i < objects_.size(); ++i)
       for (const ObjectSymbol& symbol : objects_[i].symbols) {
         if (!defines(symbol)) continue;
-        const auto [at, fresh] =
-            globals_.insert({symbol.name, {final_value(i, symbol), &objects_[i], symbol.section >= 0}});
+        const Definition definition{final_value(i, symbol), &objects_[i], symbol.section >= 0,
+                                    is_loaded(objects_[i], symbol)};
+        const auto [at, fresh] = globals_.insert({symbol.name, definition});
         if (!fresh)
           complain(fmt::format("{}: '{}' is defined already in {}", objects_[i].name, symbol.name,
                                at->second.object != nullptr ? at->second.object->name : "the memory map"));
@@ -198,15 +200,15 @@ class Linker {
 
   /// The symbols that TI's linker defines itself, unless the objects do: the start or end of a section.
   void define_own(const std::string& name, Word value) {
-    globals_.insert({name, {value, nullptr, true}});
-    globals_.insert({"_" + name, {value, nullptr, true}});
+    globals_.insert({name, {.value = value, .is_address = true}});
+    globals_.insert({"_" + name, {.value = value, .is_address = true}});
     own_.insert({name, "_" + name});
   }
 
   /// The final number of words of the section, which its own source cannot know.
   void define_size(const std::string& name, std::string_view of) {
     const OutputSection* section = placement_.find(of);
-    globals_.insert({name, {section != nullptr ? section->size : 0, nullptr, false}});
+    globals_.insert({name, {.value = section != nullptr ? section->size : 0}});
     own_.insert(name);
   }
 
@@ -217,7 +219,7 @@ class Linker {
         if (symbol.section == ObjectSymbol::undefined && !globals_.contains(symbol.name))
           missing.emplace(symbol.name, first_reference(object, symbol));
     for (const auto& [name, where] : missing) complain(fmt::format("{}: undefined symbol '{}'", where, name));
-    if (!map_.entry.empty() && !globals_.contains(map_.entry))
+    if (!map_.entry.empty() && !globals_.contains(map_.entry) && !find_local(map_.entry, false))
       complain(fmt::format("the entry symbol '{}' is not defined", map_.entry));
   }
 
@@ -367,7 +369,21 @@ class Linker {
         object.name, section.name, relocation.offset, symbol.name, symbol.name, now, size));
   }
 
-  /// Global symbols, and local ones whose name is free.
+  static bool is_loaded(const Object& object, const ObjectSymbol& symbol) {
+    return symbol.section >= 0 && object.sections[static_cast<std::size_t>(symbol.section)].loaded;
+  }
+
+  /// The value of the first local symbol with this name.
+  std::optional<Word> find_local(std::string_view name, bool in_loaded_section) const {
+    for (std::size_t i = 0; i < objects_.size(); ++i)
+      for (const ObjectSymbol& symbol : objects_[i].symbols)
+        if (!symbol.global && symbol.name == name && names_a_value(objects_[i], symbol) &&
+            (!in_loaded_section || is_loaded(objects_[i], symbol)))
+          return final_value(i, symbol);
+    return std::nullopt;
+  }
+
+  /// Global symbols, then local ones.
   void export_symbols(Image& image) const {
     std::set<std::string, std::less<>> referred;
     for (const Object& object : objects_)
@@ -378,15 +394,20 @@ class Linker {
         image.symbols[name] = definition.value;
     for (std::size_t i = 0; i < objects_.size(); ++i)
       for (const ObjectSymbol& symbol : objects_[i].symbols)
-        if (!symbol.global && symbol.section != ObjectSymbol::undefined && !symbol.stands_for_section &&
-            !symbol.name.empty())
-          image.symbols.insert({symbol.name, final_value(i, symbol)});
+        if (!symbol.global && names_a_value(objects_[i], symbol)) image.add_symbol(symbol.name, final_value(i, symbol));
   }
 
-  Address entry(const Image& image) const {
-    if (!map_.entry.empty()) return globals_.find(map_.entry)->second.value;
-    for (const std::string_view name : {"_start", "_c_int00", "c_int00", "start", "START", "Start"})
-      if (const auto found = image.symbols.find(name); found != image.symbols.end()) return found->second;
+  /// A global symbol comes before a local one of the same name.
+  Address entry() const {
+    if (!map_.entry.empty()) {
+      const auto found = globals_.find(map_.entry);
+      return found != globals_.end() ? found->second.value : *find_local(map_.entry, false);
+    }
+    for (const std::string_view name : usual_entries) {
+      const auto found = globals_.find(name);
+      if (found != globals_.end() && found->second.is_loaded) return found->second.value;
+      if (const auto local = find_local(name, true)) return *local;
+    }
     const OutputSection* text = placement_.find(".text");
     if (text->size != 0) return text->address;
     return std::ranges::find_if(placement_.sections(),
@@ -419,7 +440,7 @@ class Linker {
     }
     out += "\naddress    symbol\n";
     std::vector<std::pair<Word, std::string_view>> by_address;
-    for (const auto& [name, value] : image.symbols) by_address.emplace_back(value, name);
+    for (const auto& [name, value] : image.names()) by_address.emplace_back(value, name);
     std::sort(by_address.begin(), by_address.end());
     for (const auto& [value, name] : by_address) out += fmt::format("{:08X}h  {}\n", value, name);
     return io::printable(out);

@@ -11,15 +11,13 @@ std::int64_t sign_extended(std::uint64_t value, unsigned bits) {
   return static_cast<std::int64_t>(value << shift) >> shift;
 }
 
-/// As the assembler takes a number that it knows. Of instructions for one half of an address, and of other words, any
-/// 16 bits will do.
-bool takes(Word word, std::int64_t number, bool is_address) {
+/// The row of the instruction whose immediate the field is; null in other words.
+const isa::Row* row_with_immediate(Word word) {
   const isa::Decoded decoded = isa::decode(word);
   const auto* instruction = std::get_if<isa::Instruction>(&decoded);
-  if (instruction == nullptr || is_logical(instruction->row->operation)) return true;
   const auto immediate = [](const isa::Operand& operand) { return operand.is(isa::Operand::Kind::immediate_int); };
-  if (!immediate(instruction->src1) && !immediate(instruction->src2)) return true;
-  return immediate_takes(*instruction->row, number, is_address);
+  return instruction != nullptr && (immediate(instruction->src1) || immediate(instruction->src2)) ? instruction->row
+                                                                                                  : nullptr;
 }
 
 }  // namespace
@@ -53,8 +51,16 @@ Relocated relocate(Word word, const Relocation& relocation, Word symbol_then, Wo
       break;
     case RelocationType::rel24: out.fits = distance >= 0 && distance <= std::int64_t{mask}; break;
     case RelocationType::relword: {
+      // As the assembler takes a number that it knows. Of other words any 16 bits will do.
       const std::int64_t number = sign_extended(static_cast<std::uint64_t>(value), 32);
-      out.fits = number >= -32768 && number <= 65535 && takes(out.word, number, is_address);
+      const isa::Row* const row = row_with_immediate(word);
+      const Value::Half half = row != nullptr && is_address ? half_taken_by(row->operation) : Value::Half::none;
+      if (half != Value::Half::none) {
+        out.word = put(half == Value::Half::high ? number >> 16 : number);
+        break;
+      }
+      if (!is_address) out.value = number;
+      out.fits = number >= -32768 && number <= 65535 && (row == nullptr || immediate_takes(*row, number, is_address));
       break;
     }
     default: break;

@@ -295,13 +295,15 @@ Object executable_of(const Image& image) {
     ObjectSection& section = out.sections.at(numbers.at(line.section));
     section.lines.push_back({line.address - section.address, line.file, line.line});
   }
-  for (const auto& [name, value] : image.symbols) {
-    ObjectSymbol& symbol = out.symbols.emplace_back();
-    symbol.name = name;
-    symbol.value = value;
-    symbol.section = section_of(out, value);
-    symbol.global = true;
-  }
+  const auto add = [&](const std::string& name, Word value, bool global) {
+    out.symbols.push_back({.name = name,
+                           .value = value,
+                           .section = section_of(out, value),
+                           .global = global,
+                           .stands_for_section = false});
+  };
+  for (const auto& [name, value] : image.symbols) add(name, value, true);
+  for (const auto& [name, value] : image.further_symbols) add(name, value, false);
   return out;
 }
 

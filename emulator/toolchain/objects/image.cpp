@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <stdexcept>
 #include <vector>
 
@@ -18,6 +19,21 @@ Word Image::symbol(std::string_view name) const {
   const auto found = symbols.find(name);
   if (found == symbols.end()) throw MissingSymbol(fmt::format("the program has no symbol '{}'", name));
   return found->second;
+}
+
+void Image::add_symbol(const std::string& name, Word value) {
+  const auto [first, fresh] = symbols.insert({name, value});
+  if (fresh || first->second == value) return;
+  const auto [begin, end] = further_symbols.equal_range(name);
+  if (std::none_of(begin, end, [&](const auto& other) { return other.second == value; }))
+    further_symbols.insert({name, value});
+}
+
+std::vector<std::pair<std::string_view, Word>> Image::names() const {
+  std::vector<std::pair<std::string_view, Word>> out;
+  std::merge(symbols.begin(), symbols.end(), further_symbols.begin(), further_symbols.end(), std::back_inserter(out),
+             [](const auto& a, const auto& b) { return a.first < b.first; });
+  return out;
 }
 
 Word* Image::word_at(Address address) {
@@ -70,7 +86,7 @@ std::string listing(const Image& image) {
     }
   }
   out += "symbols\n";
-  for (const auto& [name, value] : image.symbols) out += fmt::format("{:08x} {}\n", value, name);
+  for (const auto& [name, value] : image.names()) out += fmt::format("{:08x} {}\n", value, name);
   return io::printable(out);  // a listing is shown in a terminal
 }
 

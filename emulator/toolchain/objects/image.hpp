@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "isa/word.hpp"
@@ -40,6 +41,8 @@ struct Image {
   std::vector<Section> sections;  ///< Only those that are not empty.
   /// Labels and `.set` constants; for a float, its word in TI's single precision.
   std::map<std::string, Word, std::less<>> symbols;
+  /// Further values of names in `symbols`: local symbols of a program's other objects. A name alone means `symbols`.
+  std::multimap<std::string, Word, std::less<>> further_symbols;
   Address entry = 0;
   std::vector<std::string> files;  ///< The files of `lines`.
   std::vector<std::string>
@@ -50,6 +53,10 @@ struct Image {
   std::vector<std::string> dialects;
   std::vector<std::string> warnings;  ///< In the format of the errors of AssemblyError.
 
+  /// Adds a symbol, as a further one if its name has another value already.
+  void add_symbol(const std::string& name, Word value);
+  /// All names and values, by name; of one name, that of `symbols` first.
+  std::vector<std::pair<std::string_view, Word>> names() const;
   /// The value of a symbol. Throws std::out_of_range with the symbol's name if there is none.
   Word symbol(std::string_view name) const;
   /// The word at an address of a loaded section, or null.

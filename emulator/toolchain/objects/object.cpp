@@ -21,6 +21,17 @@ void check_overlaps(const Image& image, const std::string& file) {
   }
 }
 
+std::string name_for_relocations(const Object& object, int section, Word value) {
+  const std::string base =
+      section == ObjectSymbol::absolute ? "=" : object.sections[static_cast<std::size_t>(section)].name + "+";
+  return fmt::format("{}{:X}h", base, value);
+}
+
+bool names_a_value(const Object& object, const ObjectSymbol& symbol) {
+  return symbol.section != ObjectSymbol::undefined && !symbol.stands_for_section && !symbol.name.empty() &&
+         (symbol.global || symbol.name != name_for_relocations(object, symbol.section, symbol.value));
+}
+
 std::size_t add_initial_values(Image& image, const std::string& table, const std::vector<Word>& records,
                                const std::string& file) {
   std::size_t at = 0;
@@ -92,9 +103,11 @@ Image image_of(const Object& executable) {
                              {}});
     if (section.table_of_copies) add_initial_values(image, section.name, section.words, executable.name);
   }
-  for (const ObjectSymbol& symbol : executable.symbols)
-    if (symbol.section != ObjectSymbol::undefined && !symbol.stands_for_section && !symbol.name.empty())
-      image.symbols.insert_or_assign(symbol.name, symbol.value);
+  for (const bool global : {true, false})
+    for (const ObjectSymbol& symbol : executable.symbols)
+      if (symbol.global == global && symbol.section != ObjectSymbol::undefined && !symbol.stands_for_section &&
+          !symbol.name.empty())
+        image.add_symbol(symbol.name, symbol.value);
   check_overlaps(image, executable.name);
   if (image.sections.empty()) throw CoffError(fmt::format("{}: it has no sections", executable.name));
   return image;

@@ -77,6 +77,12 @@ struct Object {
   std::vector<std::string> files;  ///< The files of `lines`.
 };
 
+/// The name of a local symbol that only a relocation needs: "lib+1h" for a place in a section, "=300h" for a number. No
+/// source can write it, so it ends with the relocation.
+std::string name_for_relocations(const Object& object, int section, Word value);
+/// Whether the symbol has a value and a name that a source or a compiler gave it.
+bool names_a_value(const Object& object, const ObjectSymbol& symbol);
+
 /// Does what a loader does with a .cinit of the RAM model: a section for each record {count, address, words...}, up to
 /// a count of 0. Returns the place of this 0, the number of words if there is none. `file` is the file's name in
 /// messages. Throws CoffError if a record extends beyond the table's end.

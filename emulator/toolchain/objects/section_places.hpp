@@ -1,5 +1,7 @@
 #pragma once
-// The order and the places of sections that nobody has given an address: for assembler and linker the same.
+// The order and the places of sections that nobody has given an address, and the entry that nobody has named: for
+// assembler and linker the same.
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -8,6 +10,10 @@ namespace toolchain {
 
 /// In words; a mistake in a source or a memory map must not fill the host's memory.
 constexpr std::uint32_t largest_loaded_section = 1U << 24;
+
+/// The program starts at the first of these that is an address in a loaded section.
+inline constexpr std::array<std::string_view, 6> usual_entries{"_start", "_c_int00", "c_int00",
+                                                               "start",  "START",    "Start"};
 
 /// .text, .data, other loaded sections, .bss, other reserved ones: the lower rank comes first.
 int placement_rank(std::string_view name, bool loaded);

@@ -34,7 +34,7 @@ class Evaluator {
       throw LineError{e.offset,
                       "an address cannot be used here: it is not assigned yet (only address + number, "
                       "address - number, address - address of one section, hi16 and lo16 can be)"};
-    return symbols_.address_of_section(value.section) + value.integer;
+    return symbols_.number_of(value);
   }
 
   Real real(const Expression& e, const Value& value) const {
@@ -146,6 +146,17 @@ class Evaluator {
 };
 
 }  // namespace
+
+std::int64_t SymbolSource::number_of(const Value& value) const {
+  if (value.is_absolute()) return value.integer;
+  const auto address = static_cast<std::uint32_t>(address_of_section(value.section) + value.integer);
+  switch (value.half) {
+    case Value::Half::low: return address & 0xFFFF;
+    case Value::Half::high: return address >> 16;
+    case Value::Half::none: break;
+  }
+  return address;
+}
 
 Value evaluate(const Expression& expression, const SymbolSource& symbols) { return Evaluator(symbols)(expression); }
 

@@ -35,6 +35,7 @@ struct Value {
   static Value external(int number) { return at(first_external - number, 0); }
   bool is_real() const { return kind == Kind::real; }
   bool is_absolute() const { return section == absolute; }
+  bool is_address() const { return !is_real() && !is_absolute(); }
   bool is_external() const { return section <= first_external; }
   int external_number() const { return first_external - section; }
 };
@@ -58,6 +59,8 @@ class SymbolSource {
   /// halves.
   virtual bool is_placed() const = 0;
   virtual std::int64_t address_of_section(int section) const = 0;
+  /// The number that a value, not a float, is once sections have addresses. An address has 32 bits, and wraps.
+  std::int64_t number_of(const Value& value) const;
 };
 
 /// Throws LineError. Integers are 64 bits wide; comparisons give 1 or 0.
