@@ -382,7 +382,10 @@ template <class GoesOn>
     word = *cached;
     fetch_bits = cached_bits;
   }
-  if (core.repeat_single == 2) fetch_bits = unfetched_bits;
+  if (core.repeat_single == 2) {
+    fetch_bits = unfetched_bits;
+    code_.area->mark_code(pc);  // it may overwrite its own word: then it is looked at again
+  }
   DecodedSlot& decoded = decoded_slots_[pc];
   if (decoded.quick_key != DecodedSlot::key(word, core.modes)) return false;
   if ((core.delay_slots != 0 || (core.modes & st::RM) != 0) && (decoded.bound.flow != Flow::straight || core.annul))
