@@ -63,6 +63,3 @@ def test_a_dsp_that_hangs_without_a_block_is_not_there_although_its_doorbell_rin
     ).report
     parts = report["tasks"]["pid"]["why_late"]["parts_ps"]
     assert parts["no_dsp"] > 20 * MS and parts.get("claim", 0) < 50 * US
-
-
-HOST = 255

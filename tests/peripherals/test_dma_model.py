@@ -13,7 +13,7 @@ from dma_model import Dma, Timer
 CONSTANTS, DATA, DATA_WORDS, LISTS_FROM = 0x2FF800, 0x2FFC00, 0x400, 0x300
 PERIPHERALS, DMA0, TIMER0 = 0x100000, 0xA0, 0x20
 GO_PULSES, GO_CLOCK = 0x2C0, 0x3C0
-FLAGS = 0x7E000000
+FLAGS = 0xFF000000  # of IIF: timers and channels
 
 
 @dataclass
