@@ -354,10 +354,10 @@ Image Program::finish(std::vector<Diagnostic>& diagnostics) {
   image.warnings = warnings_;
   image.dialects = dialects_;
   image.files_read = files_read_;
-  for (const auto& [name, address] : options_.sections)
-    if (std::ranges::none_of(sections_, [&](const Section& section) { return section.name == name; }))
-      image.warnings.push_back(
-          fmt::format("warning: an address is given for the section '{}', and the program has no such section", name));
+  for (const auto& placed : options_.sections)
+    if (std::ranges::find(sections_, placed.first, &Section::name) == sections_.end())
+      image.warnings.push_back(fmt::format(
+          "warning: an address is given for the section '{}', and the program has no such section", placed.first));
   place(diagnostics);
   for (const Section& section : sections_) encode_section(section, image, diagnostics, nullptr);
   export_symbols(image, diagnostics);
