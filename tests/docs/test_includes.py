@@ -11,16 +11,11 @@ from collections import defaultdict
 from functools import cached_property
 from pathlib import PurePosixPath
 
-from locations import ROOT
+from cpp_sources import code_of, cpp_sources
 
-ROOMS = ("emulator", "bus_model", "plant", "python/bindings", "fuzz")
 INCLUDED_FROM = ("", "emulator", "python")
 """Folders that the paths of includes begin at"""
 
-NO_CODE = re.compile(
-    r'R"(\w*)\(.*?\)\1"' r'|"(?:\\.|[^"\\\n])*"' r"|(?<!\w)'(?:\\.|[^'\\\n])'" r"|//[^\n]*|/\*.*?\*/|^#include[^\n]*",
-    re.DOTALL | re.MULTILINE,
-)
 NAMESPACE = re.compile(r"^namespace ([\w:]+)", re.MULTILINE)
 FUNCTION = re.compile(r"^(?!return|using|namespace|typedef|friend)[A-Za-z_\[][^\n()=;]*[\s&*](\w+)\(", re.MULTILINE)
 TYPE = re.compile(r"^(?:struct|class|enum class|enum) (\w+)\b[^;]*?\{", re.MULTILINE)
@@ -35,7 +30,7 @@ class Source:
     """The text of a file, and what can be read from it."""
 
     def __init__(self, text: str) -> None:
-        self.code = NO_CODE.sub(" ", text)
+        self.code = code_of(text)
         self.includes: list[str] = re.findall(r'^#include "([^"]+)"', text, re.MULTILINE)
 
     @cached_property
@@ -106,8 +101,7 @@ def lacking(texts: dict[str, str]) -> list[str]:
 
 
 def test_sources_include_what_they_name() -> None:
-    files = [path for room in ROOMS for path in (ROOT / room).rglob("*.[ch]pp")]
-    texts = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in files}
+    texts = cpp_sources("emulator", "bus_model", "plant", "python/bindings", "fuzz")
     assert len(texts) > 700
     for path in texts:
         if path.startswith("python/") and path.endswith(".cpp"):
