@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
-#include <numeric>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -27,22 +26,26 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b, std::si
   const std::uint64_t in_a = letters(a), in_b = letters(b);
   const int only_in_one = std::max(std::popcount(in_a & ~in_b), std::popcount(in_b & ~in_a));
   if (static_cast<std::size_t>(only_in_one) > most) return most + 1;
-  std::vector<std::size_t> before_last(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
+  // Only places within `most` of the diagonal can be reached by so few changes; the others count as too far.
+  const std::size_t far = most + 1;
+  std::vector<std::size_t> before_last(b.size() + 1, far), last(b.size() + 1, far), row(b.size() + 1, far);
+  for (std::size_t j = 0; j <= std::min(most, b.size()); ++j) row[j] = j;
   for (std::size_t i = 1, least_before = 0; i <= a.size(); ++i) {
     std::swap(before_last, last);
     std::swap(last, row);
-    std::size_t least = row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
+    const std::size_t first = i > most ? i - most : 1, end = std::min(b.size(), i + most);
+    std::size_t least = row[first - 1] = i > most ? far : i;
+    for (std::size_t j = first; j <= end; ++j) {
       row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] != b[j - 1])});
       if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
         row[j] = std::min(row[j], before_last[j - 2] + 1);
       least = std::min(least, row[j]);
     }
-    if (std::min(least, least_before) > most) return most + 1;  // each later row comes from these two
+    if (end < b.size()) row[end + 1] = far;
+    if (std::min(least, least_before) > most) return far;  // each later row comes from these two
     least_before = least;
   }
-  return std::min(row[b.size()], most + 1);
+  return std::min(row[b.size()], far);
 }
 
 /// The number of letters in which a word may differ from the one that was meant. One letter is near to every letter.

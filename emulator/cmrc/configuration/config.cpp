@@ -30,22 +30,27 @@ std::string_view leaf(std::string_view key) {
 /// where all keys are listed.
 std::string right_key(std::string_view key) {
   std::string_view best;
-  const std::size_t most = io::most_wrong(leaf(key));
-  std::size_t least = std::numeric_limits<std::size_t>::max();
+  const std::string_view given = leaf(key);
+  const std::size_t most = io::most_wrong(given);
+  // No key is the given one, so that no distance is below 1. What is not nearer than the best is not measured.
+  std::size_t least = most + 2;
   for (const Key& known : keys()) {
-    const std::size_t whole = io::edit_distance(key, known.name, most);
-    const std::size_t part = io::edit_distance(leaf(key), leaf(known.name), most);
-    if (std::min(whole, part) > most || std::min(whole, part + 1) >= least) continue;
-    least = std::min(whole, part + 1);
-    best = known.name;
+    if (least == 1) break;
+    const std::size_t in_whole = std::min(most, least - 1);
+    if (const std::size_t whole = io::edit_distance(key, known.name, in_whole); whole <= in_whole)
+      least = whole, best = known.name;
+    if (least == 1) break;
+    const std::size_t in_part = std::min(most, least - 2);
+    if (const std::size_t part = io::edit_distance(given, leaf(known.name), in_part); part <= in_part)
+      least = part + 1, best = known.name;
   }
   std::vector<std::string_view> alike;
   for (const Key& known : keys())
-    if (io::has_in_it(known.name, leaf(key))) alike.push_back(known.name);
+    if (io::has_in_it(known.name, given)) alike.push_back(known.name);
   if (best.empty() && alike.size() == 1) best = alike.front();
   if (!best.empty()) return fmt::format("the nearest known key is {}", best);
   if (!alike.empty() && alike.size() <= 8) return fmt::format("keys with that word are {}", fmt::join(alike, ", "));
-  const std::string_view table = key.substr(0, key.size() - leaf(key).size());
+  const std::string_view table = key.substr(0, key.size() - given.size());
   std::vector<std::string_view> others;
   if (!table.empty())
     for (const Key& known : keys())
