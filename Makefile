@@ -88,7 +88,7 @@ coverage: setup
 	cmake --build --preset coverage
 	$(PYTHON) scripts/coverage
 
-# Small changes to the C++: does the suite notice? resumable (docs/trust.md).
+# Small changes to the C++: does the suite notice? resumable (docs/mutants.md).
 MUTANTS := 200
 mutants: build
 	$(PYTHON) scripts/mutants --count $(MUTANTS)
