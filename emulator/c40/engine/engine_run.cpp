@@ -13,11 +13,16 @@ namespace c40 {
 
 void Engine::pass(Cause cause, Cycles until) {
   if (until <= state_.cycle) return;
+  const Cycles cycles = until - state_.cycle;
   if (cause == Cause::idle) idle_.idled(state_.cycle, until);
-  add(state_.causes, cause, until - state_.cycle);
-  if (state_.held) stand_still(until - state_.cycle);
+  add(state_.causes, cause, cycles);
+  if (state_.held) stand_still(cycles);
   state_.cycle = until;
-  pipeline_.set(PipelineTable::drained);
+  if (cycles >= Pipeline::furthest)
+    pipeline_.set(PipelineTable::drained);
+  else if (!pipeline_.is(PipelineTable::drained))
+    pipeline_.release().flush(static_cast<int>(cycles));  // a posted write may still be under way
+  dma_side_.flushed(static_cast<int>(std::min<Cycles>(cycles, Pipeline::furthest)));
 }
 
 // A held chip is frozen, its DMA and its timers with it. What it has done stays where it was in time.
@@ -230,8 +235,8 @@ bool Engine::take_interrupt(Word vector) {
   core.r[reg::SP] = top;
   core.pc = table->data[entry - table->base];
   interrupts::enter(core, vector);
-  const int waits = memory_.meet(*table, entry, false, state_.open_pages).access.waits +
-                    memory_.meet(*stack, top, true, state_.open_pages).access.waits;
+  const int stack_waits = memory_.meet(*stack, top, true, state_.open_pages).access.waits;
+  const int waits = stack_waits + memory_.meet(*table, entry, false, state_.open_pages).access.waits;
   add(state_.causes, Cause::interrupt, timing::interrupt_entry_cost);
   add(state_.causes, Cause::wait_state, waits);
   state_.cycle += timing::interrupt_entry_cost + waits;

@@ -24,7 +24,8 @@ constexpr int read_after_write(std::size_t bus) { return bus == peripheral_bus ?
 
 template <class Visit>
 void each_register(std::uint32_t mask, Visit visit) {
-  for (mask = mask >> first_address_register & 0x1FFFu; mask != 0; mask &= mask - 1) visit(std::countr_zero(mask));
+  for (mask = mask >> first_address_register & 0x1FFFu; mask != 0; mask &= mask - 1)
+    visit(static_cast<std::size_t>(std::countr_zero(mask)));
 }
 
 std::int8_t clamp8(int value, int low) { return static_cast<std::int8_t>(std::clamp(value, low, 127)); }
@@ -32,8 +33,7 @@ std::int8_t clamp8(int value, int low) { return static_cast<std::int8_t>(std::cl
 }  // namespace
 
 int Pipeline::port_use(std::size_t block, int cycle) const {
-  if (cycle >= 0 || cycle < -window) return 0;  // no resource on the chip is reserved at T or later
-  return static_cast<int>(ports_[block] >> (2 * (cycle + window)) & 3u);
+  return cycle < 0 ? ports_[block].in(cycle) : 0;  // no resource on the chip is reserved at T or later
 }
 
 // Fetches have the lowest priority and are in program order: they fit around the data accesses, and nothing has to fit
@@ -43,20 +43,19 @@ int Pipeline::place_fetch(const Access& fetch, int from) const {
   if (in_block(fetch.resource)) {
     while (port_use(block_of(fetch.resource), cycle) >= timing::block_ports) ++cycle;
   } else if (on_bus(fetch.resource)) {
-    const std::uint64_t need = (std::uint64_t{2} << fetch.waits) - 1;
-    const std::uint64_t busy = buses_[bus_of(fetch.resource)].busy;
-    while (cycle + window < 64 && (busy >> (cycle + window) & need) != 0) ++cycle;
+    const CycleSet& busy = buses_[bus_of(fetch.resource)].busy;
+    for (int last = cycle + fetch.waits; last >= cycle; --last)
+      if (busy.has(last)) {
+        cycle = last + 1;
+        last = cycle + fetch.waits + 1;
+      }
   }
   return cycle;
 }
 
 int Pipeline::decode_at(const Footprint& footprint, int from) const {
   int at = from;
-  if ((ready_ != 0) && footprint.address_uses != 0)
-    each_register(footprint.address_uses, [&](int i) {
-      const int stall = static_cast<int>(ready_ >> (2 * i) & 3u);
-      if (stall != 0) at = std::max(at, stall - 2);
-    });
+  each_register(footprint.address_uses, [&](std::size_t i) { at = std::max(at, int{ready_[i]}); });
   return at;
 }
 
@@ -112,9 +111,7 @@ void Pipeline::place_reads(const Demand& demand, Placed& at, StepTiming& out) co
     if (on_bus(access.resource)) {
       const std::size_t b = bus_of(access.resource);
       const Bus& bus = buses_[b];
-      a = std::max({a, int{bus.free}, bus.write_end + read_after_write(b)});
-      if (!at.bus_reads[b] && a == bus.read_end && access.strobe1 != bus.read_strobe1)
-        a += timing::strobe_switch_cycles;
+      a = std::max(a, int{bus.free});
       at.bus_reads[b] = true;
     } else {
       at.read_cycles = std::max(at.read_cycles, 1 + access.waits);
@@ -133,9 +130,15 @@ void Pipeline::place_reads(const Demand& demand, Placed& at, StepTiming& out) co
     if (access.write) continue;
     out.start[i] = a;
     if (!on_bus(access.resource)) continue;
+    // The cycle that the bus needs between two accesses makes the read longer; other buses begin before it.
     const std::size_t b = bus_of(access.resource);
+    const Bus& bus = buses_[b];
     int& next = at.read_end[b];
-    if (next != a && at.last_strobe1[b] != access.strobe1) next += timing::strobe_switch_cycles;
+    const bool follows_read = next != a || a == bus.read_end;
+    if (next < bus.write_end + read_after_write(b))
+      next = bus.write_end + read_after_write(b);
+    else if (follows_read && access.strobe1 != (next != a ? at.last_strobe1[b] : bus.read_strobe1))
+      next += timing::strobe_switch_cycles;
     at.last_strobe1[b] = access.strobe1;
     out.start[i] = next;
     next += 1 + access.waits;
@@ -194,47 +197,32 @@ void Pipeline::charge(const Demand& demand, const Placed& at, StepTiming& out) {
   book(Cause::execute, 1);
 }
 
-/// The stalls of address registers in the instruction after this one.
-std::uint32_t Pipeline::ready_after(const Footprint& footprint, const Placed& at) const {
-  std::uint32_t next = 0;
-  const auto set = [&](int i, int when) {
-    const int stall = when - at.next + 2;  // decode of the next instruction is at T - 2
-    if (stall <= 0) return;
-    const auto old = next >> (2 * i) & 3u;
-    if (static_cast<std::uint32_t>(stall) > old)
-      next = (next & ~(3u << (2 * i))) | static_cast<std::uint32_t>(stall) << (2 * i);
+/// From when on the instruction after this one can use the address registers, relative to the new T.
+void Pipeline::move_readiness(const Footprint& footprint, const Placed& at) {
+  for (std::int8_t& ready : ready_) ready = clamp8(ready - at.next, ready_long_ago);
+  const auto set = [&](std::size_t i, int when) {
+    ready_[i] = std::max(ready_[i], clamp8(when - at.next, ready_long_ago));
   };
-  if (ready_ != 0)
-    each_register(0x1FFFu << first_address_register, [&](int i) {
-      const int stall = static_cast<int>(ready_ >> (2 * i) & 3u);
-      if (stall != 0) set(i, stall - 2);
-    });
-  each_register(footprint.operand_reads, [&](int i) { set(i, at.decode + 2); });
-  each_register(footprint.early_writes, [&](int i) { set(i, at.read + at.read_cycles); });
-  each_register(footprint.late_writes, [&](int i) { set(i, at.execute + 1); });
-  return next;
+  each_register(footprint.operand_reads, [&](std::size_t i) { set(i, at.decode + 2); });
+  each_register(footprint.early_writes, [&](std::size_t i) { set(i, at.read + at.read_cycles); });
+  each_register(footprint.late_writes, [&](std::size_t i) { set(i, at.execute + 1); });
+  // Decode of the next instruction is later than these anyway.
+  for (std::int8_t& ready : ready_)
+    if (ready <= std::max(fetch_ready_ + 1, int{read_entered_})) ready = ready_long_ago;
 }
 
 // Makes all times relative to the new T.
 void Pipeline::move_on(const Demand& demand, const Placed& at) {
   const int t = at.next;
-  ready_ = ready_after(demand.footprint, at);
   settle(t, std::max(at.fetch + 1, at.decode), at.first_read);
   if (demand.flush_cost != 0) fetch_ready_ = -3, read_entered_ = -2;
+  move_readiness(demand.footprint, at);
   for (std::size_t b = 0; b < block_count; ++b) {
-    const auto reserve = [&](int cycle, int accesses) {
-      const int bit = 2 * (cycle - t + window);
-      if (accesses == 0 || bit < 0) return;
-      const auto present = static_cast<int>(ports_[b] >> bit & 3u);
-      const auto sum = static_cast<std::uint64_t>(std::min(present + accesses, 3));
-      ports_[b] = (ports_[b] & ~(std::uint64_t{3} << bit)) | sum << bit;
-    };
-    reserve(at.read, at.block_reads[b]);
-    reserve(at.execute, at.block_writes[b]);
+    ports_[b].add(at.read - t, at.block_reads[b]);
+    ports_[b].add(at.execute - t, at.block_writes[b]);
   }
   for (std::size_t i = 0; i < at.taken_count; ++i)
-    for (int cycle = std::max(at.taken[i].from, t - window); cycle < at.taken[i].to; ++cycle)
-      if (cycle - t + window < 64) buses_[at.taken[i].bus].busy |= std::uint64_t{1} << (cycle - t + window);
+    for (int cycle = at.taken[i].from; cycle < at.taken[i].to; ++cycle) buses_[at.taken[i].bus].busy.put(cycle - t);
   for (std::size_t b = 0; b < bus_count; ++b) {
     Bus& bus = buses_[b];
     bus.free = clamp8(at.bus_free[b] - t, -1);
@@ -243,17 +231,28 @@ void Pipeline::move_on(const Demand& demand, const Placed& at) {
     if (at.bus_reads[b]) bus.read_strobe1 = at.last_strobe1[b];
     if (bus.read_end == -2) bus.read_strobe1 = false;  // too long ago to matter
   }
-  // Cycles before the next fetch do not matter any more.
-  const int keep = window + fetch_ready_;
-  for (auto& ports : ports_) ports &= ~std::uint64_t{0} << (2 * keep);
-  for (auto& bus : buses_) bus.busy &= ~std::uint64_t{0} << keep;
+  forget_before(fetch_ready_);
+}
+
+void Pipeline::Ports::add(int cycle, int accesses) {
+  const auto sum = static_cast<unsigned>(std::clamp(in(cycle) + accesses, 0, 3));
+  bits[0].put(cycle, (sum & 1) != 0);
+  bits[1].put(cycle, (sum & 2) != 0);
+}
+
+// Cycles before the next fetch do not matter any more.
+void Pipeline::forget_before(int cycle) {
+  for (Ports& ports : ports_)
+    for (CycleSet& bits : ports.bits) bits.forget_before(cycle);
+  for (Bus& bus : buses_) bus.busy.forget_before(cycle);
 }
 
 void Pipeline::settle(int shift, int fetch_ready, int read_entered) {
-  for (auto& ports : ports_) ports = 2 * shift < 64 ? ports >> (2 * shift) : 0;
-  for (auto& bus : buses_) bus.busy = shift < 64 ? bus.busy >> shift : 0;
-  fetch_ready_ = static_cast<std::int8_t>(std::clamp(fetch_ready - shift, -window, -3));
-  read_entered_ = static_cast<std::int8_t>(std::clamp(read_entered - shift, -window, -2));
+  for (Ports& ports : ports_)
+    for (CycleSet& bits : ports.bits) bits.advance(shift);
+  for (Bus& bus : buses_) bus.busy.advance(shift);
+  fetch_ready_ = static_cast<std::int8_t>(std::clamp(fetch_ready - shift, -depth, -3));
+  read_entered_ = static_cast<std::int8_t>(std::clamp(read_entered - shift, -depth, -2));
 }
 
 void Pipeline::flush(int cycles) {
@@ -264,28 +263,14 @@ void Pipeline::flush(int cycles) {
     bus.read_strobe1 &= bus.read_end != -2;
   }
   settle(cycles, -3 + cycles, -2 + cycles);
-  ready_ = 0;
-  for (auto& ports : ports_) ports &= ~std::uint64_t{0} << (2 * (window - 3));
-  for (auto& bus : buses_) bus.busy &= ~std::uint64_t{0} << (window - 3);
+  ready_.fill(ready_long_ago);
+  forget_before(fetch_ready_);
 }
 
-void Pipeline::drain() { *this = Pipeline{}; }
-
 void Pipeline::mark(Resource resource, int from, int to, int change) {
-  const int first = std::max(from, std::max(int{fetch_ready_}, -window));
-  for (int cycle = first; cycle < to; ++cycle) {
-    if (in_block(resource)) {
-      const int bit = 2 * (cycle + window);
-      if (bit >= 64) return;
-      auto& ports = ports_[block_of(resource)];
-      const auto sum = static_cast<std::uint64_t>(std::clamp(static_cast<int>(ports >> bit & 3u) + change, 0, 3));
-      ports = (ports & ~(std::uint64_t{3} << bit)) | sum << bit;
-    } else if (on_bus(resource)) {
-      if (cycle + window >= 64) return;
-      auto& busy = buses_[bus_of(resource)].busy;
-      const std::uint64_t bit = std::uint64_t{1} << (cycle + window);
-      busy = change > 0 ? busy | bit : busy & ~bit;
-    }
+  for (int cycle = std::max(from, int{fetch_ready_}); cycle < std::min(to, furthest); ++cycle) {
+    if (in_block(resource)) ports_[block_of(resource)].add(cycle, change);
+    if (on_bus(resource)) buses_[bus_of(resource)].busy.put(cycle, change > 0);
   }
 }
 
@@ -311,6 +296,8 @@ void Pipeline::make_again(const Access& access, int from, int to) {
 
 void Pipeline::hold(int cycles) {
   settle(cycles, fetch_ready_, read_entered_);
+  for (std::int8_t& ready : ready_)
+    if (ready < -1) ready = clamp8(ready - cycles, ready_long_ago);
   for (auto& bus : buses_) {
     bus.free = clamp8(bus.free - cycles, -1);
     bus.write_end = clamp8(bus.write_end - cycles, -2);
@@ -349,13 +336,20 @@ std::uint64_t Pipeline::hash() const {
     h *= 0xFF51AFD7ED558CCDu;
     h ^= h >> 32;
   };
-  mix(static_cast<std::uint8_t>(fetch_ready_) | std::uint64_t{static_cast<std::uint8_t>(read_entered_)} << 8 |
-      std::uint64_t{ready_} << 16);
-  for (auto ports : ports_) mix(ports);
-  for (const auto& bus : buses_)
-    mix(bus.busy ^ std::uint64_t{static_cast<std::uint8_t>(bus.free)} << 32 ^
-        std::uint64_t{static_cast<std::uint8_t>(bus.write_end)} << 40 ^
-        std::uint64_t{static_cast<std::uint8_t>(bus.read_end)} << 48 ^ std::uint64_t{bus.read_strobe1} << 56);
+  const auto mix_bytes = [&](const auto& bytes) {
+    std::uint64_t word = 0;
+    for (const std::int8_t byte : bytes) word = std::rotl(word, 8) ^ static_cast<std::uint8_t>(byte);
+    mix(word);
+  };
+  mix_bytes(std::array{fetch_ready_, read_entered_});
+  mix_bytes(ready_);
+  for (const Ports& ports : ports_)
+    for (const CycleSet& bits : ports.bits)
+      for (const std::uint64_t word : bits.words) mix(word);
+  for (const Bus& bus : buses_) {
+    for (const std::uint64_t word : bus.busy.words) mix(word);
+    mix_bytes(std::array{bus.free, bus.write_end, bus.read_end, std::int8_t{bus.read_strobe1}});
+  }
   return h;
 }
 

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "c40/pipeline/cycle_set.hpp"
 #include "c40/pipeline/pipeline_stages.hpp"
 #include "c40/pipeline/timing_parameters.hpp"
 #include "c40/values/types.hpp"
@@ -69,14 +70,14 @@ struct StepTiming {
 /// What still affects the next instructions, relative to T and normalised: equal futures have equal values.
 class Pipeline {
  public:
-  /// Cycles before T that can still matter, and the number of cycles from T on for which accesses can be known.
-  static constexpr int depth = 24, furthest = 64 - depth;
+  /// Cycles before T that can still matter, and the number of cycles from T on for which accesses can be known. Two
+  /// reads of one bus with the most wait states, behind a write with as many, take 99 cycles from the earliest fetch of
+  /// the next instruction to T.
+  static constexpr int depth = CycleSet::before, furthest = CycleSet::from;
   /// Advances by one instruction.
   StepTiming advance(const Demand& demand);
   /// Empties the pipeline at T (reset, interrupt entry); bus writes under way continue.
   void flush(int cycles);
-  /// `cycles` pass without an instruction (idle): everything under way completes.
-  void drain();
   /// The DMA uses a resource in the cycles [from, to), relative to T; later accesses fit around this.
   void take(Resource resource, int from, int to);
   /// An access of a completed instruction in [from, to), relative to T, is cancelled.
@@ -102,15 +103,23 @@ class Pipeline {
 
  private:
   struct Bus {
-    std::uint64_t busy = 0;  ///< cycles used by data, bit 0 is T - window
-    std::int8_t free = -1;   ///< first cycle after all data accesses
+    CycleSet busy;          ///< cycles used by data
+    std::int8_t free = -1;  ///< first cycle after all data accesses
     std::int8_t write_end = -2;
     std::int8_t read_end = -2;
     bool read_strobe1 = false;  ///< of the read that ended then
     friend bool operator==(const Bus&, const Bus&) = default;
   };
-  static constexpr int window = depth;
+  /// Accesses to a memory on the chip: 0 to 3 in each cycle, in two bits.
+  struct Ports {
+    std::array<CycleSet, 2> bits;
+    int in(int cycle) const { return int{bits[0].has(cycle)} + 2 * int{bits[1].has(cycle)}; }
+    void add(int cycle, int accesses);
+    friend bool operator==(const Ports&, const Ports&) = default;
+  };
   static constexpr std::size_t block_count = 3, bus_count = 3;  ///< RAM 0, RAM 1, ROM; local, global, peripheral
+  static constexpr std::size_t address_register_count = 13;     ///< AR0 to AR7, DP, IR0, IR1, BK, SP
+  static constexpr std::int8_t ready_long_ago = -128;
 
   int port_use(std::size_t block, int cycle) const;
   void mark(Resource resource, int from, int to, int change);
@@ -122,13 +131,19 @@ class Pipeline {
   void place_reads(const Demand& demand, Placed& at, StepTiming& out) const;
   void place_writes(const Demand& demand, Placed& at, StepTiming& out) const;
   static void charge(const Demand& demand, const Placed& at, StepTiming& out);
-  std::uint32_t ready_after(const Footprint& footprint, const Placed& at) const;
+  void move_readiness(const Footprint& footprint, const Placed& at);
+  void forget_before(int cycle);
   void move_on(const Demand& demand, const Placed& at);
 
   std::int8_t fetch_ready_ = -3;   ///< earliest fetch of the next instruction
   std::int8_t read_entered_ = -2;  ///< the cycle in which the last instruction left decode
-  std::uint32_t ready_ = 0;        ///< two bits per address register: stall of its use in the next instruction
-  std::array<std::uint64_t, block_count> ports_{};  ///< two bits per cycle and block, bit 0 is T - window
+  /// The first cycle in which the next instruction can use an address register in decode.
+  std::array<std::int8_t, address_register_count> ready_ = [] {
+    std::array<std::int8_t, address_register_count> never{};
+    never.fill(ready_long_ago);
+    return never;
+  }();
+  std::array<Ports, block_count> ports_{};
   std::array<Bus, bus_count> buses_{};
 };
 
