@@ -38,7 +38,9 @@ Engine::Stepped Engine::nothing_at(std::string_view access, Address address) {
 Cycles Engine::access_start(const Step& step, std::size_t access, PipelineId before) {
   Demand demand = step.demand();
   demand.count = static_cast<std::uint8_t>(access + 1);
-  const int start = pipelines_.transition(before, demand, packed(demand), step.word).timing.start[access];
+  // Other chips act between the accesses, and timers count: the second access is not before the first one.
+  const auto& starts = pipelines_.transition(before, demand, packed(demand), step.word).timing.start;
+  const int start = std::max(starts.front(), starts[access]);
   const Access& data = demand.data[access];
   // Registers on the chip answer a read at the end of the read stage, with their state in the execute stage, in which
   // they are written (fidelity.md).

@@ -28,6 +28,14 @@ void each_register(std::uint32_t mask, Visit visit) {
     visit(static_cast<std::size_t>(std::countr_zero(mask)));
 }
 
+/// The start of the first of the instruction's reads: with it begins R.
+std::optional<int> first_read(const Demand& demand, const StepTiming& timing) {
+  std::optional<int> first;
+  for (std::size_t i = 0; i < demand.count; ++i)
+    if (!demand.data[i].write) first = std::min(first.value_or(timing.start[i]), timing.start[i]);
+  return first;
+}
+
 std::int8_t clamp8(int value, int low) { return static_cast<std::int8_t>(std::clamp(value, low, 127)); }
 
 }  // namespace
@@ -95,8 +103,8 @@ StepTiming Pipeline::advance(const Demand& demand) {
   out.total = at.next;
   charge(demand, at, out);
   const auto stage = [](int cycle) { return static_cast<std::int16_t>(cycle); };
-  out.stages = {stage(at.fetch), stage(demand.fetched ? at.fetch_cycles : 0), stage(at.decode), stage(at.read),
-                stage(at.execute)};
+  out.stages = {stage(at.fetch), stage(demand.fetched ? at.fetch_cycles : 0), stage(at.decode),
+                stage(first_read(demand, out).value_or(at.read)), stage(at.execute)};
   move_on(demand, at);
   return out;
 }
@@ -125,25 +133,31 @@ void Pipeline::place_reads(const Demand& demand, Placed& at, StepTiming& out) co
     }
   at.read = a;
   at.read_end = {a, a, a};
-  for (std::size_t i = 0; i < demand.count; ++i) {
-    const Access& access = demand.data[i];
-    if (access.write) continue;
-    out.start[i] = a;
-    if (!on_bus(access.resource)) continue;
-    // The cycle that the bus needs between two accesses makes the read longer; other buses begin before it.
-    const std::size_t b = bus_of(access.resource);
-    const Bus& bus = buses_[b];
-    int& next = at.read_end[b];
-    const bool follows_read = next != a || a == bus.read_end;
-    if (next < bus.write_end + read_after_write(b))
-      next = bus.write_end + read_after_write(b);
-    else if (follows_read && access.strobe1 != (next != a ? at.last_strobe1[b] : bus.read_strobe1))
-      next += timing::strobe_switch_cycles;
-    at.last_strobe1[b] = access.strobe1;
-    out.start[i] = next;
-    next += 1 + access.waits;
-    if (next - a >= at.read_cycles) at.read_cycles = next - a, at.waits = std::max(at.waits, int{access.waits});
+  for (std::size_t i = 0; i < demand.count; ++i)
+    if (!demand.data[i].write) out.start[i] = on_bus(demand.data[i].resource) ? place_on_bus(demand.data[i], at) : a;
+}
+
+// The start of a read. The cycle that a bus needs between two accesses makes the read longer; reads of other buses
+// begin before it.
+int Pipeline::place_on_bus(const Access& read, Placed& at) const {
+  const std::size_t b = bus_of(read.resource);
+  const Bus& bus = buses_[b];
+  int& next = at.read_end[b];
+  const bool second = next != at.read;
+  const bool follows = second || next == bus.read_end;
+  const bool strobe1_before = second ? at.last_strobe1[b] : bus.read_strobe1;
+  if (next < bus.write_end + read_after_write(b))
+    next = bus.write_end + read_after_write(b);
+  else if (follows && read.strobe1 != strobe1_before)
+    next += timing::strobe_switch_cycles;
+  const int start = next;
+  next += 1 + read.waits;
+  at.last_strobe1[b] = read.strobe1;
+  if (next - at.read >= at.read_cycles) {
+    at.read_cycles = next - at.read;
+    at.waits = std::max(at.waits, int{read.waits});
   }
+  return start;
 }
 
 // Execute moves until all writes fit; only one write waits for a bus.

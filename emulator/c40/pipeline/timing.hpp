@@ -129,6 +129,7 @@ class Pipeline {
 
   struct Placed;
   void place_reads(const Demand& demand, Placed& at, StepTiming& out) const;
+  int place_on_bus(const Access& read, Placed& at) const;
   void place_writes(const Demand& demand, Placed& at, StepTiming& out) const;
   static void charge(const Demand& demand, const Placed& at, StepTiming& out);
   void move_readiness(const Footprint& footprint, const Placed& at);
