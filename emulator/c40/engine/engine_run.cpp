@@ -18,11 +18,8 @@ void Engine::pass(Cause cause, Cycles until) {
   add(state_.causes, cause, cycles);
   if (state_.held) stand_still(cycles);
   state_.cycle = until;
-  if (cycles >= Pipeline::furthest)
-    pipeline_.set(PipelineTable::drained);
-  else if (!pipeline_.is(PipelineTable::drained))
-    pipeline_.release().flush(static_cast<int>(cycles));  // a posted write may still be under way
-  dma_side_.flushed(static_cast<int>(std::min<Cycles>(cycles, Pipeline::furthest)));
+  pipeline_.flush(cycles);  // a posted write may still be under way
+  dma_side_.flushed(cycles);
 }
 
 // A held chip is frozen, its DMA and its timers with it. What it has done stays where it was in time.
@@ -248,7 +245,7 @@ bool Engine::take_interrupt(Word vector) {
                .pc = peek(top),
                .cycle = state_.cycle});
   onward_.clear();
-  pipeline_.release().flush(timing::interrupt_entry_cost + waits);
+  pipeline_.flush(timing::interrupt_entry_cost + waits);
   dma_side_.flushed(timing::interrupt_entry_cost + waits);
   if (peripherals_.dma_active()) dma_side_.mark_under_way();
   cache_.note_control(before);

@@ -373,11 +373,8 @@ std::optional<StepTiming> DmaSide::without_dma(const Demand& demand) {
   return timing;
 }
 
-void DmaSide::flushed(int cycles) {
-  if (!undisturbed_) return;
-  Pipeline alone = chip_.pipelines[*undisturbed_];
-  alone.flush(cycles);
-  undisturbed_ = chip_.pipelines.intern(alone);
+void DmaSide::flushed(Cycles cycles) {
+  if (undisturbed_) undisturbed_ = chip_.pipelines.flushed(*undisturbed_, cycles);
 }
 
 void DmaSide::charge(Cycles held) {

@@ -90,7 +90,7 @@ class DmaSide final : public DmaContext {
   /// After cycles in which the processor was stopped: the DMA continues what it has begun.
   void mark_under_way();
   /// The pipeline was flushed for so many cycles.
-  void flushed(int cycles);
+  void flushed(Cycles cycles);
   /// The pipeline was replaced: its state without the DMA is unknown.
   void forget_undisturbed() { undisturbed_.reset(); }
 

@@ -57,10 +57,22 @@ const Transition& PipelineTable::transition(PipelineId before, const Demand& dem
   return entry;
 }
 
+PipelineId PipelineTable::flushed(PipelineId before, Cycles cycles) {
+  if (cycles >= Pipeline::furthest) return drained;
+  Flush& entry = flushes_[(before * std::size_t{31} + static_cast<std::size_t>(cycles)) % flushes_.size()];
+  if (entry.before != before || entry.cycles != cycles) {
+    Pipeline pipeline = states_[before];
+    pipeline.flush(static_cast<int>(cycles));
+    entry = {before, cycles, intern(pipeline)};
+  }
+  return entry.after;
+}
+
 void PipelineTable::clear() {
   states_.clear();
   ids_.clear();
   full_ = false;
+  flushes_ = {};
   transitions_.assign(transitions_.size(), {});
   intern(Pipeline{});
 }

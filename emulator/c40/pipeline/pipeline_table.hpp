@@ -1,6 +1,7 @@
 #pragma once
 /// Numbered states of the pipeline, and for each the remembered results of the pipeline model. The model costs some
 /// hundred host instructions, and the same few transitions come again and again.
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <limits>
@@ -55,17 +56,26 @@ class PipelineTable {
   /// The transition of the instruction `word` with the demand `demand`; `bits` is the packed demand. The reference is
   /// valid until the next call.
   const Transition& transition(PipelineId before, const Demand& demand, std::uint64_t bits, Word word);
+  /// The state after `cycles` without an instruction.
+  PipelineId flushed(PipelineId before, Cycles cycles);
   /// There are so many states that clear() is needed to limit memory.
   bool full() const { return full_; }
   /// Drops all states; numbers start again.
   void clear();
 
  private:
+  struct Flush {
+    PipelineId before = 0;
+    Cycles cycles = -1;
+    PipelineId after = 0;
+  };
+
   void make_transitions(int bits);
 
   std::deque<Pipeline> states_;
   std::unordered_map<std::uint64_t, std::vector<PipelineId>> ids_;  ///< by hash
   std::vector<Transition> transitions_;                             ///< direct mapped by the upper bits of a hash
+  std::array<Flush, 64> flushes_{};                                 ///< the same, of `flushed`
   int hash_shift_ = 0;                                              ///< leaves as many of its bits as the table has
   bool full_ = false;
 };
@@ -83,6 +93,8 @@ class PipelineNow {
   const Pipeline& get() { return table_[id()]; }
   bool is(PipelineId id) const { return id_ == id; }
   void set(PipelineId id) { id_ = id; }
+  /// `cycles` pass without an instruction.
+  void flush(Cycles cycles) { id_ = table_.flushed(id(), cycles); }
   /// Brings `state` up to date.
   void settle() {
     if (id_ != unknown) state_ = table_[id_];
