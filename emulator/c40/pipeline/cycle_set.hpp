@@ -18,8 +18,10 @@ struct CycleSet {
     std::uint64_t& word = words[word_of(cycle)];
     word = in ? word | bit_of(cycle) : word & ~bit_of(cycle);
   }
+  bool empty() const { return (words[0] | words[1] | words[2]) == 0; }
   /// T advances by `cycles`, which is not negative.
   void advance(int cycles) {
+    if (empty()) return;  // as most are
     const auto whole = static_cast<std::size_t>(cycles / word_bits);
     const int rest = cycles % word_bits;
     for (std::size_t i = 0; i < words.size(); ++i) {
@@ -28,6 +30,7 @@ struct CycleSet {
     }
   }
   void forget_before(int cycle) {
+    if (empty()) return;
     const int gone = std::clamp(cycle + before, 0, before + from);
     for (std::size_t i = 0; i < words.size(); ++i) {
       const int here = gone - static_cast<int>(i) * word_bits;

@@ -357,11 +357,17 @@ std::uint64_t Pipeline::hash() const {
   };
   mix_bytes(std::array{fetch_ready_, read_entered_});
   mix_bytes(ready_);
+  std::uint64_t set = 0;
+  const auto mix_cycles = [&](const CycleSet& cycles) {
+    ++set;
+    if (cycles.empty()) return;
+    mix(set);
+    for (const std::uint64_t word : cycles.words) mix(word);
+  };
   for (const Ports& ports : ports_)
-    for (const CycleSet& bits : ports.bits)
-      for (const std::uint64_t word : bits.words) mix(word);
+    for (const CycleSet& bits : ports.bits) mix_cycles(bits);
   for (const Bus& bus : buses_) {
-    for (const std::uint64_t word : bus.busy.words) mix(word);
+    mix_cycles(bus.busy);
     mix_bytes(std::array{bus.free, bus.write_end, bus.read_end, std::int8_t{bus.read_strobe1}});
   }
   return h;
