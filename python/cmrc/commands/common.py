@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
-from cmrc import files
-from cmrc.commands import signals, streams
+from cmrc import files, signals
+from cmrc.commands import streams
 from cmrc.extras import needed
 from cmrc.simulation import ConfigError, Setting
 
