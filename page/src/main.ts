@@ -19,6 +19,13 @@ function the<T extends HTMLElement = HTMLElement>(id: string): T {
   return document.getElementById(id) as T;
 }
 
+const OPTIONS = ["rays", "ghost", "path"] as const;
+
+/** Pixels at the left of lanes and plots, for their names. */
+function gutter(): number {
+  return innerWidth < 700 ? 92 : 168;
+}
+
 class Page {
   private theme: Theme;
   readonly state: State;
@@ -27,7 +34,7 @@ class Page {
   private readonly lanes: LanePanel;
   private readonly plots: Plots;
   private readonly miss: MissPanel;
-  private left = 150;
+  private left = gutter();
   private last = 0;
   private hashAt = 0;
   private lastMiss = -1; // the run whose miss was chosen last
@@ -41,7 +48,6 @@ class Page {
     document.documentElement.dataset.theme = this.theme.dark ? "dark" : "light";
     this.state = new State(header.from_s, header.to_s);
     this.moments = momentsOf(recording);
-    this.left = innerWidth < 700 ? 92 : 168;
     this.lanes = new LanePanel(the("lanes"), recording, this.state, this.moments, this.theme);
     this.lanes.left = this.left;
     this.plots = new Plots(the("plots"), recording, this.state, this.theme, this.left);
@@ -103,7 +109,7 @@ class Page {
     click("theme", () => this.dress(this.theme.dark ? LIGHT : DARK));
     click("keys", () => this.help(the("help").hidden));
     click("home", () => this.dock?.goHome());
-    for (const option of ["rays", "ghost", "path"] as const) {
+    for (const option of OPTIONS) {
       const box = the<HTMLInputElement>(option);
       box.addEventListener("change", () => state.set(option, box.checked));
     }
@@ -286,7 +292,7 @@ class Page {
       the("play").setAttribute("aria-label", state.playing ? "Stop" : "Play");
     }
     if (part === "speed") the<HTMLSelectElement>("speed").value = String(state.speed);
-    if (part === "options") for (const option of ["rays", "ghost", "path"] as const) the<HTMLInputElement>(option).checked = state.options[option];
+    if (part === "options") for (const option of OPTIONS) the<HTMLInputElement>(option).checked = state.options[option];
     this.showNow();
     this.hashAt = 0;
   }
@@ -303,7 +309,7 @@ class Page {
   }
 
   private resize(): void {
-    const left = innerWidth < 700 ? 92 : 168;
+    const left = gutter();
     if (left !== this.left) this.lanes.left = this.left = left;
     this.plots.resize(left);
     this.lanes.invalidate();
