@@ -125,6 +125,7 @@ trajectory_crane_more:
         ldi     @TJ_SHAPED, r0
         callnz  shaper_ahead
 
+trajectory_crane_points:
         ldf     @TJ_PERIOD, r0                  ; points: ceil(total / period), at least one
         call    m_reciprocal
         mpyf    @TJ_TOTAL, r0
