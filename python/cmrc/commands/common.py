@@ -53,7 +53,7 @@ def command(
 
 def status_of(name: str, do: Callable[[argparse.Namespace], int], given: argparse.Namespace) -> int:
     """Bad input becomes a message and status 2, a failure of the work or of a write a message and status 1."""
-    from cmrc.sweeps.grid import GridError
+    from cmrc.sweeps.ranges import GridError
     from cmrc.sweeps.store import SweepError
 
     try:
