@@ -1,7 +1,7 @@
 // The lanes: events, DSPs, deadlines and buses over one time axis.
 import { during, jobsByKind, met, missesOf, type Jobs } from "../data/jobs";
 import { Pyramid, segmentAt } from "../data/lanes";
-import { before, OUTCOMES, WAITS, type Lane, type Recording } from "../data/recording";
+import { before, WAITS, type Lane, type Recording } from "../data/recording";
 import * as words from "../data/words";
 import { GROUPS, groupsOf, OKABE_ITO, type Theme } from "../ui/colours";
 import type { Moment } from "../ui/events";
@@ -200,7 +200,7 @@ export class LanePanel {
   private outcomes(jobs: Jobs, first: number, last: number): string {
     const { runs } = this.recording, counts = new Map<string, number>();
     for (let i = first; i <= last; ++i) {
-      const run = jobs.run[i], what = met(runs, run) ? "met" : Number.isNaN(runs.deadline[run]) ? "without a deadline" : OUTCOMES[runs.outcome[run]];
+      const run = jobs.run[i], what = met(runs, run) ? "met" : Number.isNaN(runs.deadline[run]) ? "without a deadline" : runs.outcomes[runs.outcome[run]];
       counts.set(what, (counts.get(what) ?? 0) + 1);
     }
     const all = last - first + 1;
