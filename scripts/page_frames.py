@@ -80,7 +80,7 @@ def main() -> None:
                         middle, most = frames[len(frames) // 2], frames[int(len(frames) * 0.95)]
                         print(
                             f"  {width} x {height}, {name}: script {middle:.1f} ms, 95 % of frames {most:.1f} ms, "
-                            f"main thread {thread:.1f} ms a frame; {rate:.0f} frames/s at {tab.page.evaluate('page.resolution'):.2f} "
+                            f"main thread {thread:.1f} ms a frame; {rate:.0f} frames/s at {tab.page.evaluate('page.dock.resolution'):.2f} "
                             "of the dots"
                         )
     print(f"load of the machine: {os.getloadavg()[0]:.1f}")

@@ -146,11 +146,6 @@ class Library:
         return extended_to_float(self.chip.registers[register])
 
 
-def signed(word: int, bits: int = 32) -> int:
-    word &= (1 << bits) - 1
-    return word - (1 << bits) if word >> bits - 1 else word
-
-
 def single(value: float) -> float:
     """The nearest of 24 bits."""
     return float(struct.unpack("f", struct.pack("f", value))[0])

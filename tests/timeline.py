@@ -33,7 +33,6 @@ class Instant:
     track: int
     name: str
     at: int  # ps
-    at_ns: int
     notes: dict[str, Any]
     flows: list[int]
     ended_flows: list[int]
@@ -164,7 +163,7 @@ def _draw(timeline: Timeline, raw: list[tuple[int, int, int, Any, _Sequence]]) -
             assert exact // 1000 == at
             inside = stack[-1] if stack else None
             timeline.instants.append(
-                Instant(track, name, exact, at, notes, list(event.flow_ids), list(event.terminating_flow_ids), inside)
+                Instant(track, name, exact, notes, list(event.flow_ids), list(event.terminating_flow_ids), inside)
             )
     assert not any(open_slices.values()), "a slice has no end"
     for drawn_slices in timeline.slices.values():

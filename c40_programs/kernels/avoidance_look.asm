@@ -45,11 +45,12 @@ AV_WAIT         .set SCRATCH + 127      ; i AG_AVOID_WAIT
 AV_PLACE        .set SCRATCH + 204      ; f m, AG_AVOID_PLACE
 AV_FLANK        .set SCRATCH + 206      ; f m, AG_AVOID_BESIDE
 AV_SEEN         .set SCRATCH + 205      ; f m, from the front to what blocks the way near the front, straight ahead
+AV_SECTORS_MOST .set 72
 AV_MINIMA       .set SCRATCH + 208      ; per sector: mm to the nearest echo less 1 (FFFFFFFFh: none), its ray
-AV_POINTS       .set SCRATCH + 352      ; per echo AV_POINT_WORDS: range, x, y, along from the vehicle's middle,
+AV_POINTS       .set AV_MINIMA + 2 * AV_SECTORS_MOST
+                                        ; per echo AV_POINT_WORDS: range, x, y, along from the vehicle's middle,
                                         ; lateral, sector, swing
 AV_POINT_WORDS  .set 7
-AV_SECTORS_MOST .set 72
 AV_NEAR         .set AV_MINIMA          ; i x16 addresses of points, once the minima have become points: the nearest of
                                         ; each four sectors
 AV_NOW          .set AV_MINIMA              ; when the decision is made, this look: i AV_COUNT + 1, f x2 m along the leg

@@ -12,6 +12,9 @@
 #include "machine/system/scripted_events.hpp"
 #include "page/columns.hpp"
 #include "report/event.hpp"
+#include "report/task_account.hpp"
+#include "report/why_late.hpp"
+#include "state/enumerators.hpp"
 
 namespace page {
 namespace {
@@ -40,6 +43,15 @@ std::vector<std::int64_t> values_of(const Rows& rows, Value value) {
 }
 
 Time end_of(const cmrc::Simulation& simulation) { return report::from_seconds(simulation.config().run.duration_s); }
+
+/// By number, as the columns have them.
+template <class Enum>
+std::vector<std::string> names() {
+  std::vector<std::string> all;
+  for (std::size_t value = 0; value < state::enumerator_count<Enum>(); ++value)
+    all.push_back(name(static_cast<Enum>(value)));
+  return all;
+}
 
 }  // namespace
 
@@ -244,6 +256,8 @@ std::string Recorder::recording(const report::RunReport& report, const std::stri
       {"slots", simulation_.machine().slots()},
       {"cycle_s", report::seconds(clock.at(1'000'000'000) - clock.at(0)) / 1e9},
       {"kinds", cmrc::job_kinds(simulation_.config().tasks)},
+      {"outcomes", names<report::Outcome>()},
+      {"ends", names<report::Run::End>()},
       {"bus_slice_s", report::seconds(bus_slice_)},
       {"stretches_left_out", left_out_},
       {"lanes_until_s", lanes_until_ == Time::max() ? nlohmann::json() : nlohmann::json(report::seconds(lanes_until_))},

@@ -7,7 +7,9 @@ import { Samples } from "./scene/samples";
 import { DARK, LIGHT, type Theme } from "./ui/colours";
 import { momentsOf } from "./ui/events";
 import * as gestures from "./ui/gestures";
+import { head } from "./ui/head";
 import { help } from "./ui/help";
+import { hint } from "./ui/hint";
 import { keys } from "./ui/keys";
 import * as link from "./ui/link";
 import { MissPanel } from "./ui/miss";
@@ -19,6 +21,13 @@ function the<T extends HTMLElement = HTMLElement>(id: string): T {
   return document.getElementById(id) as T;
 }
 
+const OPTIONS = ["rays", "ghost", "path"] as const;
+
+/** Pixels at the left of lanes and plots, for their names. */
+function gutter(): number {
+  return innerWidth < 700 ? 92 : 168;
+}
+
 class Page {
   private theme: Theme;
   readonly state: State;
@@ -27,12 +36,12 @@ class Page {
   private readonly lanes: LanePanel;
   private readonly plots: Plots;
   private readonly miss: MissPanel;
-  private left = 150;
+  private left = gutter();
   private last = 0;
   private hashAt = 0;
   private lastMiss = -1; // the run whose miss was chosen last
   private focused: HTMLElement | null = null; // what had the focus before a panel took it
-  /** ms of script by frame, for tests. */
+  /** ms of script by frame (scripts/page_frames.py). */
   readonly frames: number[] = [];
 
   constructor(readonly recording: Recording) {
@@ -41,13 +50,14 @@ class Page {
     document.documentElement.dataset.theme = this.theme.dark ? "dark" : "light";
     this.state = new State(header.from_s, header.to_s);
     this.moments = momentsOf(recording);
-    this.left = innerWidth < 700 ? 92 : 168;
     this.lanes = new LanePanel(the("lanes"), recording, this.state, this.moments, this.theme);
     this.lanes.left = this.left;
     this.plots = new Plots(the("plots"), recording, this.state, this.theme, this.left);
     this.miss = new MissPanel(the("miss"), recording, this.state, (time) => this.goTo(time));
     this.dock = this.makeDock();
-    this.describe();
+    const misses = this.lanes.misses.run.length;
+    head(the("title"), the("facts"), recording, misses);
+    the<HTMLButtonElement>("previous").disabled = the<HTMLButtonElement>("next").disabled = misses === 0;
     this.connect();
     this.follow(location.hash);
     this.resize();
@@ -68,28 +78,6 @@ class Page {
     }
   }
 
-  private describe(): void {
-    const { header, report } = this.recording;
-    the("title").textContent = document.title = words.plain(header.title);
-    const misses = Object.values(report.tasks).reduce((sum, task) => sum + task.misses, 0), shown = this.lanes.misses.run.length;
-    const facts = the("facts"), bold = (text: string): HTMLElement => Object.assign(document.createElement("b"), { textContent: text });
-    facts.textContent = "";
-    if (report.stop_reason !== "completed")
-      facts.append(bold(`ended at ${words.duration(report.simulated_s)} of ${words.duration(Number(report.configuration["run.duration_s"]))}: ${words.stop(report.stop_reason)}`), " · ");
-    facts.append(misses ? bold(`${misses} deadline${misses === 1 ? "" : "s"} missed`) : "no deadline missed");
-    if (shown !== misses) facts.append(`, ${shown} of them on this page`);
-    if (report.errors) {
-      const { load_m: load, window_s: [from, to] } = report.errors, longer = from < header.from_s || to > header.to_s + 1e-9;
-      facts.append(` · load ${words.length(load.rms)} RMS from the ideal run, ${words.length(load.peak)} at most${longer ? `, from ${words.duration(from)} to ${words.duration(to)}` : ""}`);
-    }
-    if (header.lanes_until_s !== null) facts.append(` · DSPs recorded until ${words.instant(header.lanes_until_s)}`);
-    facts.append(` · hash ${report.hash.slice(0, 12)}`);
-    facts.title = facts.textContent ?? "";
-    the<HTMLButtonElement>("previous").disabled = the<HTMLButtonElement>("next").disabled = this.lanes.misses.run.length === 0;
-    const speed = the<HTMLSelectElement>("speed");
-    for (const one of SPEEDS) speed.append(new Option(one < 1 ? `1/${Math.round(1 / one)}` : String(one), String(one), false, one === 1));
-  }
-
   private connect(): void {
     const { state } = this;
     const click = (id: string, what: () => void): void => the(id).addEventListener("click", what);
@@ -103,11 +91,13 @@ class Page {
     click("theme", () => this.dress(this.theme.dark ? LIGHT : DARK));
     click("keys", () => this.help(the("help").hidden));
     click("home", () => this.dock?.goHome());
-    for (const option of ["rays", "ghost", "path"] as const) {
+    for (const option of OPTIONS) {
       const box = the<HTMLInputElement>(option);
       box.addEventListener("change", () => state.set(option, box.checked));
     }
-    the<HTMLSelectElement>("speed").addEventListener("change", (event) => state.setSpeed(Number((event.target as HTMLSelectElement).value)));
+    const speed = the<HTMLSelectElement>("speed");
+    for (const one of SPEEDS) speed.append(new Option(one < 1 ? `1/${Math.round(1 / one)}` : String(one), String(one), false, one === 1));
+    speed.addEventListener("change", () => state.setSpeed(Number(speed.value)));
     const slider = the<HTMLInputElement>("slider");
     slider.addEventListener("input", () => {
       state.seek(state.begin + (Number(slider.value) / 100_000) * (state.end - state.begin));
@@ -147,16 +137,16 @@ class Page {
         state.choose(run);
         this.enter(the("miss"));
       },
-      hover: (x, y, coarse) => this.hint(lanes.explain(x, y, coarse) ?? plots.explain(lanes.timeAt(x), y), x, y),
-      leave: () => this.hint(null, 0, 0),
+      hover: (x, y, coarse) => hint(the("hint"), lanes.explain(x, y, coarse) ?? plots.explain(lanes.timeAt(x), y), x, y),
+      leave: () => hint(the("hint"), null, 0, 0),
     });
   }
 
   private connectDock(): void {
     const { dock } = this;
     if (!dock) return;
-    dock.canvas.addEventListener("pointermove", (event) => this.hint(event.buttons === 0 ? dock.explain(event.clientX, event.clientY) : null, event.clientX, event.clientY));
-    dock.canvas.addEventListener("pointerleave", () => this.hint(null, 0, 0));
+    dock.canvas.addEventListener("pointermove", (event) => hint(the("hint"), event.buttons === 0 ? dock.explain(event.clientX, event.clientY) : null, event.clientX, event.clientY));
+    dock.canvas.addEventListener("pointerleave", () => hint(the("hint"), null, 0, 0));
     dock.canvas.addEventListener("webglcontextlost", (event) => {
       event.preventDefault();
       the("wait").textContent = "The browser has taken WebGL away; the dock comes back with it.";
@@ -228,16 +218,6 @@ class Page {
     note.hidden = text === "";
   }
 
-  private hint(lines: string[] | null, x: number, y: number): void {
-    const hint = the("hint");
-    hint.hidden = !lines?.length;
-    if (!lines?.length) return;
-    hint.replaceChildren(...lines.map((line) => Object.assign(document.createElement("div"), { textContent: line })));
-    const { width, height } = hint.getBoundingClientRect();
-    hint.style.left = `${Math.max(4, Math.min(innerWidth - width - 4, x + 14))}px`;
-    hint.style.top = `${y + 18 + height > innerHeight ? Math.max(4, y - height - 12) : y + 18}px`;
-  }
-
   private help(open: boolean): void {
     const host = the("help");
     if (!open) this.leave(host);
@@ -286,7 +266,7 @@ class Page {
       the("play").setAttribute("aria-label", state.playing ? "Stop" : "Play");
     }
     if (part === "speed") the<HTMLSelectElement>("speed").value = String(state.speed);
-    if (part === "options") for (const option of ["rays", "ghost", "path"] as const) the<HTMLInputElement>(option).checked = state.options[option];
+    if (part === "options") for (const option of OPTIONS) the<HTMLInputElement>(option).checked = state.options[option];
     this.showNow();
     this.hashAt = 0;
   }
@@ -303,7 +283,7 @@ class Page {
   }
 
   private resize(): void {
-    const left = innerWidth < 700 ? 92 : 168;
+    const left = gutter();
     if (left !== this.left) this.lanes.left = this.left = left;
     this.plots.resize(left);
     this.lanes.invalidate();
@@ -347,39 +327,6 @@ class Page {
     } catch {
       // A browser may forbid it to a page from a file.
     }
-  }
-
-  // ---- for tests and the curious
-
-  /** Where an instant of a lane's row is on the screen. */
-  placeOf(row: string, time: number): [number, number] {
-    return this.lanes.placeOf(row, time);
-  }
-
-  missName(): string | null {
-    return this.state.miss >= 0 ? this.miss.id(this.state.miss) : null;
-  }
-
-  eye(): number[] {
-    return this.dock?.eye ?? [];
-  }
-
-  explainDock(x: number, y: number): string[] | null {
-    return this.dock?.explain(x, y) ?? null;
-  }
-
-  /** Colours of the dock's picture at shares of its width and height. */
-  sample(places: [number, number][]): number[][] {
-    const picture = this.dock?.picture();
-    if (!picture) return [];
-    const copy = Object.assign(document.createElement("canvas"), { width: picture.width, height: picture.height });
-    const context = copy.getContext("2d")!;
-    context.drawImage(picture, 0, 0);
-    return places.map(([x, y]) => [...context.getImageData(Math.floor(x * picture.width), Math.floor(y * picture.height), 1, 1).data]);
-  }
-
-  get resolution(): number {
-    return this.dock?.resolution ?? 0;
   }
 }
 

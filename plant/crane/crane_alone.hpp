@@ -15,7 +15,7 @@ struct CraneAloneConfig {
   CranePose home = {0.0, 12.0, 16.0, 14.0, 0.0};
   Payload load = {0.0, 0.0};  // in addition to the spreader: kg, kg m2
   bool rigid = false;         // level L0
-  double tolerance = 1e-6;    // with order 4 a hundredth of an encoder count (docs/plant.md, From Python)
+  double tolerance = 1e-6;    // with order 4 a hundredth of an encoder count (docs/plant-python.md)
   Method method = Method::erk;
   int order = 4;             // of ERKStep, 3 to 5
   bool bookkeeping = false;  // State::work is computed: more states to integrate, so different bits

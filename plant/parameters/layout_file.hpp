@@ -1,5 +1,5 @@
 #pragma once
-// A dock's layout as TOML (docs/plant.md, Your own layout).
+// A dock's layout as TOML (docs/layout.md).
 #include <stdexcept>
 #include <string>
 #include <string_view>

@@ -13,7 +13,7 @@ namespace {
 void bind_docks(py::module_& m) {
   {
     using P = Layout;
-    py::class_<P>(m, "Layout", "What is where on the dock, m and rad (docs/plant.md, Your own layout).")
+    py::class_<P>(m, "Layout", "What is where on the dock, m and rad (docs/layout.md).")
         .def(py::init<>()) FIELD(deck) FIELD(rows) FIELD(scan_x0) FIELD(scan_dx) FIELD(containers) FIELD(container_mass)
             FIELD(ship) FIELD(no_go) FIELD(movers) FIELD(spot) FIELD(warehouse) FIELD(warehouse_radius)
                 FIELD(warehouse_take) FIELD(slot_spacing) FIELD(legs);

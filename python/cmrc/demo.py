@@ -11,8 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from cmrc import files
-from cmrc.commands import signals
+from cmrc import files, signals
 from cmrc.result import Result
 from cmrc.simulation import Setting, Simulation
 

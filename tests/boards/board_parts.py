@@ -6,24 +6,9 @@ import json
 from pathlib import Path
 from typing import Any
 
+from bench_board import HEAD
 from cmrc import c40
 
-HEAD = """
-name = "bench"
-
-[[region]]
-name = "RAM"
-base = 0x300000
-words = 0x10000
-bus = "local"
-
-[[region]]
-name = "devices"
-kind = "window"
-base = 0xA0000000
-words = 0x10000
-bus = "global"
-"""
 # AR1 the vector table, AR2 the devices; R2 counts interrupts.
 START = """
         .text

@@ -12,6 +12,23 @@ DATA = 0x2FF800  # on-chip block 0
 REGISTERS = [f"R{n}" for n in range(12)] + [f"AR{n}" for n in range(8)]
 REGISTERS += ["DP", "IR0", "IR1", "BK", "SP", "ST", "DIE", "IIE", "IIF", "RS", "RE", "RC"]
 RAM = (DATA, 0x800)
+NESTED_BLOCKS = """
+ ldi 2,rc
+ rptb outer
+ push st
+ push rs
+ push re
+ push rc
+ ldi 4,rc
+ rptb inner
+inner: addi 1,r0
+ pop rc
+ pop re
+ pop rs
+ pop st
+ nop
+outer: addi 1,r1"""
+"""R0 counts 15 passes of the inner block, R1 3 of the outer one; it saves ST, RS, RE and RC."""
 
 
 def load(text: str, board: str = "default", at: int = CODE, sections: dict[str, int] | None = None) -> tuple[Any, Any]:

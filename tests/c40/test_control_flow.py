@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import pytest
+import small_programs
 from on_chip_code import CODE, DATA, STACK, TRAPS, processor
 
 
@@ -296,22 +297,7 @@ REPEATS = [
     Case("a loop around a block", "ldi 2,ar5\nouter: ldi 3,rc\n rptb last\nlast: addi 1,r0\n db ar5,outer", {"R0": 12}),
     Case(
         "blocks nested with ST, RS, RE and RC saved",
-        """
- ldi 2,rc
- rptb outer
- push st
- push rs
- push re
- push rc
- ldi 4,rc
- rptb inner
-inner: addi 1,r0
- pop rc
- pop re
- pop rs
- pop st
- nop
-outer: addi 1,r1""",
+        small_programs.NESTED_BLOCKS,
         {"R0": 15, "R1": 3, "SP": STACK},
     ),
     Case(

@@ -10,7 +10,6 @@ import small_programs
 GMICR, LMICR = 0x100000, 0x100004
 LOCAL, SLOW, GLOBAL = 0x300000, 0x40000000, 0x80000000
 ON_CHIP = 0x2FF900
-READY_PIN = 0x1DEA4000  # both strobes wait for RDY alone; STRB0 is the lower half
 
 
 def fields(**values: int) -> int:

@@ -5,6 +5,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+import small_programs
 from cmrc import c40
 from locations import BUILD, ROOT
 
@@ -94,23 +95,7 @@ def test_each_place_is_reported_once_and_counted() -> None:
 
 
 GOOD = {
-    "nested blocks with all four saved": """
- ldi 2,rc
- rptb outer
- push st
- push rs
- push re
- push rc
- ldi 4,rc
- rptb inner
-inner: addi 1,r0
- pop rc
- pop re
- pop rs
- pop st
- nop
-outer: addi 1,r1
-stop: b stop""",
+    "nested blocks with all four saved": small_programs.NESTED_BLOCKS + "\nstop: b stop",
     "an annulled interlocked store before a load": " buat x\n nop\n nop\n stii r0,*ar0\nx: ldii *ar0,r1\n stii r1,*ar0\nstop: b stop",
     "an interlocked store before an annulled load": " stii r0,*ar0\n buat x\n ldii *ar0,r1\n nop\n nop\nx: nop\nstop: b stop",
     "a circular step in a slot that gets no address": " ldi 8,bk\n buat x\n nop\n nop\n ldi *ar0++(9)%,r0\nx: nop\nstop: b stop",

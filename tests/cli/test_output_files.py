@@ -13,6 +13,7 @@ import time
 from pathlib import Path
 
 import pytest
+from bench_board import HEAD
 from locations import BUILD, ROOT
 
 EMULATOR = BUILD / "bin" / "emulator"
@@ -102,22 +103,15 @@ _start: ldhi 0010h,ar0
         sti r0,*ar1         ; the console
         idle
 """
-WITH_CONSOLE = """[[region]]
-name = "RAM"
-base = 0x300000
-words = 0x10000
-bus = "local"
-[[region]]
-name = "devices"
-kind = "window"
-base = 0xA0000000
-words = 0x10000
-bus = "global"
+WITH_CONSOLE = (
+    HEAD
+    + """
 [[device]]
 name = "d"
 kind = "console"
 base = 0xA0000000
 """
+)
 TALKING = """[[chip]]
 program = "talks.asm"
 board = "b.toml"

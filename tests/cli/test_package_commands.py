@@ -12,7 +12,7 @@ from cmrc.__main__ import main
     (["sweep"], "cmrc sweep: the following arguments are required: FILE.toml (cmrc sweep --help lists options)"),
     (["sweep", "g.toml", "--workers", "x"], "cmrc sweep: argument --workers: invalid int value: 'x' (cmrc sweep --help"),
     (["swep"], "cmrc: argument command: invalid choice: 'swep' (choose from "),
-    ([], "cmrc: a command is expected: page, replay, events, demo, sweep, search, limits, compare, diff (cmrc --help lists options)"),
+    ([], "cmrc: a command is expected: page, events, demo, sweep, search, limits, compare, diff (cmrc --help lists options)"),
 ])  # fmt: skip
 def test_a_wrong_argument(given: list[str], says: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:

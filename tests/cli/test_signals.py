@@ -397,7 +397,7 @@ def test_a_signal_that_is_ignored_at_the_start_stays_ignored(folder: Path, numbe
 
 TWO_AT_ONCE = """
 import signal
-from cmrc.commands.signals import raised
+from cmrc.signals import raised
 both = [signal.SIGINT, signal.SIGTERM]
 for number in both:
     signal.signal(number, signal.SIG_DFL)  # in a job in the background SIGINT is ignored

@@ -21,6 +21,10 @@ def run(events: list[dict[str, Any]], **settings: Any) -> Report:
     return report
 
 
+def misses(report: Report) -> int:
+    return sum(task["misses"] for task in report["tasks"].values())
+
+
 def programs_with(directory: Path, kernel: str, entry: str) -> str:
     """A copy of the DSP programs in which `entry` of the file `kernel` branches to itself."""
     shutil.copytree(ROOT / "c40_programs", directory / "programs")

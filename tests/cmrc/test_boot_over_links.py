@@ -5,6 +5,7 @@ import json
 from typing import Any
 
 import pytest
+from audited_run import misses
 from cmrc import _core
 
 cmrc = _core.cmrc
@@ -27,10 +28,6 @@ def run(events: list[tuple[float, str, int]] | None = None, **settings: Any) -> 
 
 def failures(report: Report) -> list[tuple[str, int | None]]:
     return [(failure["kind"], failure["dsp"]) for failure in report["failures"]]
-
-
-def misses(report: Report) -> int:
-    return sum(task["misses"] for task in report["tasks"].values())
 
 
 @pytest.mark.parametrize("dsps", [1, 4, 16])

@@ -1,5 +1,5 @@
 """Layouts in which the controller cannot do its job are refused, with the place and what would be right
-(docs/plant.md, Your own layout)."""
+(docs/layout.md)."""
 
 from pathlib import Path
 from typing import Any

@@ -1,5 +1,5 @@
 """The speed that the refusal of a layout names is the one at which the plant's joint turns on that way
-(docs/plant.md, Your own layout)."""
+(docs/layout.md)."""
 
 from pathlib import Path
 

@@ -8,15 +8,9 @@ from pathlib import Path
 
 import kept_docks
 import pytest
-from files_of_docks import files_of_users
 
 DOCKS = kept_docks.kept()
 PER_FILE = 12
-
-
-@pytest.fixture(scope="module")
-def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return files_of_users(tmp_path_factory.mktemp("programs"))
 
 
 @pytest.mark.golden

@@ -4,19 +4,14 @@ report."""
 from pathlib import Path
 
 import pytest
-from own_dsp_run import FIRST, MS, Run, programs_in, row
+from own_dsp_run import FIRST, MS, Run, row
 
 
-@pytest.fixture(scope="module")
-def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return programs_in(tmp_path_factory.mktemp("own") / "programs")
-
-
-def test_what_is_for_a_dsp_that_fails_waits_and_says_so(tmp_path: Path, programs: Path) -> None:
+def test_what_is_for_a_dsp_that_fails_waits_and_says_so(tmp_path: Path, own_programs: Path) -> None:
     rows = [row("own", 1), row("anybody", None)]
     run = Run(
         tmp_path,
-        programs,
+        own_programs,
         rows,
         "--dsps",
         "3",
@@ -35,13 +30,13 @@ def test_what_is_for_a_dsp_that_fails_waits_and_says_so(tmp_path: Path, programs
     assert run.chains >= 1
 
 
-def test_the_watchdogs_second_try_is_for_the_same_dsp(tmp_path: Path, programs: Path) -> None:
+def test_the_watchdogs_second_try_is_for_the_same_dsp(tmp_path: Path, own_programs: Path) -> None:
     """It hangs in its own block: put back, passed by all others, and run by the same DSP after its reset."""
     rows = [row("own", 1, argument=25_000)]
     instant = 0.1002
     run = Run(
         tmp_path,
-        programs,
+        own_programs,
         rows,
         "--dsps",
         "3",
@@ -68,10 +63,10 @@ def test_the_watchdogs_second_try_is_for_the_same_dsp(tmp_path: Path, programs: 
     )
 
 
-def test_a_board_that_is_pulled_and_put_in_again_finds_its_block(tmp_path: Path, programs: Path) -> None:
+def test_a_board_that_is_pulled_and_put_in_again_finds_its_block(tmp_path: Path, own_programs: Path) -> None:
     events = [{"at_s": 0.0511, "action": "unplug", "dsp": 1}, {"at_s": 0.1033, "action": "plug", "dsp": 1}]
     run = Run(
-        tmp_path, programs, [row("own", 1), row("anybody", None)], "--dsps", "2", "--duration", "0.2", events=events
+        tmp_path, own_programs, [row("own", 1), row("anybody", None)], "--dsps", "2", "--duration", "0.2", events=events
     )
     times = [time for time, _ in run.claims("own")]
     assert not [time for time in times if 51.1 * MS < time < 103.3 * MS]
@@ -81,17 +76,17 @@ def test_a_board_that_is_pulled_and_put_in_again_finds_its_block(tmp_path: Path,
     assert len(late) == 1 and 40 * MS < late[0]["parts_ps"]["own_dsp_out"] < 53 * MS
 
 
-def test_a_slot_that_is_empty_from_the_start(tmp_path: Path, programs: Path) -> None:
+def test_a_slot_that_is_empty_from_the_start(tmp_path: Path, own_programs: Path) -> None:
     """The servo and other tasks work as if the block were not there."""
     options = ["--dsps", "2", "--duration", "0.2", "--set", "machine.slots=3"]
-    run = Run(tmp_path, programs, [row("own", 2), row("anybody", None)], *options)
+    run = Run(tmp_path, own_programs, [row("own", 2), row("anybody", None)], *options)
     assert run.claims("own") == [] and run.task("own")["never_started"] == run.task("own")["misses"] == 1
     (miss,) = [miss for miss in run.report["misses"] if miss["kind"] == "user.own"]
     assert miss["parts_ps"]["own_dsp_out"] > 190 * MS
     assert run.report["tasks"]["pid"]["misses"] == 0 and run.task("anybody")["misses"] == 0
     filled = Run(
         tmp_path,
-        programs,
+        own_programs,
         [row("own", 2), row("anybody", None)],
         *options,
         events=[{"at_s": 0.1, "action": "plug", "dsp": 2}],
@@ -99,12 +94,12 @@ def test_a_slot_that_is_empty_from_the_start(tmp_path: Path, programs: Path) -> 
     assert len(filled.claims("own")) >= 19 and {slot for _, slot in filled.claims("own")} == {2}
 
 
-def test_a_block_that_waits_for_ever_holds_back_no_long_ones(tmp_path: Path, programs: Path) -> None:
+def test_a_block_that_waits_for_ever_holds_back_no_long_ones(tmp_path: Path, own_programs: Path) -> None:
     """scheduling.long_blocks_max counts only blocks that any DSP may run."""
     rows = [row("own", 2, argument=100_000), row("long", None, argument=40_000, importance=0x6000)]
     run = Run(
         tmp_path,
-        programs,
+        own_programs,
         rows,
         "--dsps",
         "2",
@@ -122,7 +117,7 @@ def test_a_block_that_waits_for_ever_holds_back_no_long_ones(tmp_path: Path, pro
 
 
 @pytest.mark.parametrize("policy", ["doorbell", "spin"])
-def test_failures_in_the_middle_of_claims(tmp_path: Path, programs: Path, policy: str) -> None:
+def test_failures_in_the_middle_of_claims(tmp_path: Path, own_programs: Path, policy: str) -> None:
     """Resets at instants that are spread over the claims of busy DSPs; every replay and the audit hold."""
     rows = [
         row("own", 1, period_ms=1, argument=5000, deadline_ms=1),
@@ -138,21 +133,21 @@ def test_failures_in_the_middle_of_claims(tmp_path: Path, programs: Path, policy
         for n in range(20)
     ]
     options = ["--dsps", "3", "--duration", "0.2", *(["--idle-policy", policy] if policy != "doorbell" else [])]
-    run = Run(tmp_path, programs, rows, *options, events=events)
+    run = Run(tmp_path, own_programs, rows, *options, events=events)
     assert {slot for _, slot in run.claims("own")} == {1} and {slot for _, slot in run.claims("other")} == {0}
     assert len(run.claims("own")) > 50
 
 
-def test_a_dsp_that_dies_with_the_list_in_its_hands(tmp_path: Path, programs: Path) -> None:
+def test_a_dsp_that_dies_with_the_list_in_its_hands(tmp_path: Path, own_programs: Path) -> None:
     """DSP 1 freezes between the write of 0Fh and the release of the list: the host frees it and finds every block."""
     rows = [row("own", 1), row("other", 0), row("anybody", None)]
-    sound = Run(tmp_path, programs, rows, "--dsps", "3", "--duration", "0.1")
+    sound = Run(tmp_path, own_programs, rows, "--dsps", "3", "--duration", "0.1")
     claim = next(time for time, _ in sound.claims("own") if time > 50 * MS)
     for after_ns in (50, 150, 300, 600):
         at_s = round(claim * 1e-12 + after_ns * 1e-9, 10)
         run = Run(
             tmp_path,
-            programs,
+            own_programs,
             rows,
             "--dsps",
             "3",

@@ -62,10 +62,6 @@ def larger(name: str) -> float:
     return float(value if value <= key["maximum"] else key["default"] * 0.9)
 
 
-def machine_of(name: str) -> str:
-    return name.split(".")[0] if name.split(".")[0] in ("slewing", "gantry") else "slewing"
-
-
 # What has no key of its own name. Of either machine: the other one's geometry.
 ELSEWHERE = {"landing.guide_window": "dock.capture_window_m"}
 NOT_OF_A_GANTRY = {

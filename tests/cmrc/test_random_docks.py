@@ -16,15 +16,9 @@ from typing import Any
 import dock_checks
 import pytest
 import random_docks
-from files_of_docks import files_of_users
 from random_docks import Dock, Generator
 
 SEEDS, BY_COMMAND, PER_TEST = 200, 40, 10
-
-
-@pytest.fixture(scope="module")
-def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return files_of_users(tmp_path_factory.mktemp("programs"))
 
 
 @pytest.mark.parametrize("first", range(0, SEEDS, PER_TEST))

@@ -17,18 +17,12 @@ import dock_checks
 import pytest
 import random_docks
 from cmrc import _core
-from files_of_docks import files_of_users
 from locations import BUILD
 from random_docks import Dock, Generator
 
 cmrc = _core.cmrc
 SEEDS, IN_SUITE, PER_TEST = 40, 4, 4
 Report = dict[str, Any]
-
-
-@pytest.fixture(scope="module")
-def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return files_of_users(tmp_path_factory.mktemp("programs"))
 
 
 def outcome(simulation: Any) -> Report:

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from audited_run import misses
 from cmrc import _core
 from locations import AT_ONCE
 
@@ -26,10 +27,6 @@ def run(script: list[tuple[float, str, int]] | None = None, preset: str = "base"
     for dsp in report["dsps"]:
         assert sum(dsp["causes"].values()) == dsp["cycles"]
     return report
-
-
-def misses(report: Report) -> int:
-    return sum(task["misses"] for task in report["tasks"].values())
 
 
 @pytest.fixture(scope="module")

@@ -35,10 +35,6 @@ def refused(events: list[dict[str, Any]] | str, **settings: Any) -> str:
     return str(info.value)
 
 
-def misses(report: Report) -> int:
-    return sum(task["misses"] for task in report["tasks"].values())
-
-
 # ---- each action does what its line in docs/configuration.md says
 
 

@@ -31,10 +31,31 @@ def test_the_page_of_the_api_has_each_public_name(name: str) -> None:
     assert set(module.__all__) - listed == aside
 
 
-def test_the_python_of_the_readme(capsys: pytest.CaptureFixture[str]) -> None:
+def in_the_readmes_python(arguments: str, program: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    """As the README's command starts it after `make demo`, by a user who has set nothing."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    [command] = re.findall(r"^    (\S.*\bpython)\s+# ", text, re.MULTILINE)
+    (folder / "build").symlink_to(BUILD)
+    (folder / "scripts").symlink_to(ROOT / "scripts")
+    (folder / ".venv" / "bin").mkdir(parents=True)
+    (folder / ".venv" / "bin" / "python").write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')
+    (folder / ".venv" / "bin" / "python").chmod(0o755)
+    return subprocess.run(
+        ["sh", "-c", f"{command} {arguments}"],
+        env={name: value for name, value in os.environ.items() if name != "PYTHONPATH"},
+        cwd=folder,
+        input=program,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_the_python_of_the_readme(tmp_path: Path) -> None:
     [program] = blocks("README.md")
-    exec(program, {})  # noqa: S102
-    misses, explained = capsys.readouterr().out.splitlines()
+    done = in_the_readmes_python("-", program, tmp_path)
+    assert done.returncode == 0, done.stderr
+    misses, explained = done.stdout.splitlines()
     [missed] = re.findall(r"deadlines missed\"\)\s+# (\d+)", program)
     assert misses == f"{missed} deadlines missed" and int(missed) > 0
     assert "It was blocked" in explained and "this helps" in explained
@@ -91,12 +112,9 @@ def test_pages_and_examples_name_nothing_private() -> None:
     assert len(pages) > 50 and len(examples) > 10 and found == []
 
 
-def test_the_script_of_the_pictures_finds_what_it_draws_with() -> None:
-    done = subprocess.run(
-        [sys.executable, ROOT / "scripts" / "doc_pictures.py"],
-        env={**os.environ, "PYTHONPATH": str(BUILD / "python")},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+def test_the_script_of_the_pictures_finds_what_it_draws_with(tmp_path: Path) -> None:
+    """As the caption of the README's picture calls it."""
+    caption = "`PYTHONPATH=build/python .venv/bin/python scripts/doc_pictures.py dock docs/pictures/dock.png`"
+    assert caption in (ROOT / "README.md").read_text(encoding="utf-8")
+    done = in_the_readmes_python("scripts/doc_pictures.py", "", tmp_path)
     assert done.returncode == 2 and "Pictures: dock" in done.stderr

@@ -9,6 +9,7 @@ from typing import Any
 
 import reference
 from cmrc import _core
+from words import signed
 
 WINDOW_A, WINDOW_B = 0xC0000000, 0x70000000
 RETURN = 0x3FF000  # nothing is here: where the called code returns to
@@ -58,8 +59,9 @@ def gantry_constants(chip: Any, symbols: dict[str, int]) -> None:
     chip.load_words(tables, gantry.read(tables, symbols["gantry_travel"] - tables))
 
 
-def signed(word: int) -> int:
-    return word - (1 << 32) if word & 0x80000000 else word
+def single(x: float) -> float:
+    """As the C40 stores it."""
+    return from_ti(to_ti(x))
 
 
 class Dsp:

@@ -6,7 +6,8 @@ from __future__ import annotations
 import math
 
 from cmrc import _core
-from harness import RETURN, WINDOW_A, WINDOW_B, from_ti, image, signed
+from harness import RETURN, WINDOW_A, WINDOW_B, from_ti, image
+from words import signed
 
 __all__ = ["RETURN", "WINDOW_A", "WINDOW_B", "Dsp", "from_ti", "image", "signed", "to_ti"]
 

@@ -256,10 +256,9 @@ def control_block() -> list[float]:
 
 
 CODE = tuple(2047 / u for u in U_MAX)
-JOINT_TOLERANCE = (0.02, 1.5e-3, 1.5e-3, 0.03, 5e-3)
 SWAY_GAIN, WIND_OBSERVER, SWAY_FILTER, SWAY_LIMIT = 9.0, 0.5, 0.15, 0.03  # m/s per rad, rad/s, s, rad
 WIND_MOST, OBSERVER_STEP, WINDY = 0.785, 0.02, 0.03  # m/s2; s; m/s2
-SWAY_TOLERANCE, SETTLE_TIME = 1.6e-3, 1.5
+SETTLE_TIME = 1.5  # s
 REST = 1e-4  # joint speed below which the reference counts as at rest
 
 

@@ -11,14 +11,10 @@ import random
 
 import pytest
 import reference as ref
-from harness import Dsp, from_ti, to_ti
+from harness import Dsp, single
 
 END_OF_LEG, UNREACHABLE = 1, 0x10000
 PERIOD = 0.008
-
-
-def single(x: float) -> float:
-    return from_ti(to_ti(x))
 
 
 def pose(r: random.Random) -> list[float]:

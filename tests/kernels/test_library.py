@@ -6,12 +6,8 @@ import math
 import random
 
 import pytest
-from harness import Dsp, from_ti, to_ti
+from harness import Dsp, single
 from reference import blend, quintic
-
-
-def single(x: float) -> float:
-    return from_ti(to_ti(x))
 
 
 @pytest.fixture(scope="module")

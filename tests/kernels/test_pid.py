@@ -7,16 +7,12 @@ import random
 
 import pytest
 import reference as ref
-from harness import Dsp, from_ti, to_ti
+from harness import Dsp, from_ti, single
 
 LANDED, LOCKED, OPEN, STARVED, SETTLED, RAMP_DONE, BEGAN, STEADY, WINDY = (0x10000 << i for i in range(9))
 POINT_TICKS, SERVO_TICKS, REFRESH = 64, 8, 8000
 MASS = 24000.0
 PERIOD, H = POINT_TICKS / REFRESH, SERVO_TICKS / REFRESH
-
-
-def single(x: float) -> float:
-    return from_ti(to_ti(x))
 
 
 def counts(q: list[float]) -> list[int]:

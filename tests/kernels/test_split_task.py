@@ -13,8 +13,9 @@ from typing import Any
 
 import pytest
 from cmrc import _core
-from harness import WINDOW_B, Dsp, signed
+from harness import WINDOW_B, Dsp
 from locations import ROOT
+from words import signed
 
 RAYS, SECTORS, MOST, HALF_WIDTH = 180, 36, 30_000, 1800
 

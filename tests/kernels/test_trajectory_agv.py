@@ -54,7 +54,7 @@ def test_points_agree_with_the_reference(dsp: Dsp, slow: float) -> None:
         reference = Trajectory(segments, DT, slow)
         for point in drive(dsp):
             want = reference.advance()
-            for value, (name, bound) in zip(point, BOUNDS.items()):
+            for value, (name, bound) in zip(point, BOUNDS.items(), strict=True):
                 error = value - getattr(want, name)
                 assert abs(wrap(error) if name == "heading" else error) < bound, name
 

@@ -61,6 +61,13 @@ def assemble(body: str) -> toolchain.Image:
     )
 
 
+def with_devices(devices: str) -> toolchain.Image:
+    """A program that does nothing, with this text for devices.inc."""
+    source = '        .include "task_block.inc"\n' + devices + "\n        .text\n_start: nop\n"
+    source += "dsp_slot: .word 0\nidle_policy: .word 0\npause_count: .word 0\n"
+    return toolchain.assemble(source, "other.asm", include_dirs=[INCLUDE], sections={".text": 0x300000}, entry="_start")
+
+
 def config(**values: object) -> machine.Config:
     """A configuration with some fields set."""
     result = machine.Config()

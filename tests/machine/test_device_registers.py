@@ -7,7 +7,7 @@ from typing import NamedTuple
 import pytest
 from cmrc._core import plant
 from cmrc_test import machine
-from programs import INCLUDE, MS, US, assemble, config
+from programs import INCLUDE, MS, US, assemble, config, with_devices
 
 DEVICES = 0x100000  # where the host finds offset 0 of window B
 LATCH = 125 * US
@@ -220,18 +220,7 @@ def test_every_readable_register_has_an_oracle() -> None:
 
 
 def test_a_program_with_two_registers_at_one_offset_is_refused() -> None:
-    from cmrc._core import toolchain
-
-    text = (
-        (INCLUDE / "devices.inc").read_text().replace("ENCODER             .set 010h", "ENCODER             .set 018h")
-    )
-    source = (
-        '        .include "task_block.inc"\n'
-        + text
-        + "\n        .text\n_start: nop\ndsp_slot: .word 0\nidle_policy: .word 0\npause_count: .word 0\n"
-    )
-    program = toolchain.assemble(
-        source, "two.asm", include_dirs=[INCLUDE], sections={".text": 0x300000}, entry="_start"
-    )
+    text = (INCLUDE / "devices.inc").read_text()
+    program = with_devices(text.replace("ENCODER             .set 010h", "ENCODER             .set 018h"))
     with pytest.raises(ValueError, match="two devices share offset 24 of bus B"):
         machine.Machine(program, dock=dock_of(False))

@@ -9,7 +9,7 @@ from cmrc import _core
 from cmrc._core import plant, toolchain
 from cmrc_test import machine
 from locations import ROOT
-from programs import INCLUDE
+from programs import INCLUDE, with_devices
 
 TEXT = (INCLUDE / "devices.inc").read_text()
 # What docs/plant.md says of the devices, and the bits of plant-and-bus.md; RANGE_MOST in mm.
@@ -46,12 +46,7 @@ def text_with(**numbers: int) -> str:
 
 
 def program_with(**numbers: int) -> toolchain.Image:
-    source = (
-        '        .include "task_block.inc"\n'
-        + text_with(**numbers)
-        + "\n        .text\n_start: nop\ndsp_slot: .word 0\nidle_policy: .word 0\npause_count: .word 0\n"
-    )
-    return toolchain.assemble(source, "other.asm", include_dirs=[INCLUDE], sections={".text": 0x300000}, entry="_start")
+    return with_devices(text_with(**numbers))
 
 
 def test_each_number_of_the_file_is_an_offset_a_place_or_shared() -> None:

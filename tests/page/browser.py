@@ -41,6 +41,14 @@ def chromium(started: Any, arguments: list[str]) -> Iterator[Any]:
 
 
 SCREEN = {"width": 1280, "height": 800}
+COLOURS = """places => {
+  const picture = page.dock.picture(), copy = document.createElement("canvas");
+  [copy.width, copy.height] = [picture.width, picture.height];
+  const context = copy.getContext("2d");
+  context.drawImage(picture, 0, 0);
+  const at = ([x, y]) => context.getImageData(Math.floor(x * picture.width), Math.floor(y * picture.height), 1, 1);
+  return places.map(place => [...at(place).data]);
+}"""
 
 
 class Tab:
@@ -95,8 +103,18 @@ class Tab:
 
     def lane(self, row: str, time: float) -> tuple[float, float]:
         """Where an instant of a row of the lanes is on the screen."""
-        x, y = self.page.evaluate("([row, time]) => page.placeOf(row, time)", [row, time])
+        x, y = self.page.evaluate("([row, time]) => page.lanes.placeOf(row, time)", [row, time])
         return float(x), float(y)
+
+    def miss(self) -> str | None:
+        """The name of the job whose miss is shown."""
+        name = self.page.evaluate("page.state.miss >= 0 ? page.miss.id(page.state.miss) : null")
+        return None if name is None else str(name)
+
+    def colours(self, *places: tuple[float, float]) -> list[list[int]]:
+        """Of the dock's picture, at shares of its width and height."""
+        found: list[list[int]] = self.page.evaluate(COLOURS, places)
+        return found
 
     def hint(self) -> str:
         return str(self.page.locator("#hint").inner_text()) if self.page.locator("#hint").is_visible() else ""

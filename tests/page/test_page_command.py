@@ -38,17 +38,6 @@ def test_the_title_of_a_run_has_its_dsps_and_its_duration() -> None:
         assert Simulation(dsps=dsps, duration_s=0.5).title == title
 
 
-def test_the_old_name_still_writes_it(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert (
-        command.main(
-            ["replay", str(folder / "scene.toml"), "--html", str(folder / "old.html"), "--set", "duration_s=0.05"]
-        )
-        == 0
-    )
-    assert "the command is now cmrc page" in capsys.readouterr().err
-    assert Recording.read(folder / "old.html").header["to_s"] == 0.05
-
-
 @pytest.mark.golden
 def test_a_page_can_be_plotted(folder: Path, golden: Callable[[str, str], None]) -> None:
     pytest.importorskip("matplotlib")
@@ -86,7 +75,7 @@ def test_a_page_can_be_plotted(folder: Path, golden: Callable[[str, str], None])
     ("arguments", "says"),
     [
         (["missing.toml"], "missing.toml"),
-        (["run.json", "--plots", "x.png"], "no longer read"),
+        (["run.json", "--plots", "x.png"], "is not a page of this emulator"),
         (["scene.html"], "only --plots is possible"),
         (["broken.html", "--plots", "x.png"], "not a page of this emulator"),
         (["scene.toml", "--out", "none/x.html"], "no folder"),

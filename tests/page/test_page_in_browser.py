@@ -29,7 +29,7 @@ def misses(recording: Recording) -> list[tuple[float, str]]:
 
 
 def camera(tab: Tab) -> list[float]:
-    return [float(value) for value in tab.page.evaluate("page.eye()")]
+    return [float(value) for value in tab.page.evaluate("page.dock.eye")]
 
 
 def test_it_opens_without_a_request_or_a_complaint(tab: Tab, run: tuple[Path, Recording]) -> None:
@@ -68,7 +68,7 @@ def test_the_dock_turns_and_keeps_its_ground(tab: Tab) -> None:
         tab.page.mouse.up()
     tab.settle()
     assert camera(tab)[2] >= 1.5
-    colours = tab.page.evaluate("page.sample([[0.97, 0.97], [0.97, 0.02]])")
+    colours = tab.colours((0.97, 0.97), (0.97, 0.02))
     assert sum(colours[0][:3]) > 0 and colours[0] != colours[1]
     tab.page.locator("#dock canvas").focus()
     lowest = camera(tab)
@@ -195,16 +195,16 @@ def test_keys_play_seek_and_go_from_miss_to_miss(tab: Tab, run: tuple[Path, Reco
     tab.page.keyboard.press("Home")
     tab.page.keyboard.press("n")
     first = misses(run[1])[0]
-    assert tab.page.evaluate("page.missName()") == first[1]
+    assert tab.miss() == first[1]
     tab.page.keyboard.press("n")
     tab.page.keyboard.press("p")
-    assert tab.page.evaluate("page.missName()") == first[1] and tab.state("now") == pytest.approx(first[0], abs=1e-6)
+    assert tab.miss() == first[1] and tab.state("now") == pytest.approx(first[0], abs=1e-6)
 
 
 def test_a_link_leads_to_an_instant_and_a_miss(other: Tab, run: tuple[Path, Recording]) -> None:
     _, name = misses(run[1])[7]
     other.load(run[0], f"#t=0.123456&miss={name}")
-    assert other.state("now") == pytest.approx(0.123456) and other.page.evaluate("page.missName()") == name
+    assert other.state("now") == pytest.approx(0.123456) and other.miss() == name
     assert other.page.locator("#miss").is_visible()
     other.page.evaluate("page.state.choose(-1); page.state.seek(0.25)")
     other.wait_until("location.hash.startsWith('#t=0.25')")
@@ -219,7 +219,7 @@ def test_the_dock_says_what_is_under_the_pointer(tab: Tab) -> None:
     for i in range(30):
         for k in range(12):
             lines = tab.page.evaluate(
-                "([x, y]) => page.explainDock(x, y)", [x + width * (0.2 + 0.02 * i), y + height * (0.2 + 0.06 * k)]
+                "([x, y]) => page.dock.explain(x, y)", [x + width * (0.2 + 0.02 * i), y + height * (0.2 + 0.06 * k)]
             )
             if lines:
                 said.add(lines[0].split(" ")[0])

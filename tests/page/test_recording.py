@@ -18,7 +18,6 @@ from cmrc.page import FIRST_KIND, PageError, Recording
 from page_runs import BUSY, HOSTILE, KILLED, KILLED_AT_S, recorded
 
 TICK_S = 1e-9
-OUTCOMES = ["on_time", "late", "unfinished", "never_started", "lost", "dropped"]
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +33,7 @@ def test_every_job_of_the_report_is_in_the_recording_once(run: tuple[cmrc.Simula
     for number, kind in enumerate(recording.header["kinds"]):
         own = last[jobs["kind"][last] == number]
         reported = report["tasks"][kind]
-        for outcome, name in enumerate(OUTCOMES):
+        for outcome, name in enumerate(recording.header["outcomes"]):
             assert np.count_nonzero(jobs["outcome"][own] == outcome) == reported[name], (kind, name)
         assert np.count_nonzero(jobs["missed"][own]) == reported["misses"], kind
     assert np.count_nonzero(jobs["missed"]) > 50
@@ -54,6 +53,8 @@ def test_misses_have_the_times_that_their_chains_have(run: tuple[cmrc.Simulation
         if chain["runs"]:
             assert jobs["claimed_s"][row] == pytest.approx(chain["runs"][-1]["claimed_ps"] * 1e-12, abs=2 * TICK_S)
             assert jobs["dsp"][row] == chain["runs"][-1]["dsp"]
+            assert recording.header["ends"][jobs["end"][row]] == chain["runs"][-1]["end"]
+        assert recording.header["outcomes"][jobs["outcome"][row]] == chain["outcome"]
 
 
 def test_of_a_job_that_was_run_again_the_last_run_counts(tmp_path: Path) -> None:

@@ -21,6 +21,7 @@ CHANNELS = 6
 
 
 def backwards(word: int) -> int:
+    """Also in tests/spec/addressing.py: what is compared with one oracle asks no other one."""
     return int(f"{word:032b}"[::-1], 2)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from cmrc._core import c40
 from linked_processors import DATA, HERTZ, Network, processor
-from network_programs import STOP, base, receiver, sender
+from network_programs import RELAY, STOP, base, receiver, sender
 
 PERIOD = 10**12 // HERTZ  # picoseconds
 
@@ -178,16 +178,6 @@ def test_order_of_turns_changes_nothing() -> None:
                         [chip.port(n) for chip in ring for n in range(6)], sorted(network.log)))  # fmt: skip
     assert all(result == results[0] for result in results)
     assert len([event for event in results[0][2][0] if event["kind"] == "word"]) > 20
-
-
-RELAY = """
-        ldi 100,r0
-        bu FIRST
-loop:   ldi *+ar2(1),r0
-        addi 1,r0
-seed:   sti r0,*+ar0(2)
-        bu loop
-"""
 
 
 def test_two_clocks_stream_at_the_senders_rate() -> None:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from cmrc import c40
 from locations import ROOT
+from words import signed
 
 EXAMPLES = ROOT / "c40_programs" / "examples"
 ULP = 2.0**-23  # of the single format's mantissa, relative: its last place at worst
@@ -57,10 +58,6 @@ def packed(data: bytes) -> list[int]:
 
 def unpacked(words: list[int]) -> bytes:
     return b"".join(word.to_bytes(4, "little") for word in words)
-
-
-def signed(word: int) -> int:
-    return word - (1 << 32) if word >> 31 else word
 
 
 MESSAGES = [

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from cmrc import c40
 from locations import ROOT
+from words import signed
 
 PERIOD = ROOT / "tests" / "programs" / "period"
 VECTORS, TRAPS = 0x2FFA00, 0x2FFC00
@@ -33,10 +34,6 @@ def words(chip: c40.Processor, name: str, count: int = 1) -> list[int]:
 
 def put(chip: c40.Processor, name: str, *values: int) -> None:
     chip.memory[chip.address(name) : chip.address(name) + len(values)] = [value & 0xFFFFFFFF for value in values]
-
-
-def signed(word: int) -> int:
-    return word - (1 << 32) if word >> 31 else word
 
 
 def run_to(chip: c40.Processor, stop: str, cycles: int = 5_000_000) -> None:

@@ -307,6 +307,16 @@ def test_learning_by_one_is_reported() -> None:
     assert "Changing N̂_a by 1 per cycle, as printed, leaves 58 s" in Learning().verdict(rows).limit
 
 
+def test_every_lane_of_a_long_list_is_drawn_and_looks_different() -> None:
+    lanes = tuple(10.0 * n for n in range(1, 10))
+    rows = [{**row, "lane_m": lane} for lane in lanes for row in cycles("off", LONG)]
+    figure = Figure()
+    Learning(lanes_m=lanes).draw(rows, figure)
+    for axes in figure.axes:
+        assert [line.get_label() for line in axes.lines] == [f"off, {lane:g} m" for lane in lanes]
+        assert len({(line.get_linestyle(), line.get_linewidth()) for line in axes.lines}) == len(lanes)
+
+
 def box(agvs: int, t_v: float | None, t_w: float = 0.0) -> dict[str, Any]:
     return {"agvs": agvs, "t_v_s": t_v, "t_v": f"{t_v}", "t_w_s": t_w, "T_g_s": 100.0, "per_hour": 30.0}
 

@@ -9,7 +9,7 @@ import pytest
 
 POOL = """
 import multiprocessing, time
-from cmrc.commands import signals
+from cmrc import signals
 
 with signals.raised(), multiprocessing.get_context("fork").Pool(2, signals.end_quietly) as pool:
     pool.map_async(time.sleep, [60, 60, 60])

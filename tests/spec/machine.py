@@ -105,7 +105,6 @@ PARALLEL_FLOAT: dict[int, Callable[[int, int], floats.Result]] = {
     21: lambda m, b: floats.subf(m, b),
     24: lambda m, b: floats.toieee(m),
 }
-TWO_OPERAND_PAIRS = {4, 5, 10, 11, 12, 13, 17, 18, 19, 24, 25}
 
 
 class Machine(Flow):

@@ -6,11 +6,11 @@ import subprocess
 from pathlib import Path
 
 import corpus
+import gnu_sources
 import pytest
 from cmrc._core import isa, toolchain
-from locations import ROOT
+from gnu_sources import GNU
 
-GNU = ROOT / "build-oracles" / "bin"
 pytestmark = [
     pytest.mark.oracle,
     pytest.mark.skipif(not (GNU / "tic4x-as").exists(), reason="build-oracles/bin is not there: make oracles"),
@@ -116,31 +116,13 @@ def test_gnus_own_test_sources_give_the_same_words(tmp_path: Path) -> None:
         "takes 2 operands": r"\w+ +A?R0$",
     }
     counts = {}
-    for name in ("opcodes", "addressing", "registers"):
-        source = (GNU.parent / "testsuite" / f"{name}.s").read_text().replace("&", "\n")
-        lines = ["\t.ref start" if name == "opcodes" else ""] + source.splitlines()
+    symbols = ("TEST_ALL", "TEST_C3X", "TEST_IDLE2", "TEST_LPWR")
+    for name in gnu_sources.SOURCES:
         # A label without @ is an address, a number as the target of a relative branch a displacement for GNU.
-        lines = ["" if re.search(r"ldi +start,|\bcall\w+ +\d", line) else line for line in lines]
-        symbols = {"TEST_ALL": 1, "TEST_C3X": 1, "TEST_IDLE2": 1, "TEST_LPWR": 1}
-        defines = "".join(f"{symbol} .set {value}\n" for symbol, value in symbols.items())
-        for _ in range(3):
-            try:
-                ours = toolchain.assemble_object(defines + "\n".join(lines), dialect="gnu", cpu="c3x")
-                break
-            except toolchain.AssemblyError as error:
-                for diagnostic in error.diagnostics:
-                    at = diagnostic["line"] - 1 - len(symbols)
-                    reasons = [
-                        reason
-                        for reason, shape in refused.items()
-                        if reason in diagnostic["message"] and re.match(shape, lines[at].strip())
-                    ]
-                    assert reasons, (diagnostic["message"], lines[at])
-                for diagnostic in error.diagnostics:
-                    lines[diagnostic["line"] - 1 - len(symbols)] = ""
-        define = [word for symbol, value in symbols.items() for word in ("--defsym", f"{symbol}={value}")]
-        theirs = gnu_object("\n".join(lines) + "\n", tmp_path, name, *define)
-        assert list(ours.sections[0].words) == list(theirs.sections[0].words)
+        lines = gnu_sources.lines_of(name, r"ldi +start,|\bcall\w+ +\d")
+        lines, ours = gnu_sources.without_refused(lines, symbols, refused, cpu="c3x")
+        theirs = gnu_object("\n".join(lines) + "\n", tmp_path, name, *gnu_sources.defined(symbols))
+        assert list(ours.sections[0].words) == gnu_sources.as_ours(theirs.sections[0].words)
         counts[name] = len(ours.sections[0].words)
     assert counts == {"opcodes": 959, "addressing": 178, "registers": 36}
 

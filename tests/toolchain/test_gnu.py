@@ -6,12 +6,13 @@ from fractions import Fraction
 from pathlib import Path
 
 import corpus
+import gnu_sources
 import pytest
 import tomllib
 from cmrc._core import isa, toolchain
+from gnu_sources import GNU
 from locations import BUILD, ROOT
 
-GNU = ROOT / "build-oracles" / "bin"
 pytestmark = [
     pytest.mark.oracle,
     pytest.mark.skipif(not (GNU / "tic4x-as").exists(), reason="build-oracles/bin is not there: make oracles"),
@@ -112,38 +113,20 @@ def test_gnus_own_test_sources_give_the_same_words(tmp_path: Path) -> None:
         "cannot hold a float": "rcpf +AR1", "is not a number": ".*0e", "a register is needed": ".*\\b(IE|IF|IOF)$",
     }  # fmt: skip
     counts = {}
-    for name in ("opcodes", "addressing", "registers"):
-        # One statement to a line; no label without @ as an address, no number as a branch target, no C3x forms.
-        source = (GNU.parent / "testsuite" / f"{name}.s").read_text().replace("&", "\n")
-        lines = ["\t.ref start" if name == "opcodes" else ""] + source.splitlines()
-        lines = ["" if re.search(r"ldi +start,|\bbr +-?\d|call\w* +\d|laj\w* +\d", line) else line for line in lines]
-        symbols = {"TEST_C4X": 1, "TEST_C3X": 1, "TEST_IDLE2": 1}
-        for _ in range(3):
-            try:
-                defines = "".join(f"{symbol} .set {value}\n" for symbol, value in symbols.items())
-                ours = toolchain.assemble_object(defines + "\n".join(lines), dialect="gnu")
-                break
-            except toolchain.AssemblyError as error:
-                for diagnostic in error.diagnostics:
-                    at = diagnostic["line"] - 1 - len(symbols)
-                    reasons = [
-                        reason
-                        for reason, shape in refused.items()
-                        if reason in diagnostic["message"] and re.match(shape, lines[at].strip())
-                    ]
-                    assert reasons, (diagnostic["message"], lines[at])
-                for diagnostic in error.diagnostics:
-                    lines[diagnostic["line"] - 1 - len(symbols)] = ""
+    symbols = ("TEST_C4X", "TEST_C3X", "TEST_IDLE2")
+    for name in gnu_sources.SOURCES:
+        # No label without @ as an address, no number as a branch target, no C3x forms.
+        lines = gnu_sources.lines_of(name, r"ldi +start,|\bbr +-?\d|call\w* +\d|laj\w* +\d")
+        lines, ours = gnu_sources.without_refused(lines, symbols, refused)
         (tmp_path / "gnu.s").write_text("\n".join(lines) + "\n")
-        define = [word for symbol, value in symbols.items() for word in ("--defsym", f"{symbol}={value}")]
         subprocess.run(
-            [GNU / "tic4x-as", "-m40", "-midle2", *define, "gnu.s", "-o", "gnu.o"],
+            [GNU / "tic4x-as", "-m40", "-midle2", *gnu_sources.defined(symbols), "gnu.s", "-o", "gnu.o"],
             cwd=tmp_path,
             check=True,
             capture_output=True,
         )
         theirs = toolchain.read_object((tmp_path / "gnu.o").read_bytes())
-        assert list(ours.sections[0].words) == list(theirs.sections[0].words)
+        assert list(ours.sections[0].words) == gnu_sources.as_ours(theirs.sections[0].words)
         counts[name] = len(ours.sections[0].words)
     assert counts == {"opcodes": 1396, "addressing": 198, "registers": 13}
 

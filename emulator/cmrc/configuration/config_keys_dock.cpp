@@ -57,7 +57,7 @@ std::vector<Key> dock_keys() {
       number("dock.capture_window_m", FIELD(dock.capture_window_m), "m", 0, 0.3,
              "lateral error that flipper guides catch; 0: no guides", "plant-and-bus.md 1.5"),
       path(text("dock.layout", FIELD(dock.layout),
-                "TOML file with your own layout (docs/plant.md); empty: the default one", "plant-and-bus.md 1.5")),
+                "TOML file with your own layout (docs/layout.md); empty: the default one", "plant-and-bus.md 1.5")),
       boolean("dock.protective_field", FIELD(dock.protective_field),
               "AGVs slow down by themselves for objects that their range sensor sees in their way", "assumed"),
       number("dock.ship_motion", FIELD(dock.ship_motion), "", 0, 10,

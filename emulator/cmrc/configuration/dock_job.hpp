@@ -1,5 +1,5 @@
 #pragma once
-// Whether the controller can do its job in a dock (docs/plant.md, Your own layout). That the bodies are in reach and
+// Whether the controller can do its job in a dock (docs/layout.md). That the bodies are in reach and
 // apart is checked by the plant.
 #include "cmrc/tasks/words.hpp"
 #include "plant/parameters/config.hpp"

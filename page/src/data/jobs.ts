@@ -20,7 +20,7 @@ export function due(runs: Runs, run: number): number {
 }
 
 export function met(runs: Runs, run: number): boolean {
-  return runs.outcome[run] === 0 && !runs.missed[run] && !Number.isNaN(runs.deadline[run]);
+  return runs.outcomes[runs.outcome[run]] === "on time" && !runs.missed[run] && !Number.isNaN(runs.deadline[run]);
 }
 
 /** The time that a job is about, however long before its deadline it ended, or after. */
@@ -43,7 +43,7 @@ function lastRuns(recording: Recording): Int32Array {
   const { runs } = recording;
   const key = (i: number): number => (runs.number[i] * 256 + runs.robot[i]) * 64 + runs.kind[i];
   const several = new Map<number, number>();
-  for (let i = 0; i < runs.count; ++i) if (runs.end[i] !== 0) several.set(key(i), -1);
+  for (let i = 0; i < runs.count; ++i) if (runs.ends[runs.end[i]] !== "done") several.set(key(i), -1);
   if (several.size) for (let i = 0; i < runs.count; ++i) if (several.has(key(i))) several.set(key(i), i);
   const last: number[] = [];
   for (let i = 0; i < runs.count; ++i) if (!several.size || (several.get(key(i)) ?? i) === i) last.push(i);

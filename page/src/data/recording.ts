@@ -34,6 +34,8 @@ export interface Header {
   slots: number;
   cycle_s: number;
   kinds: string[];
+  outcomes: string[];
+  ends: string[];
   bus_slice_s: number;
   stretches_left_out: number;
   lanes_until_s: number | null;
@@ -90,10 +92,9 @@ export interface Runs {
   missed: Uint8Array;
   end: Uint8Array;
   waits: Float32Array[]; // s that it waited, by WAITS
+  outcomes: string[]; // in words, by number: what became of the job
+  ends: string[]; // and how the run ended
 }
-
-export const OUTCOMES = ["on time", "late", "unfinished", "never started", "lost", "dropped"];
-export const ENDS = ["done", "part", "failed", "taken away", "running"];
 
 /** What a stretch of a lane may wait for. */
 export const WAITS = ["bus A", "bus B", "the list"];
@@ -147,6 +148,10 @@ function joined(a: ArrayLike<number>, b: ArrayLike<number>): Float64Array {
   return out;
 }
 
+function inWords(name: string): string {
+  return name.replaceAll("_", " ");
+}
+
 async function lanesOf(columns: Columns, header: Header): Promise<{ lanes: Lane[]; runs: Runs }> {
   const [slot, what, took, busA, busB, list] = await all(columns, "lane", "slot what took bus_a bus_b list");
   const [number, robot, end, waited, allowed, outcome, missed] = await all(columns, "run", "number robot end waited allowed outcome missed");
@@ -193,6 +198,7 @@ async function lanesOf(columns: Columns, header: Header): Promise<{ lanes: Lane[
     slot: Int8Array.from(joined(of, none.map(() => -1))),
     kind: Uint8Array.from(joined(kind, never[1])), robot: Uint8Array.from(joined(robot, never[2])), outcome: Uint8Array.from(joined(outcome, never[6])),
     missed: Uint8Array.from(joined(missed, never[7])), end: Uint8Array.from(joined(end, none)), waits: waits.map((column) => Float32Array.from(joined(column, none))),
+    outcomes: header.outcomes.map(inWords), ends: header.ends.map(inWords),
   };
   return { lanes, runs };
 }

@@ -1,5 +1,5 @@
 // What things are called in words.
-import { ENDS, OUTCOMES, WAITS, type Header, type Runs } from "./recording";
+import { WAITS, type Header, type Runs } from "./recording";
 import { ASLEEP, AWAKE, FAILED, OFF } from "./lanes";
 
 /** Text without characters that control a terminal, a line, or the direction of the text beside it. */
@@ -86,13 +86,10 @@ export function job(header: Header, runs: Runs, run: number): string {
 }
 
 export function verdict(runs: Runs, run: number): string {
-  const spare = runs.deadline[run] - runs.ended[run];
-  if (runs.missed[run]) {
-    const outcome = OUTCOMES[runs.outcome[run]];
-    return outcome === "late" ? `MISSED: late by ${time(-spare)}` : `MISSED: ${outcome}`;
-  }
-  if (Number.isNaN(runs.deadline[run])) return `${OUTCOMES[runs.outcome[run]]}; it has no deadline`;
-  return runs.outcome[run] === 0 ? `in time, ${time(spare)} to spare` : OUTCOMES[runs.outcome[run]];
+  const spare = runs.deadline[run] - runs.ended[run], outcome = runs.outcomes[runs.outcome[run]];
+  if (runs.missed[run]) return outcome === "late" ? `MISSED: late by ${time(-spare)}` : `MISSED: ${outcome}`;
+  if (Number.isNaN(runs.deadline[run])) return `${outcome}; it has no deadline`;
+  return outcome === "on time" ? `in time, ${time(spare)} to spare` : outcome;
 }
 
 /** A run of a job in lines; the first is its title. */
@@ -100,7 +97,7 @@ export function runLines(header: Header, runs: Runs, run: number): string[] {
   const lines = [job(header, runs, run), task(header.kinds[runs.kind[run]])];
   if (runs.slot[run] >= 0) {
     lines.push(`DSP ${runs.slot[run]} claimed it at ${instant(runs.claimed[run], 1e-7)}`);
-    lines.push(`and ran it for ${time(runs.ended[run] - runs.claimed[run])} (${ENDS[runs.end[run]]})`);
+    lines.push(`and ran it for ${time(runs.ended[run] - runs.claimed[run])} (${runs.ends[runs.end[run]]})`);
     lines.push(...waits(runs.waits, run));
     const since = runs.claimed[run] - runs.released[run];
     lines.push(since >= 0 ? `released ${time(since)} before the claim` : `claimed ${time(-since)} before its tick`);

@@ -1,15 +1,16 @@
 // The lanes: events, DSPs, deadlines and buses over one time axis.
 import { during, jobsByKind, met, missesOf, type Jobs } from "../data/jobs";
 import { Pyramid, segmentAt } from "../data/lanes";
-import { before, OUTCOMES, WAITS, type Lane, type Recording } from "../data/recording";
+import { before, WAITS, type Lane, type Recording } from "../data/recording";
 import * as words from "../data/words";
 import { GROUPS, groupsOf, OKABE_ITO, type Theme } from "../ui/colours";
 import type { Moment } from "../ui/events";
 import type { State } from "../ui/state";
 import { baseOf, label, marks, stepFor } from "./axis";
+import { momentsRow } from "./moments";
 import { fullScale, LanePainter, masterColours, type Place } from "./paint";
 
-interface Row {
+export interface Row {
   name: string;
   short?: string; // where there is no room for the name
   cut?: boolean; // the name was too long
@@ -27,8 +28,6 @@ export class LanePanel {
   readonly misses: { at: Float64Array; run: Int32Array };
   readonly lanes: Lane[];
   private readonly rows: Row[] = [];
-  private readonly instants: Float64Array;
-  private readonly byOrder: { moments: Moment[]; at: Float64Array }[]; // what is drawn first comes first
   private readonly painter: LanePainter;
   private readonly pyramids = new Map<Lane, Pyramid>();
   private readonly groupOf: Uint8Array;
@@ -41,11 +40,6 @@ export class LanePanel {
     this.groupOf = groupsOf(recording.header.kinds);
     this.painter = new LanePainter(this.groupOf, theme);
     this.lanes = recording.lanes;
-    this.instants = Float64Array.from(moments, (moment) => moment.at);
-    this.byOrder = [0, 1, 2].map((order) => {
-      const own = moments.filter((moment) => (moment.scripted ? 2 : moment.bad ? 1 : 0) === order);
-      return { moments: own, at: Float64Array.from(own, (moment) => moment.at) };
-    });
     this.jobs = jobsByKind(recording);
     this.misses = missesOf(this.jobs);
     this.canvas.tabIndex = 0;
@@ -58,7 +52,7 @@ export class LanePanel {
 
   private makeRows(): void {
     const { header, runs, buses } = this.recording;
-    this.rows.push(this.eventRow());
+    this.rows.push(momentsRow(this.moments, this.state, () => this.theme));
     const high = this.lanes.length > 8 ? 19 : this.lanes.length > 4 ? 25 : 33;
     for (const lane of this.lanes) this.rows.push(this.dspRow(lane, high));
     for (const jobs of this.jobs) {
@@ -124,46 +118,6 @@ export class LanePanel {
     return [...order.slice(0, 6).map((g) => `${share(sums[g])} ${GROUPS[g].name}`), ...(waits.length ? [`waiting: ${waits.join(", ")}`] : [])];
   }
 
-  private eventRow(): Row {
-    return {
-      name: "events", height: 18,
-      paint: (context, place, dots) => this.paintEvents(context, place, dots),
-      explain: (time, reach) => {
-        const first = before(this.instants, time - 2 * reach - 1e-12) + 1, upTo = before(this.instants, time + 2 * reach);
-        const lines = this.moments.slice(first, Math.min(upTo + 1, first + 8)).map((moment) => `${words.instant(moment.at, 1e-4)}: ${moment.what}`);
-        return lines.length ? [...lines, ...(upTo - first >= 8 ? [`and ${upTo - first - 7} more`] : [])] : null;
-      },
-    };
-  }
-
-  private paintEvents(context: CanvasRenderingContext2D, place: Place, dots: number): void {
-    const { from, to } = this.state, scale = place.width / (to - from), middle = place.top + place.height / 2, size = 5 * dots;
-    const x = (moment: Moment): number => place.left + (moment.at - from) * scale;
-    const labelled: Moment[] = [];
-    this.byOrder.forEach(({ moments, at }, order) => {
-      for (let i = before(at, from - 1e-12) + 1; i < at.length && at[i] <= to; ) {
-        const moment = moments[i];
-        if (order) labelled.push(moment);
-        context.fillStyle = moment.bad ? OKABE_ITO.vermillion : moment.scripted ? OKABE_ITO.orange : this.theme.soft;
-        context.beginPath();
-        if (moment.scripted) context.moveTo(x(moment) - size, middle - size), context.lineTo(x(moment) + size, middle - size), context.lineTo(x(moment), middle + size);
-        else if (moment.bad) context.rect(x(moment) - size * 0.8, middle - size * 0.8, size * 1.6, size * 1.6);
-        else context.arc(x(moment), middle, size * 0.55, 0, 7);
-        context.fill();
-        i = Math.max(i, before(at, at[i] + (2 * dots) / scale)) + 1; // one of each kind in two columns
-      }
-    });
-    labelled.sort((a, b) => a.at - b.at);
-    context.font = `${10.5 * dots}px system-ui, sans-serif`;
-    context.textBaseline = "middle";
-    context.fillStyle = this.theme.ink;
-    labelled.forEach((moment, i) => {
-      const next = i + 1 < labelled.length ? x(labelled[i + 1]) - size : place.left + place.width;
-      const room = Math.min(340 * dots, next - x(moment) - 2.5 * size);
-      if (room > 30 * dots) context.fillText(this.shortened(context, moment.what, room), x(moment) + 1.6 * size, middle);
-    });
-  }
-
   private pyramid(lane: Lane): Pyramid {
     let pyramid = this.pyramids.get(lane);
     if (!pyramid) this.pyramids.set(lane, (pyramid = new Pyramid(lane, this.groupOf, GROUPS.length, this.recording.header.from_s)));
@@ -200,7 +154,7 @@ export class LanePanel {
   private outcomes(jobs: Jobs, first: number, last: number): string {
     const { runs } = this.recording, counts = new Map<string, number>();
     for (let i = first; i <= last; ++i) {
-      const run = jobs.run[i], what = met(runs, run) ? "met" : Number.isNaN(runs.deadline[run]) ? "without a deadline" : OUTCOMES[runs.outcome[run]];
+      const run = jobs.run[i], what = met(runs, run) ? "met" : Number.isNaN(runs.deadline[run]) ? "without a deadline" : runs.outcomes[runs.outcome[run]];
       counts.set(what, (counts.get(what) ?? 0) + 1);
     }
     const all = last - first + 1;
@@ -314,13 +268,6 @@ export class LanePanel {
     const shown = (): string => `${row.name.slice(0, Math.ceil(left / 2))}…${row.name.slice(row.name.length - Math.floor(left / 2))}`;
     while (left > 2 && !fits(shown())) --left;
     return shown();
-  }
-
-  private shortened(context: CanvasRenderingContext2D, text: string, room: number): string {
-    if (context.measureText(text).width <= room) return text;
-    let short = text;
-    while (short.length > 2 && context.measureText(`${short}…`).width > room) short = short.slice(0, -1);
-    return `${short}…`;
   }
 
   private paintAxis(context: CanvasRenderingContext2D, place: Place, height: number, dots: number): void {

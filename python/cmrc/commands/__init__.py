@@ -4,7 +4,8 @@ functions of the package."""
 from __future__ import annotations
 
 import cmrc
-from cmrc.commands import pages, signals, streams, studies, sweeps
+from cmrc import signals
+from cmrc.commands import pages, streams, studies, sweeps
 from cmrc.commands.common import Parser
 
 

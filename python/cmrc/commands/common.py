@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
-from cmrc import files
-from cmrc.commands import signals, streams
+from cmrc import files, signals
+from cmrc.commands import streams
 from cmrc.extras import needed
 from cmrc.simulation import ConfigError, Setting
 
@@ -53,7 +53,7 @@ def command(
 
 def status_of(name: str, do: Callable[[argparse.Namespace], int], given: argparse.Namespace) -> int:
     """Bad input becomes a message and status 2, a failure of the work or of a write a message and status 1."""
-    from cmrc.sweeps.grid import GridError
+    from cmrc.sweeps.ranges import GridError
     from cmrc.sweeps.store import SweepError
 
     try:

@@ -1,4 +1,4 @@
-"""``cmrc page``, ``replay``, ``events`` and ``demo``: show one run."""
+"""``cmrc page``, ``events`` and ``demo``: show one run."""
 
 from __future__ import annotations
 
@@ -23,23 +23,16 @@ from cmrc.simulation import Setting, Simulation, configured
 
 
 def add(commands: Commands) -> None:
-    for name, says in (
-        ("page", "a run as a page to look at in a browser: dock, DSPs, deadlines"),
-        ("replay", "the old name of page"),
-    ):
-        parser = command(commands, name, says, _page)
-        parser.add_argument("run", metavar="RUN", help="a configuration (.toml) to run, or a page (.html) to plot")
-        parser.add_argument(
-            "--out",
-            "--html",
-            dest="out",
-            type=output_file,
-            metavar="PAGE",
-            nargs="?",
-            help="where the page is written (default: RUN with the ending .html)",
-        )
-        parser.add_argument("--plots", type=output_file, metavar="PNG", help="write the plots of cmrc.plot")
-        _settings(parser)
+    parser = command(commands, "page", "a run as a page to look at in a browser: dock, DSPs, deadlines", _page)
+    parser.add_argument("run", metavar="RUN", help="a configuration (.toml) to run, or a page (.html) to plot")
+    parser.add_argument(
+        "--out",
+        type=output_file,
+        metavar="PAGE",
+        help="where the page is written (default: RUN with the ending .html)",
+    )
+    parser.add_argument("--plots", type=output_file, metavar="PNG", help="write the plots of cmrc.plot")
+    _settings(parser)
     parser = command(commands, "events", "the events of a run as a Parquet table (docs/timelines.md)", _events)
     parser.add_argument("run", metavar="RUN", help="an event trace, or a configuration (.toml) to run")
     parser.add_argument("-o", "--output", type=output_file, metavar="FILE.parquet", required=True, help="the table")
@@ -87,8 +80,6 @@ def _events(given: argparse.Namespace) -> int:
 
 
 def _page(given: argparse.Namespace) -> int:
-    if given.command == "replay":
-        streams.say("cmrc replay: the command is now cmrc page, and writes the same page")
     run, plots = Path(given.run), Path(given.plots) if given.plots else None
     if run.suffix == ".toml":
         _write(run, Path(given.out or run.with_suffix(".html")), plots, settings(given))
@@ -115,10 +106,6 @@ def _write(run: Path, out: Path, plots: Path | None, given: dict[str, Setting]) 
 
 def _plot(run: Path, plots: Path | None, given: argparse.Namespace) -> None:
     """Plots an existing page."""
-    if run.suffix == ".json":
-        raise ValueError(
-            f"{run}: recordings in JSON are no longer read; run the configuration again (cmrc page CONFIG.toml)"
-        )
     if plots is None or given.out or given.set:
         raise ValueError(
             f"{run}: only --plots is possible for a page; a configuration (.toml) is expected for all else"

@@ -1,4 +1,4 @@
-"""The dock without any DSP: a single crane, and the whole scene (docs/plant.md). SI units, angles in radians.
+"""The dock without any DSP: a single crane, and the whole scene (docs/plant-python.md). SI units, angles in radians.
 
 ``Crane`` is driven by motor torques, ``Agv`` by speed and steering, ``Scene`` by the values that a controller writes to
 its devices. ``CraneEnv`` is a crane as a gymnasium environment. The classes of ``parts`` describe a dock: layouts,

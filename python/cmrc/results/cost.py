@@ -6,6 +6,7 @@ import math
 import random
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 from cmrc.loops.model import PRESETS, TRAVEL_RAD_S, Loop, margins
@@ -255,7 +256,7 @@ class Cost(Claim):
         figure.set_size_inches(8, 6.8)
         grid = figure.subplots(2, 2, sharex="col")
         families = [family for family in dict.fromkeys(row["family"] for row in all_rows) if family != JOB]
-        for family, mark in zip(families, ("o", "s", "^", "v", "D", "P", "*"), strict=False):
+        for family, mark in zip(families, cycle(("o", "s", "^", "v", "D", "P", "*"))):
             own = [row for row in of(all_rows, family=family) if row["f_p"] is not None]
             for line, key in enumerate(("load_mm", "path_mm")):
                 error = [row[key] for row in own]

@@ -275,7 +275,7 @@ class Dsps(Claim):
 
     def draw(self, all_rows: Sequence[Row], figure: Figure) -> None:
         left, right = figure.subplots(1, 2)
-        for release, mark in zip(self.releases, ("o-", "s-", "^--", "v:"), strict=False):
+        for release, mark in zip(self.releases, itertools.cycle(("o-", "s-", "^--", "v:"))):
             left.plot(
                 self.dsps,
                 [mean(of(all_rows, part="load", release=release, dsps=n), "f_p") for n in self.dsps],
@@ -285,7 +285,7 @@ class Dsps(Claim):
             )
         left.set(xlabel="DSPs", ylabel="f_p missed, %", title=f"preset {self.preset}: long blocks", ylim=(-3, 103))
         left.legend(fontsize=7, loc="upper right")
-        for policy, mark in zip(self.idle_policies, ("o-", "s-", "^--"), strict=False):
+        for policy, mark in zip(self.idle_policies, itertools.cycle(("o-", "s-", "^--"))):
             own = of(all_rows, part="policy", policy=policy)
             right.plot([row["dsps"] for row in own], [row["bus_a"] for row in own], mark, label=policy)
         right.set(xlabel="DSPs", ylabel="bus A in use, %", title="idle policies at base load", ylim=(0, 103))

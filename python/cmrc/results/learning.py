@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -187,7 +188,7 @@ class Learning(Claim):
         waiting, interval = figure.subplots(1, 2)
         marks: dict[str, Any] = {"off": "o", "unit": "^", "proportional": "s"}
         for number, rule in enumerate(dict.fromkeys(row["rule"] for row in all_rows)):
-            for lane, line in zip(self.lanes_m, ("-", "--", ":", "-."), strict=False):
+            for place, (lane, line) in enumerate(zip(self.lanes_m, cycle(("-", "--", ":", "-.")))):
                 own = of(all_rows, rule=rule, lane_m=lane)
                 if own:
                     for axes, key in ((waiting, "t_w_s"), (interval, "interval")):
@@ -197,6 +198,7 @@ class Learning(Claim):
                             marks[rule] + line,
                             color=f"C{number}",
                             label=f"{rule}, {lane:g} m",
+                            linewidth=1.5 * (1 + place // 4),  # a style that is used again is thicker
                             markersize=4,
                             alpha=0.8,
                         )

@@ -13,8 +13,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from cmrc import files
-from cmrc.commands import signals
+from cmrc import files, signals
 from cmrc.simulation import Reference, Setting, Simulation
 
 Report = dict[str, Any]

@@ -1,7 +1,8 @@
 """Sweeps: many runs over a grid of settings, on this machine or on a Dask cluster, kept in a folder
 (docs/sweeps.md)."""
 
-from cmrc.sweeps.grid import Grid, GridError
+from cmrc.sweeps.grid import Grid
+from cmrc.sweeps.ranges import GridError
 from cmrc.sweeps.runner import Status
 from cmrc.sweeps.search import Found, search
 from cmrc.sweeps.store import SweepError

@@ -14,10 +14,11 @@ from cmrc import arguments
 from cmrc.extras import needed
 from cmrc.simulation import Setting
 from cmrc.sweeps import grid as grids
-from cmrc.sweeps import metrics, store, work
-from cmrc.sweeps.grid import SEED, Grid, GridError
+from cmrc.sweeps import metrics, ranges, store, work
+from cmrc.sweeps.grid import SEED, Grid
 from cmrc.sweeps.identity import Run
 from cmrc.sweeps.metrics import Spread
+from cmrc.sweeps.ranges import GridError
 from cmrc.sweeps.runner import Status
 from cmrc.sweeps.session import Place, Session
 from cmrc.sweeps.study import GridLike, Sweep, grid_of
@@ -141,7 +142,7 @@ class _Search(ABC):
             raise GridError(f"{grid.name}: search: there is no table [search]")
         if grid.axes:
             raise GridError(f"{grid.name}: search: goes with fixed settings and repeats, not with axes")
-        self.table, self.grid = {key: grids.plain(value) for key, value in table.items()}, grid
+        self.table, self.grid = {key: ranges.plain(value) for key, value in table.items()}, grid
         for key in table:
             if key not in COMMON + self.keys:
                 raise self.error(key, f"unknown; {', '.join(COMMON + BISECT)}, or {', '.join(OPTIMISE)} are known")
@@ -204,7 +205,7 @@ class _Bisection(_Search):
     def __init__(self, grid: Grid) -> None:
         super().__init__(grid)
         self.key = self._setting(self.table["bisect"], "bisect")
-        self.whole = grids.schema().get(self.key, {}).get("type") == "integer"
+        self.whole = ranges.schema().get(self.key, {}).get("type") == "integer"
         self.begin, self.end = self._number("from", None), self._number("to", None)
         for end in ("from", "to") if self.whole else ():
             self._is_whole(self.key, self.table[end], end)
@@ -299,7 +300,7 @@ class _Optimisation(_Search):
         optuna = needed("optuna", "search", "cmrc.search")
         if isinstance(value, list):
             try:
-                return optuna.distributions.CategoricalDistribution(grids.values_of(name, value, where))
+                return optuna.distributions.CategoricalDistribution(ranges.values_of(name, value, where))
             except GridError as error:
                 raise self.error(where, str(error)) from None
         if (
@@ -308,9 +309,9 @@ class _Optimisation(_Search):
             or not {"from", "to"} <= set(value)
         ):
             raise self.error(where, "a list of values, or from and to (with step or scale), is expected")
-        value = {part: grids.plain(one) for part, one in value.items()}
+        value = {part: ranges.plain(one) for part, one in value.items()}
         log, step = value.get("scale") == "log", value.get("step")
-        whole = grids.schema().get(name, {}).get("type") == "integer"
+        whole = ranges.schema().get(name, {}).get("type") == "integer"
         try:
             if whole:
                 for part in {"from", "to", "step"} & set(value):

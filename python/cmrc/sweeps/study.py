@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from cmrc import arguments, saved_result, simulation
 from cmrc.sweeps import grid as grids
-from cmrc.sweeps import metrics, store, work
+from cmrc.sweeps import metrics, ranges, store, work
 from cmrc.sweeps.grid import Grid
 from cmrc.sweeps.identity import Keys, Run
 from cmrc.sweeps.metrics import Metric, Spread
@@ -74,7 +74,7 @@ class Sweep:
         fixed = dict.fromkeys((*named, *(name for one in known.values() for name in one))) if from_files else named
         axes += [name for name in fixed if name not in (*axes, grids.SEED) and _differs(values.values(), name)]
         for run in runs:
-            run["place"] = {name: grids.as_typed(name, values[run["key"]].get(name)) for name in axes}
+            run["place"] = {name: ranges.as_typed(name, values[run["key"]].get(name)) for name in axes}
             if seeded and run["seed"] is None:
                 run["seed"] = values[run["key"]].get(grids.SEED)
         for name in APART:

@@ -1,5 +1,5 @@
 """Error against cost of the crane by itself, by order and tolerance: what the default of ``Crane`` and ``CraneEnv`` is
-chosen by (docs/plant.md).
+chosen by (docs/plant-python.md).
 
 python tests/plant/benchmarks/tolerance.py            # the table of errors, the same on every machine
 python tests/plant/benchmarks/tolerance.py --speed    # processor time, beside MuJoCo on a comparable tree
