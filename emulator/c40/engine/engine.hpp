@@ -167,6 +167,11 @@ class Engine {
 
   // engine_access.cpp: accesses whose region is not known yet, and faults
   Stepped resolve(Step& step);
+  const Memory::Area* find_area(Step& step, std::size_t k);
+  void access_memory(Step& step, std::size_t k, const Memory::Area& area);
+  Stepped access_outside(Step& step, std::size_t k, const Memory::Area& area);
+  Stepped access_register(Step& step, std::size_t k, Word& cell);
+  Stepped access_window(const Step& step, std::size_t k, Word& cell);
   bool is_linked(Address address) const;
   Stepped access_port(const Step& step, std::size_t k, Word& cell);
   Cycles access_start(const Step& step, std::size_t access, PipelineId before);
