@@ -11,6 +11,7 @@
 
 #include "c40/chip/chip.hpp"
 #include "c40/chip/interrupts.hpp"
+#include "c40/chip/state.hpp"
 #include "c40/engine/block_store.hpp"
 #include "c40/engine/decoded_slots.hpp"
 #include "c40/engine/pending_access.hpp"
@@ -21,7 +22,6 @@
 #include "c40/peripherals/peripherals.hpp"
 #include "c40/peripherals/ports.hpp"
 #include "c40/pipeline/pipeline_table.hpp"
-#include "c40/values/state.hpp"
 #include "isa/program_end.hpp"
 
 namespace c40 {
