@@ -8,6 +8,7 @@
 #include "bus_model/bus.hpp"
 #include "cmrc/configuration/config.hpp"
 #include "cmrc/tasks/job_kinds.hpp"
+#include "machine/system/bus_topology.hpp"
 #include "machine/system/machine.hpp"
 #include "machine/system/scripted_events.hpp"
 #include "page/columns.hpp"

@@ -8,6 +8,7 @@
 #include "plant/dock/dock_event.hpp"
 #include "plant/landing/contact.hpp"
 #include "plant/landing/handover.hpp"
+#include "plant/parameters/device_codes.hpp"
 #include "plant/scene/scene.hpp"
 #include "plant/vehicles/agv.hpp"
 

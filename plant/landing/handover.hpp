@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdint>
 
-#include "plant/dock/dock.hpp"
+#include "plant/dock/dock_values.hpp"
 
 namespace plant {
 

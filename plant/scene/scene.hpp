@@ -4,11 +4,14 @@
 #include <functional>
 #include <vector>
 
-#include "plant/dock/dock.hpp"
+#include "plant/dock/dock_values.hpp"
+#include "plant/parameters/config.hpp"
 #include "plant/scene/ship.hpp"
 #include "plant/vehicles/agv.hpp"
 
 namespace plant {
+
+struct DockState;  // plant/dock/state.hpp
 
 struct ContainerData {
   ContainerState state = ContainerState::on_ship;

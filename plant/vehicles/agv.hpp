@@ -4,8 +4,9 @@
 #include <array>
 #include <cstdint>
 
-#include "plant/dock/dock.hpp"
 #include "plant/numerics/integrator.hpp"
+#include "plant/parameters/config.hpp"
+#include "plant/parameters/device_codes.hpp"
 
 namespace plant {
 

@@ -2,6 +2,9 @@
 #include <pybind11/stl.h>
 
 #include "machine/system/machine.hpp"
+#include "machine/system/machine_config.hpp"
+#include "machine/system/observer.hpp"
+#include "machine/system/scripted_events.hpp"
 #include "tests/bindings/bindings.hpp"
 
 using namespace machine;

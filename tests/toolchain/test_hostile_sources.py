@@ -170,6 +170,7 @@ def test_a_limit_is_allowed_and_one_more_is_not(most: str, more: str, message: s
         ("\t.space -1\n", 1, "cannot be -1"),
         ("\t.space 1<<40\n", 1, "cannot be"),
         ("\t.align 0\n", 1, "power of 2"),
+        ("s\t.struct\n\t.align 3\nz\t.endstruct\n", 2, "power of 2"),
         ("\t.eval undefined+1,n\n", 1, "undefined symbol"),
         ("\t.loop\n\t.endloop\n", 1, None),
         ("\t.rept 1000000\n\tnop\n\tnop\n\t.endr\n", 2, "more than 1000000 lines"),

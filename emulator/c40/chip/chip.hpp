@@ -284,7 +284,7 @@ class Chip {
   /// choice of the engine are not part of it and stay as they are. Only between runs, and for a chip of the same board.
   void list_state(state::Visitor& list);
 
-  /// For inspection; callers include c40/values/state.hpp, c40/memory/memory.hpp.
+  /// For inspection; callers include c40/chip/state.hpp, c40/memory/memory.hpp.
   const State& state() const;
   const Memory& memory() const;
 

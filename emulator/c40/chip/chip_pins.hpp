@@ -3,8 +3,8 @@
 #include <optional>
 
 #include "c40/chip/board.hpp"
+#include "c40/chip/state.hpp"
 #include "c40/peripherals/pins.hpp"
-#include "c40/values/state.hpp"
 
 namespace c40 {
 

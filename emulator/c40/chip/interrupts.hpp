@@ -2,7 +2,7 @@
 /// Interrupts: which one is requested and enabled, and how the entry changes ST and IIF (c40-hardware.md 5).
 #include <array>
 
-#include "c40/values/state.hpp"
+#include "c40/chip/state.hpp"
 
 namespace c40::interrupts {
 

@@ -1,8 +1,9 @@
 #include "c40/chip/snapshot.hpp"
 
+#include "c40/chip/state.hpp"
 #include "c40/memory/memory.hpp"
 #include "c40/peripherals/register_map.hpp"
-#include "c40/values/state.hpp"
+#include "isa/types.hpp"
 
 namespace c40 {
 

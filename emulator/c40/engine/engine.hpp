@@ -11,6 +11,7 @@
 
 #include "c40/chip/chip.hpp"
 #include "c40/chip/interrupts.hpp"
+#include "c40/chip/state.hpp"
 #include "c40/engine/block_store.hpp"
 #include "c40/engine/decoded_slots.hpp"
 #include "c40/engine/pending_access.hpp"
@@ -21,7 +22,6 @@
 #include "c40/peripherals/peripherals.hpp"
 #include "c40/peripherals/ports.hpp"
 #include "c40/pipeline/pipeline_table.hpp"
-#include "c40/values/state.hpp"
 #include "isa/program_end.hpp"
 
 namespace c40 {
@@ -167,6 +167,11 @@ class Engine {
 
   // engine_access.cpp: accesses whose region is not known yet, and faults
   Stepped resolve(Step& step);
+  const Memory::Area* find_area(Step& step, std::size_t k);
+  void access_memory(Step& step, std::size_t k, const Memory::Area& area);
+  Stepped access_outside(Step& step, std::size_t k, const Memory::Area& area);
+  Stepped access_register(Step& step, std::size_t k, Word& cell);
+  Stepped access_window(const Step& step, std::size_t k, Word& cell);
   bool is_linked(Address address) const;
   Stepped access_port(const Step& step, std::size_t k, Word& cell);
   Cycles access_start(const Step& step, std::size_t access, PipelineId before);

@@ -57,84 +57,118 @@ Cycles Engine::access_cycle(const Step& step, std::size_t access) {
 
 // The region of an access is not known: finds it, or stops the chip.
 Engine::Stepped Engine::resolve(Step& step) {
-  const Core& core = state_.core;
-  const std::size_t k = core.miss_access;
-  const Address address = core.miss_address;
-  const bool write = core.miss_write;
+  const std::size_t k = state_.core.miss_access;
+  const Memory::Area* area = find_area(step, k);
+  if (area == nullptr) return Stepped::fault;
   DecodedSlot& decoded = *step.decoded;
-  const Memory::Area* area = decoded.area[k];
-  if (area == nullptr || !area->contains(address) || decoded.demand.data[k].write != write) {
-    area = decoded.area[k] = memory_.find(address);
-    if (area == nullptr) return nothing_at(write ? "write to" : "read of", address);
-    if (write && area->kind == Region::Kind::rom)
-      return fail(Fault::Kind::reserved_address,
-                  fmt::format("write to {:08X}h, which is in the {}", address, area->name), address);
-    if (!step.paged) pages_ = state_.open_pages;
-    const Memory::AccessInfo met = memory_.meet(*area, address, write, pages_);
-    step.paged |= met.paged;
-    decoded.demand.data[k] = met.access;
-    // An access to an area on two strobes, or with pages, is resolved each time.
-    if (met.paged || met.words != area->words) decoded.area[k] = nullptr;
-  }
   step.locks |= decoded.bound.row->interlocked && external(area->resource);
   if (decoded.demand.count <= k) decoded.demand.count = static_cast<std::uint8_t>(k + 1);
   decoded.data_bits = packed_data(decoded.demand);
   decoded.forget_transition();
-  step.address[k] = address;
-  Window& window = decoded.ops[0].access[k];
-  if (area->data != nullptr) {
-    // Windows cover whole areas; an area's map of code words follows its data.
-    step.plain &= decoded.area[k] != nullptr && !step.locks;
-    step.repeatable &= step.plain;
-    if (area->set_apart) [[unlikely]] {
-      const Word held = area->data[address - area->base];
-      probe_.note({.address = address, .before = held, .value = write ? core.miss_value : held, .write = write});
-      decoded.area[k] = nullptr;
-      step.plain = step.repeatable = false;
-    }
-    window = {area->data, area->base, area->words};
-    if (trace != nullptr)
-      events_.push_back({address, write ? core.miss_value : area->data[address - area->base], write});
-    return Stepped::done;
+  step.address[k] = state_.core.miss_address;
+  if (area->data == nullptr) return access_outside(step, k, *area);
+  access_memory(step, k, *area);
+  return Stepped::done;
+}
+
+// Null if the chip stops with a fault. An access to an area on two strobes, or with pages, is resolved each time.
+const Memory::Area* Engine::find_area(Step& step, std::size_t k) {
+  const Address address = state_.core.miss_address;
+  const bool write = state_.core.miss_write;
+  DecodedSlot& decoded = *step.decoded;
+  const Memory::Area* area = decoded.area[k];
+  if (area != nullptr && area->contains(address) && decoded.demand.data[k].write == write) return area;
+  area = decoded.area[k] = memory_.find(address);
+  if (area == nullptr) {
+    nothing_at(write ? "write to" : "read of", address);
+    return nullptr;
   }
-  step.plain = false;
+  if (write && area->kind == Region::Kind::rom) {
+    fail(Fault::Kind::reserved_address, fmt::format("write to {:08X}h, which is in the {}", address, area->name),
+         address);
+    return nullptr;
+  }
+  if (!step.paged) pages_ = state_.open_pages;
+  const Memory::AccessInfo met = memory_.meet(*area, address, write, pages_);
+  step.paged |= met.paged;
+  decoded.demand.data[k] = met.access;
+  if (met.paged || met.words != area->words) decoded.area[k] = nullptr;
+  return area;
+}
+
+// Windows cover whole areas; an area's map of code words follows its data.
+void Engine::access_memory(Step& step, std::size_t k, const Memory::Area& area) {
+  const Core& core = state_.core;
+  const Address address = core.miss_address;
+  DecodedSlot& decoded = *step.decoded;
+  step.plain &= decoded.area[k] != nullptr && !step.locks;
+  step.repeatable &= step.plain;
+  const Word held = area.data[address - area.base];
+  const Word value = core.miss_write ? core.miss_value : held;
+  if (area.set_apart) [[unlikely]] {
+    probe_.note({.address = address, .before = held, .value = value, .write = core.miss_write});
+    decoded.area[k] = nullptr;
+    step.plain = step.repeatable = false;
+  }
+  decoded.ops[0].access[k] = {area.data, area.base, area.words};
+  if (trace != nullptr) events_.push_back({address, value, core.miss_write});
+}
+
+// An access to a register, a port or a window: the instruction gets a cell with the answer.
+Engine::Stepped Engine::access_outside(Step& step, std::size_t k, const Memory::Area& area) {
+  const Core& core = state_.core;
+  const Address address = core.miss_address;
+  const bool write = core.miss_write;
+  const bool window = area.kind != Region::Kind::registers;
   // Where a DMA is active, an access to a port may let it go on.
-  const bool at_link = area->kind == Region::Kind::registers && is_linked(address) && !peripherals_.dma_active();
+  const bool at_link = !window && is_linked(address) && !peripherals_.dma_active();
+  step.plain = false;
   step.repeatable &=
-      (area->kind == Region::Kind::external_window || at_link) && decoded.area[k] != nullptr && step.windows == 0;
+      (area.kind == Region::Kind::external_window || at_link) && step.decoded->area[k] != nullptr && step.windows == 0;
   auto& cell = scratch_[k].cell;
   cell = {};
-  if (area->kind == Region::Kind::registers && is_port_register(address)) {
-    if (const Stepped why = access_port(step, k, cell[0]); why != Stepped::done) return why;
-    if (at_link) step.windows |= static_cast<std::uint8_t>(1u << k);
-  } else if (area->kind == Region::Kind::registers) {
-    step.register_cycle[k] = access_cycle(step, k);
-    if (!peripherals_.read(address, step.register_cycle[k], cell[0]))
-      return fail(Fault::Kind::not_modelled,
-                  fmt::format("{} {:08X}h: {} is not modelled", write ? "write to" : "read of", address,
-                              describe_register(address)),
-                  address);
-    step.register_writes |= static_cast<std::uint8_t>(unsigned{write} << k);
-  } else {
-    if (!access_.is_answer_to(k, address, write)) {
-      const ExternalAccess access{
-          address, write, decoded.bound.row->interlocked, write ? core.miss_value : 0, access_cycle(step, k), -1};
-      if (!answers_at_once(access)) {
-        access_.begin(k, access);
-        return Stepped::external;
-      }
-      access_.forget();
-      state_.answers[k] = opened_.given(write, address);
-    }
-    cell[0] = state_.answers[k].value;
-    step.windows |= static_cast<std::uint8_t>(1u << k);
-  }
-  window = {cell.data(), address, 1};
-  if (probe_.on_data()) [[unlikely]] {
-    const Word value = write ? core.miss_value : cell[0];
+  const Stepped why = window                      ? access_window(step, k, cell[0])
+                      : is_port_register(address) ? access_port(step, k, cell[0])
+                                                  : access_register(step, k, cell[0]);
+  if (why != Stepped::done) return why;
+  if (window || at_link) step.windows |= static_cast<std::uint8_t>(1u << k);
+  step.decoded->ops[0].access[k] = {cell.data(), address, 1};
+  const Word value = write ? core.miss_value : cell[0];
+  if (probe_.on_data()) [[unlikely]]
     probe_.note({.address = address, .before = value, .value = value, .write = write});
+  if (trace != nullptr) events_.push_back({address, value, write});
+  return Stepped::done;
+}
+
+Engine::Stepped Engine::access_register(Step& step, std::size_t k, Word& cell) {
+  const Address address = state_.core.miss_address;
+  const bool write = state_.core.miss_write;
+  step.register_cycle[k] = access_cycle(step, k);
+  if (!peripherals_.read(address, step.register_cycle[k], cell))
+    return fail(Fault::Kind::not_modelled,
+                fmt::format("{} {:08X}h: {} is not modelled", write ? "write to" : "read of", address,
+                            describe_register(address)),
+                address);
+  step.register_writes |= static_cast<std::uint8_t>(unsigned{write} << k);
+  return Stepped::done;
+}
+
+// Where the access is not answered at once, the chip stops first.
+Engine::Stepped Engine::access_window(const Step& step, std::size_t k, Word& cell) {
+  const Core& core = state_.core;
+  const bool write = core.miss_write;
+  if (!access_.is_answer_to(k, core.miss_address, write)) {
+    const bool locks = step.decoded->bound.row->interlocked;
+    const Word value = write ? core.miss_value : 0;
+    const ExternalAccess access{core.miss_address, write, locks, value, access_cycle(step, k), -1};
+    if (!answers_at_once(access)) {
+      access_.begin(k, access);
+      return Stepped::external;
+    }
+    access_.forget();
+    state_.answers[k] = opened_.given(write, core.miss_address);
   }
-  if (trace != nullptr) events_.push_back({address, write ? core.miss_value : cell[0], write});
+  cell = state_.answers[k].value;
   return Stepped::done;
 }
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "c40/chip/chip.hpp"
-#include "c40/values/state.hpp"
+#include "c40/chip/state.hpp"
 
 namespace c40 {
 

@@ -11,9 +11,9 @@
 #include <unordered_map>
 #include <vector>
 
+#include "c40/chip/state.hpp"
 #include "c40/engine/block.hpp"
 #include "c40/memory/memory.hpp"
-#include "c40/values/state.hpp"
 
 namespace c40 {
 

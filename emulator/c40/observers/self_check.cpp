@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "c40/chip/state.hpp"
 #include "c40/values/float40.hpp"
-#include "c40/values/state.hpp"
 #include "isa/disassemble.hpp"
 #include "isa/hazards.hpp"
 

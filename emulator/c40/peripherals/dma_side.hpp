@@ -12,13 +12,13 @@
 #include <vector>
 
 #include "c40/chip/chip.hpp"
+#include "c40/chip/state.hpp"
 #include "c40/memory/instruction_cache.hpp"
 #include "c40/memory/memory.hpp"
 #include "c40/observers/probe.hpp"
 #include "c40/peripherals/peripherals.hpp"
 #include "c40/peripherals/ports.hpp"
 #include "c40/pipeline/pipeline_table.hpp"
-#include "c40/values/state.hpp"
 
 namespace c40 {
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "c40/chip/chip_pins.hpp"
+#include "c40/chip/state.hpp"
 #include "c40/peripherals/dma.hpp"
 #include "c40/peripherals/events.hpp"
-#include "c40/values/state.hpp"
 
 namespace c40 {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "cmrc/configuration/config.hpp"
-#include "machine/system/machine.hpp"
+#include "machine/system/machine_config.hpp"
 
 namespace cmrc {
 

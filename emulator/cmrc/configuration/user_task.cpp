@@ -8,7 +8,7 @@
 
 #include "cmrc/tasks/job_kinds.hpp"
 #include "io/nearest.hpp"
-#include "machine/system/machine.hpp"
+#include "machine/system/bus_topology.hpp"
 
 namespace cmrc {
 namespace {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "cmrc/tasks/words.hpp"
-#include "machine/system/machine.hpp"
+#include "machine/system/host_program.hpp"
 
 namespace state {
 class Visitor;

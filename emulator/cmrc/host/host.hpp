@@ -42,7 +42,8 @@
 #include "cmrc/tasks/importance.hpp"
 #include "cmrc/tasks/task_list.hpp"
 #include "cmrc/tasks/words.hpp"
-#include "machine/system/machine.hpp"
+#include "machine/system/bus_topology.hpp"
+#include "machine/system/host_program.hpp"
 #include "report/event.hpp"
 #include "report/run_report.hpp"
 

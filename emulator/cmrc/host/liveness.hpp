@@ -12,7 +12,7 @@
 #include <optional>
 #include <vector>
 
-#include "machine/system/machine.hpp"
+#include "machine/system/bus_topology.hpp"
 
 namespace state {
 class Visitor;

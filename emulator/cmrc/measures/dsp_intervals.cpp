@@ -4,6 +4,8 @@
 #include <chrono>
 #include <utility>
 
+#include "machine/system/observer.hpp"
+
 namespace cmrc {
 namespace {
 

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <functional>
-#include <numeric>
 #include <utility>
 
 #include "state/visitor.hpp"
@@ -33,75 +31,16 @@ std::vector<Time> periods(Time servo, std::size_t user_tasks) {
   return all;
 }
 
-/// The causes of a chain: those of the chips, a slowed clock, and runs whose counters are not known.
-std::vector<std::string> chain_causes(std::vector<std::string> causes) {
-  causes.insert(causes.end(), {"slow_clock", "unknown"});
-  return causes;
-}
-
-CauseTimes minus(const CauseTimes& later, const CauseTimes& earlier) {
-  if (later.size() != earlier.size()) return {};
-  CauseTimes difference(later.size());
-  std::ranges::transform(later, earlier, difference.begin(), std::minus{});
-  return difference;
-}
-
-/// The sum by cause; an empty list counts as zero.
-std::vector<std::int64_t> plus(const std::vector<std::int64_t>& one, std::vector<std::int64_t> other) {
-  if (one.empty()) return other;
-  std::vector<std::int64_t> sum = one;
-  for (std::size_t i = 0; i < sum.size() && i < other.size(); ++i) sum[i] += other[i];
-  return sum;
-}
-
-/// whole * part / total, rounded down for positive numbers.
-std::int64_t share(std::int64_t whole, std::int64_t part, std::int64_t total) {
-  __extension__ using Wide = __int128;
-  if (std::int64_t product = 0; !__builtin_mul_overflow(whole, part, &product)) return product / total;
-  return static_cast<std::int64_t>(Wide{whole} * part / total);
-}
-
-/// Cycles to picoseconds such that the parts add up to the whole exactly: each cumulative sum is rounded down, not each
-/// part.
-std::vector<std::int64_t> in_picoseconds(const CauseTimes& cycles, std::int64_t whole) {
-  const std::int64_t total = std::accumulate(cycles.begin(), cycles.end(), std::int64_t{0});
-  std::vector<std::int64_t> parts;
-  parts.reserve(cycles.size() + 2);  // with_clock adds two
-  std::int64_t sum = 0, before = 0;
-  for (const std::int64_t count : cycles) {
-    sum += count;
-    std::int64_t until = before;  // most causes took no cycle
-    if (count != 0) until = total == 0 ? 0 : share(whole, sum, total);
-    parts.push_back(until - before);
-    before = until;
-  }
-  return parts;
-}
-
-/// The same with the nominal length of cycles, and the additional time of a slowed clock. (One picosecond is the
-/// clock's rounding.)
-std::vector<std::int64_t> with_clock(const CauseTimes& cycles, std::int64_t whole, const machine::Clock& clock) {
-  const std::int64_t total = std::accumulate(cycles.begin(), cycles.end(), std::int64_t{0});
-  std::int64_t nominal = clock.at(total).count();
-  if (std::abs(whole - nominal) <= 1) nominal = whole;
-  std::vector<std::int64_t> parts = in_picoseconds(cycles, nominal);
-  const std::int64_t known = std::accumulate(parts.begin(), parts.end(), std::int64_t{0});
-  parts.push_back(whole - nominal);
-  parts.push_back(nominal - known);
-  return parts;
-}
-
 }  // namespace
 
 Ledger::Ledger(LedgerConfig config)
     : names_(with(config.user_tasks)),
       own_slots_(by_kind(config.user_slots, names_.size())),
-      cause_names_(config.causes),
       booked_(config.booked.empty() ? config.causes : config.booked),
       booked_as_(config.booked_as),
-      chip_clock_(config.chip_clock),
+      chain_times_(config.causes, config.chip_clock),
       account_(names_, booked_, periods(config.servo_period, config.user_tasks.size()), config.samples_max),
-      why_(names_, chain_causes(config.causes), config.misses_kept, own_slots_),
+      why_(names_, chain_times_.causes(), config.misses_kept, own_slots_),
       released_(names_.size(), 0) {}
 
 Ledger::Slot& Ledger::slot(unsigned number) {
@@ -122,9 +61,8 @@ void Ledger::release(std::size_t block, JobKind kind, Time released, std::option
   open.released = released;
   open.deadline = deadline;
   open.tick = tick;
-  open.tries.emplace_back();
-  open.tries.back().waits_from = released;
-  if (released <= refresh_.began) open.tries.back().first_refresh = refresh_.began;
+  Try& attempt = open.wait_from(released);
+  if (released <= refresh_.began) attempt.first_refresh = refresh_.began;
   open_[block] = std::move(open);
 }
 
@@ -171,8 +109,7 @@ void Ledger::skipped(JobKind kind, Time released, std::optional<Time> deadline, 
 void Ledger::never_loaded(JobKind kind, Time released, std::optional<Time> deadline, std::optional<std::int64_t> tick,
                           Time end, std::uint32_t robot) {
   Open open = without_block(kind, released, deadline, tick, robot);
-  open.tries.emplace_back();
-  open.tries.back().waits_from = released;
+  open.wait_from(released);
   book(open, job_of(open), end);
 }
 
@@ -223,26 +160,23 @@ bool Ledger::finished(std::size_t block, unsigned number, Time at, const CauseTi
     return true;
   }
   open.finished = at;
-  const bool known = !open.spent.empty() && (open.parts.count == 0 || !open.parts.cycles.empty());
-  if (known)
+  if (open.cycles_are_known())
     why_.ran(open.name.kind, open.parts.time.count() + whole,
-             plus(open.parts.chain, chain_of(open.spent, whole, true)));
+             plus(open.parts.chain, chain_times_.of(open.spent, whole, true)));
   return true;
 }
 
 // From here the job waits for the block of its next part: until the host has seen the end of this part, and then in the
 // list.
 void Ledger::part_done(Open& open, Time at, std::int64_t whole) {
-  const bool known = !open.spent.empty() && (open.parts.count == 0 || !open.parts.cycles.empty());
-  open.parts.cycles = known ? plus(open.parts.cycles, open.spent) : CauseTimes{};
-  open.parts.chain = plus(open.parts.chain, chain_of(open.spent, whole, true));
+  open.parts.cycles = open.cycles_are_known() ? plus(open.parts.cycles, open.spent) : CauseTimes{};
+  open.parts.chain = plus(open.parts.chain, chain_times_.of(open.spent, whole, true));
   open.parts.time += Time{whole};
   ++open.parts.count;
   open.slot.reset();
   open.at_claim.clear();
   open.spent.clear();
-  open.tries.emplace_back();
-  open.tries.back().waits_from = at;
+  open.wait_from(at);
 }
 
 void Ledger::continued(std::size_t block, std::size_t next, Time at) {
@@ -256,14 +190,6 @@ void Ledger::continued(std::size_t block, std::size_t next, Time at) {
   open_.insert(std::move(moved));
 }
 
-// The run's picoseconds by a chain's causes; they add up to the whole.
-std::vector<std::int64_t> Ledger::chain_of(const CauseTimes& spent, std::int64_t whole, bool ended) const {
-  std::vector<std::int64_t> chain = ended ? with_clock(spent, whole, chip_clock_) : in_picoseconds(spent, whole);
-  chain.resize(cause_names_.size() + 2, 0);
-  chain.back() += whole - std::accumulate(chain.begin(), chain.end(), std::int64_t{0});
-  return chain;
-}
-
 void Ledger::put_back(std::size_t block, Time at) {
   audit_.put_back(block, at);
   const auto found = open_.find(block);
@@ -273,9 +199,7 @@ void Ledger::put_back(std::size_t block, Time at) {
   open.slot.reset();
   open.failed = false;
   open.at_claim.clear();
-  open.tries.emplace_back();
-  open.tries.back().waits_from = at;
-  open.tries.back().first_refresh = at;
+  open.wait_from(at).first_refresh = at;
 }
 
 // The account has one name for causes that the chains distinguish by bus.
@@ -297,8 +221,7 @@ report::Job Ledger::job_of(const Open& open) const {
     job.progress = report::Progress::finished;
     job.finished = *open.finished;
     const Time ran = open.parts.time + (*open.finished - open.claimed());
-    const bool known = !open.spent.empty() && (open.parts.count == 0 || !open.parts.cycles.empty());
-    const CauseTimes cycles = known ? plus(open.parts.cycles, open.spent) : CauseTimes{};
+    const CauseTimes cycles = open.cycles_are_known() ? plus(open.parts.cycles, open.spent) : CauseTimes{};
     job.between = *open.finished - job.claimed - ran;
     job.cycles = booked(cycles);
     job.causes = booked(in_picoseconds(cycles, ran.count()));
@@ -323,8 +246,8 @@ MissedJob Ledger::missed_job(const Open& open, report::Outcome outcome, Time end
     report::Run& run = *missed.tries.back().run;
     if (run.end == report::Run::End::running) run.ended = end;
     if (run.end == report::Run::End::running || run.end == report::Run::End::done) {
-      missed.execution = plus(
-          missed.execution, chain_of(open.spent, (run.ended - run.claimed).count(), run.end == report::Run::End::done));
+      missed.execution = plus(missed.execution, chain_times_.of(open.spent, (run.ended - run.claimed).count(),
+                                                                run.end == report::Run::End::done));
     }
   }
   return missed;

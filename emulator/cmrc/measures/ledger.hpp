@@ -13,6 +13,7 @@
 
 #include "cmrc/configuration/user_task.hpp"
 #include "cmrc/measures/course.hpp"
+#include "cmrc/measures/cycle_times.hpp"
 #include "cmrc/measures/timeline.hpp"
 #include "cmrc/measures/why_late.hpp"
 #include "cmrc/tasks/block_audit.hpp"
@@ -22,8 +23,6 @@
 #include "report/task_account.hpp"
 
 namespace cmrc {
-
-using CauseTimes = std::vector<std::int64_t>;  ///< cycles of one chip by cause
 
 /// What the ledger has to know about the run.
 struct LedgerConfig {
@@ -142,6 +141,13 @@ class Ledger {
     std::vector<Try> tries;
     Time first_claim{};  // first claim of the whole run: of its first part, if it has parts
     Parts parts;         // finished parts
+    /// Of the run, and of its finished parts.
+    bool cycles_are_known() const { return !spent.empty() && (parts.count == 0 || !parts.cycles.empty()); }
+    Try& wait_from(Time at) {
+      Try& attempt = tries.emplace_back();
+      attempt.waits_from = at;
+      return attempt;
+    }
     Time claimed() const { return tries.back().run ? tries.back().run->claimed : Time{}; }
     /// How long its DSP has been occupied with it until `now`: no longer than until the DSP's failure or reset.
     std::int64_t occupies_until(Time now) const {
@@ -157,7 +163,6 @@ class Ledger {
 
   std::vector<std::int64_t> booked(const std::vector<std::int64_t>& amounts) const;
   report::Job job_of(const Open& open) const;
-  std::vector<std::int64_t> chain_of(const CauseTimes& spent, std::int64_t whole, bool ended) const;
   void part_done(Open& open, Time at, std::int64_t whole);
   /// A job for which the host has loaded no block.
   Open without_block(JobKind kind, Time released, std::optional<Time> deadline, std::optional<std::int64_t> tick,
@@ -171,10 +176,9 @@ class Ledger {
 
   std::vector<std::string> names_;
   std::vector<std::optional<unsigned>> own_slots_;  // by kind
-  std::vector<std::string> cause_names_;
   std::vector<std::string> booked_;
   std::vector<std::size_t> booked_as_;
-  machine::Clock chip_clock_;
+  ChainTimes chain_times_;
   report::TaskAccount account_;
   BlockAudit audit_;
   Timeline timeline_;

@@ -12,6 +12,7 @@
 
 #include "c40/observers/profile.hpp"
 #include "cmrc/measures/ledger.hpp"
+#include "machine/system/bus_topology.hpp"
 #include "machine/system/machine.hpp"
 #include "report/profile_report.hpp"
 

@@ -10,7 +10,8 @@
 #include <vector>
 
 #include "cmrc/measures/missed_job.hpp"
-#include "machine/system/machine.hpp"
+#include "machine/system/bus_topology.hpp"
+#include "machine/time/time.hpp"
 #include "report/task_account.hpp"
 #include "report/why_late.hpp"
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "machine/system/machine.hpp"
+#include "machine/system/bus_topology.hpp"
 #include "machine/time/time.hpp"
 #include "state/visitor.hpp"
 

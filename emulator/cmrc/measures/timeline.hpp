@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "cmrc/measures/run_watcher.hpp"
-#include "machine/system/machine.hpp"
+#include "machine/system/bus_topology.hpp"
 #include "report/why_late.hpp"
 
 namespace state {

@@ -13,7 +13,7 @@ namespace {
 
 // m. The ideal run is farther along than a run if it has got farther by more than this: more than two cranes differ
 // that rest and damp a swing, and less than a crane moves in some hundredths of a second.
-constexpr double level = 0.01;
+constexpr double farther = 0.01;
 
 /// The milestones of one robot within the window, in order; none comes before an earlier one.
 std::vector<Milestone> milestones_of(const Course& course, Robot robot, Time from, Time to) {
@@ -67,7 +67,7 @@ Time WorkProgress::beyond(Time time) {
   if (run_->size() == 0 || ideal_->size() == 0) return same;
   for (; at_.run_until <= time; at_.run_until += step_)
     at_.reach = std::max(at_.reach, distance(*run_, since, at_.run_until));
-  while (at_.ideal_until <= same && distance(*ideal_, there, at_.ideal_until) <= at_.reach + level)
+  while (at_.ideal_until <= same && distance(*ideal_, there, at_.ideal_until) <= at_.reach + farther)
     at_.ideal_until += step_;
   return std::min(same, at_.ideal_until);
 }

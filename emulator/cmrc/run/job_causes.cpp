@@ -5,6 +5,7 @@
 #include "c40/chip/chip.hpp"
 #include "cmrc/configuration/config.hpp"
 #include "machine/system/machine.hpp"
+#include "machine/system/machine_config.hpp"
 #include "report/event.hpp"
 
 namespace cmrc {

@@ -7,6 +7,7 @@
 #include "c40/chip/chip.hpp"
 #include "cmrc/measures/error_log.hpp"
 #include "cmrc/measures/measures.hpp"
+#include "machine/dsps/slot_links.hpp"
 #include "machine/networks/net.hpp"
 #include "plant/numerics/math.hpp"
 #include "report/event.hpp"

@@ -14,7 +14,9 @@
 #include "cmrc/measures/standstill.hpp"
 #include "cmrc/measures/wind_watch.hpp"
 #include "cmrc/tasks/words.hpp"
-#include "machine/system/machine.hpp"
+#include "machine/system/bus_topology.hpp"
+#include "machine/system/observer.hpp"
+#include "machine/system/scripted_events.hpp"
 #include "plant/dock/dock.hpp"
 #include "report/event_log.hpp"
 

@@ -6,7 +6,7 @@
 #include "cmrc/processes/crane_steps.hpp"
 #include "cmrc/processes/fleet.hpp"
 #include "cmrc/tasks/words.hpp"
-#include "machine/system/machine.hpp"
+#include "machine/system/machine_config.hpp"
 #include "plant/dock/dock.hpp"
 #include "toolchain/objects/image.hpp"
 

@@ -19,6 +19,7 @@
 #include "cmrc/run/snapshot_origin.hpp"
 #include "cmrc/tasks/words.hpp"
 #include "machine/system/machine.hpp"
+#include "machine/system/machine_config.hpp"
 #include "plant/dock/dock.hpp"
 #include "report/event_log.hpp"
 #include "toolchain/objects/image.hpp"

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bus_model/bus.hpp"
+#include "machine/system/bus_topology.hpp"
 #include "machine/system/machine.hpp"
 #include "report/perfetto_trace.hpp"
 #include "report/trace_text.hpp"

@@ -10,6 +10,7 @@
 #include "cmrc/measures/timeline.hpp"
 #include "cmrc/run/simulation.hpp"
 #include "cmrc/tasks/job_kinds.hpp"
+#include "machine/system/observer.hpp"
 
 namespace cmrc {
 namespace {

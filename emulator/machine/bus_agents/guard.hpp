@@ -15,8 +15,12 @@
 #include <optional>
 #include <vector>
 
-#include "machine/system/machine.hpp"
+#include "machine/system/bus_topology.hpp"
 #include "state/visitor.hpp"
+
+namespace toolchain {
+struct Image;
+}
 
 namespace machine {
 

@@ -7,7 +7,9 @@
 #include "bus_model/bridge.hpp"
 #include "machine/bus_agents/shared_memory.hpp"
 #include "machine/dsps/link_adapter.hpp"
-#include "machine/system/machine.hpp"
+#include "machine/system/bus_topology.hpp"
+#include "machine/system/host_program.hpp"
+#include "machine/system/machine_config.hpp"
 #include "machine/time/scheduler.hpp"
 #include "machine/time/time.hpp"
 

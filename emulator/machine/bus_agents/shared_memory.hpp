@@ -11,7 +11,8 @@
 #include <vector>
 
 #include "bus_model/bus.hpp"
-#include "machine/system/machine.hpp"
+#include "machine/system/bus_topology.hpp"
+#include "machine/system/observer.hpp"
 #include "machine/system/symbols.hpp"
 #include "state/visitor.hpp"
 

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 
+#include "c40/chip/state.hpp"
 #include "c40/peripherals/register_map.hpp"
-#include "c40/values/state.hpp"
+#include "isa/types.hpp"
 
 namespace machine {
 namespace {

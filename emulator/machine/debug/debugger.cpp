@@ -6,7 +6,7 @@
 #include <chrono>
 #include <utility>
 
-#include "c40/values/state.hpp"
+#include "c40/chip/state.hpp"
 #include "io/stop.hpp"
 #include "machine/debug/debugger_shared.hpp"
 #include "machine/debug/hit_recorder.hpp"

@@ -15,7 +15,7 @@
 #include "bus_model/bus.hpp"
 #include "c40/chip/chip.hpp"
 #include "c40/peripherals/link.hpp"
-#include "machine/system/machine.hpp"
+#include "machine/system/bus_topology.hpp"
 #include "machine/system/symbols.hpp"
 
 namespace machine {

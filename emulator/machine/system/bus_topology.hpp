@@ -15,7 +15,17 @@
 
 namespace machine {
 
+using Word = std::uint32_t;
+/// A C40's address minus the window's base. The host's program uses the offsets of window A.
 using Offset = std::uint32_t;
+
+inline constexpr unsigned most_slots = 16;
+
+enum class BusId : std::uint8_t { a, b, c, d };
+/// The windows of a DSP; by default bus A and bus B are behind them.
+enum class Window : std::uint8_t { a, b };
+/// The host's program finds offset 0 of window B here, if its board has a route to it.
+inline constexpr Offset host_devices = 0x100000;
 
 /// The devices of window B, by their groups.
 enum class DeviceGroup : std::uint8_t { drives, sensors, comm_port };

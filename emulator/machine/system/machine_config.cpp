@@ -8,6 +8,7 @@
 #include "machine/dsps/slot_links.hpp"
 #include "machine/networks/net_description.hpp"
 #include "machine/system/bus_topology.hpp"
+#include "machine/system/scripted_events.hpp"
 
 namespace machine {
 namespace {

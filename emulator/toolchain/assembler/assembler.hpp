@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "toolchain/objects/object.hpp"
+#include "toolchain/objects/section_places.hpp"
 #include "toolchain/syntax/diagnostics.hpp"
 #include "toolchain/syntax/dialect.hpp"
 
@@ -18,7 +19,7 @@ struct Options {
   std::map<std::string, Word> symbols;              ///< Predefined constants.
   /// Addresses of sections. The other sections are put where these leave room: .text, .data, further loaded ones, .bss,
   /// further reserved ones.
-  std::map<std::string, Address> sections = {{".text", 0x300000}};
+  std::map<std::string, Address> sections = {{".text", usual_address}};
   /// The symbol at which the program starts. If empty: _start, _c_int00, c_int00, start, START or the first word of
   /// .text.
   std::string entry;

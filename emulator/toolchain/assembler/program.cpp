@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 
 #include "io/nearest.hpp"
 #include "toolchain/assembler/checks.hpp"
@@ -115,8 +116,7 @@ void Program::grow(Section& section, Address words, std::size_t offset) {
   section.size += words;
 }
 
-void Program::add(const SourceLinePtr& line, std::size_t offset,
-                  std::variant<InstructionItem, WordItem, FloatItem, FillItem> content) {
+void Program::add(const SourceLinePtr& line, std::size_t offset, Item::Content content) {
   Section& section = sections_[index(current_)];
   if (section.load == Load::reserved && !std::holds_alternative<FillItem>(content))
     throw LineError{offset, fmt::format("the section '{}' is not loaded: it takes .space, no contents", section.name)};
@@ -137,6 +137,10 @@ Value Program::field_place(Address bits) const {
   return place;
 }
 
+void require_alignment(Address words, std::size_t offset) {
+  if (!std::has_single_bit(words)) throw LineError{offset, "an alignment is a power of 2, in words"};
+}
+
 void Program::add_field(const SourceLinePtr& line, std::size_t offset, Expression value, Address bits) {
   if (field_bits_ == 0 || field_bits_ + bits > 32) {
     WordItem item;
@@ -155,7 +159,7 @@ void Program::warn(const SourceLinePtr& line, std::size_t offset, const std::str
 }
 
 void Program::align(const SourceLinePtr& line, std::size_t offset, Address words) {
-  if (words == 0 || (words & (words - 1)) != 0) throw LineError{offset, "an alignment is a power of 2, in words"};
+  require_alignment(words, offset);
   Section& section = sections_[index(current_)];
   section.alignment = std::max(section.alignment, words);
   const Address gap = (words - section.size % words) % words;
@@ -173,8 +177,7 @@ void Program::add_parallel(HalfSyntax half, const SourceLinePtr& line, std::size
 
 Value Program::reserve(int section_number, Address words, Address alignment, std::size_t offset) {
   Section& section = sections_[index(section_number)];
-  if (alignment == 0 || (alignment & (alignment - 1)) != 0)
-    throw LineError{offset, "an alignment is a power of 2, in words"};
+  require_alignment(alignment, offset);
   section.alignment = std::max(section.alignment, alignment);
   grow(section, (alignment - section.size % alignment) % alignment, offset);
   const Value place = Value::at(section_number, section.size);
@@ -200,7 +203,7 @@ Value Program::value_of(const std::string& name, std::size_t offset) const {
   }
   // A register of the other processor is not taken as a symbol of another object, unless the source declares it.
   const bool taken_as_external = undefined_external_ && register_of_other(name, options_.cpu).empty();
-  if (found == symbols_.end() && relocatable_ && (globals_.contains(name) || taken_as_external)) {
+  if (found == symbols_.end() && stage_ == Stage::relocatable && (globals_.contains(name) || taken_as_external)) {
     return Value::external(externals_.insert({name, static_cast<int>(externals_.size())}).first->second);
   }
   if (found == symbols_.end()) throw UndefinedSymbol{{offset, undefined(name)}, name};
@@ -238,7 +241,7 @@ Value Program::value_of(const std::string& name, std::size_t offset) const {
 }
 
 Value Program::settled(const Value& value) const {
-  return placed_ && value.half != Value::Half::none ? Value::of(number_of(value)) : value;
+  return is_placed() && value.half != Value::Half::none ? Value::of(number_of(value)) : value;
 }
 
 const Program::Evaluated* Program::known(const Symbol& symbol) const {
@@ -258,14 +261,15 @@ std::string Program::undefined(const std::string& name) const {
 
 std::string Program::symbol_near(const std::string& name) const {
   if (std::string other = register_of_other(name, options_.cpu); !other.empty()) return other;
-  if (const auto before = suggestions_.find(name); stage_ > 0 && before != suggestions_.end()) return before->second;
+  if (const auto before = suggestions_.find(name); stage_ != Stage::reading && before != suggestions_.end())
+    return before->second;
   if (names_compared_ >= most_names_compared) return {};
   names_compared_ += symbols_.size();
   std::vector<std::string_view> names;
   for (const auto& [known, symbol] : symbols_)
     if (as_written(known) == known) names.push_back(known);  // no local label: its name is not what the source has
   std::string near = io::suggestion(io::nearest(name, names, io::most_wrong(name)), '\'');
-  if (stage_ > 0) suggestions_[name] = near;  // all symbols are known
+  if (stage_ != Stage::reading) suggestions_[name] = near;  // all symbols are known
   return near;
 }
 

@@ -39,10 +39,14 @@ struct FillItem {
 };
 
 struct Item {
+  using Content = std::variant<InstructionItem, WordItem, FloatItem, FillItem>;
   SourceLinePtr line;
   Address offset = 0;
-  std::variant<InstructionItem, WordItem, FloatItem, FillItem> content;
+  Content content;
 };
+
+/// \throws LineError at `offset`
+void require_alignment(Address words, std::size_t offset);
 
 class Program final : public SymbolSource {
  public:
@@ -70,8 +74,7 @@ class Program final : public SymbolSource {
 
   // Contents of the current section
 
-  void add(const SourceLinePtr& line, std::size_t offset,
-           std::variant<InstructionItem, WordItem, FloatItem, FillItem> content);
+  void add(const SourceLinePtr& line, std::size_t offset, Item::Content content);
   /// The word in which add_field() with this number of bits would put its value.
   Value field_place(Address bits) const;
   void add_field(const SourceLinePtr& line, std::size_t offset, Expression value, Address bits);
@@ -108,7 +111,7 @@ class Program final : public SymbolSource {
 
   Value value_of(const std::string& name, std::size_t offset) const override;
   bool is_defined(const std::string& name) const override;
-  bool is_placed() const override { return placed_; }
+  bool is_placed() const override { return stage_ == Stage::placed; }
   std::int64_t address_of_section(int section) const override { return sections_[index(section)].address; }
 
  private:
@@ -126,11 +129,13 @@ class Program final : public SymbolSource {
     std::string message;
     std::string undefined;  ///< The symbol that is not defined, if that is why: the problem lasts until it is.
   };
+  /// What an expression means changes when sections get addresses, or an object is made.
+  enum class Stage : std::uint8_t { reading, placed, relocatable };
   /// What the evaluation of a symbol gave. It holds until the next stage, so that a symbol is evaluated once however
   /// many others use it.
   struct Evaluated {
     std::variant<Value, Problem> result;
-    int stage = 0;
+    Stage stage{};
   };
   struct Symbol {
     std::variant<Value, Expression> meaning;
@@ -190,13 +195,11 @@ class Program final : public SymbolSource {
   Address field_bits_ = 0;  ///< Bits of the last word used by fields; 0: the last word contains no field.
   std::vector<std::string> warnings_, dialects_;
   std::vector<std::string> files_read_;
-  bool placed_ = false;
   bool undefined_external_ = false;
-  bool relocatable_ = false;                      ///< finish_object() is running.
   mutable std::map<std::string, int> externals_;  ///< External symbols found so far by finish_object(), numbered.
   std::size_t first_external_ = 0;                ///< Its place among the object's symbols.
   mutable int evaluation_depth_ = 0;
-  int stage_ = 0;        ///< What an expression means changes when sections get addresses, or an object is made.
+  Stage stage_ = Stage::reading;
   bool trying_ = false;  ///< define() asks whether a value is known already: nobody reads the message.
   mutable std::map<std::string, std::string> suggestions_;  ///< By undefined symbol, of this stage.
   mutable std::size_t names_compared_ = 0;

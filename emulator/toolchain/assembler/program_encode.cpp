@@ -13,7 +13,7 @@ namespace toolchain {
 /// As the linker does: nothing is put where a section with an address lies. Such a section moves those after it; an
 /// empty one lies behind the one before it.
 void Program::place(std::vector<Diagnostic>& diagnostics) {
-  std::uint64_t from = 0x300000, end = from;
+  std::uint64_t from = usual_address, end = from;
   std::vector<Extent> taken;
   for (const Section& section : sections_)
     if (const auto wanted = options_.sections.find(section.name); wanted != options_.sections.end())
@@ -53,8 +53,7 @@ void Program::place(std::vector<Diagnostic>& diagnostics) {
       complain(fmt::format("the section '{}' ({} words at {:x}h) must lie in one page of 64 K words", section->name,
                            section->size, section->address));
   }
-  placed_ = true;
-  ++stage_;
+  stage_ = Stage::placed;
   check_overlaps(placed, diagnostics);
 }
 

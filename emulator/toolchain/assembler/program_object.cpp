@@ -20,8 +20,7 @@ bool Program::goes_into_object(std::size_t section) const {
 }
 
 Object Program::finish_object(Image& listed, std::vector<Diagnostic>& diagnostics) {
-  relocatable_ = true;
-  ++stage_;
+  stage_ = Stage::relocatable;
   listed.warnings = warnings_;
   listed.dialects = dialects_;
   listed.files_read = files_read_;

@@ -68,7 +68,7 @@ void Reader::member(Statement& s) {
   Address size = 0;
   if (operation == ".align") {
     const Address alignment = p.at_end() ? 32 : known_size(p, "the alignment");
-    if (alignment == 0) throw LineError{s.operation_offset, "an alignment is a power of 2, in words"};
+    require_alignment(alignment, s.operation_offset);
     structure_->place = (structure_->place + alignment - 1) / alignment * alignment;
   } else if (operation == ".tag") {
     const Structure& other = structure_named(p);

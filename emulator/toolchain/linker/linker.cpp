@@ -7,9 +7,11 @@
 #include <optional>
 #include <set>
 
-#include "io/print.hpp"
 #include "isa/types.hpp"
+#include "toolchain/linker/initial_values.hpp"
+#include "toolchain/linker/link_map.hpp"
 #include "toolchain/linker/placement.hpp"
+#include "toolchain/linker/program_objects.hpp"
 #include "toolchain/objects/archive.hpp"
 #include "toolchain/objects/coff.hpp"
 #include "toolchain/objects/section_places.hpp"
@@ -29,31 +31,27 @@ struct Definition {
 
 class Linker {
  public:
-  Linker(std::vector<Object> objects, std::vector<Object> library, const MemoryMap& map)
-      : objects_(std::move(objects)), library_(std::move(library)), map_(map) {}
+  Linker(std::vector<Object> objects, isa::Cpu cpu, const MemoryMap& map)
+      : objects_(std::move(objects)), cpu_(cpu), map_(map) {}
 
   Linked link() {
-    if (objects_.empty()) throw LinkError({"nothing to link"});
-    pull_from_library();
-    check_processors();
-    add_common();
     collect_sections();
     if (std::ranges::all_of(placement_.sections(), [](const OutputSection& section) { return section.size == 0; }))
       throw LinkError(
           {fmt::format("{}: no section contains a word; a program has at least one", objects_.front().name)});
-    placement_.place(map_, cpu(), errors_);
+    placement_.place(map_, cpu_, errors_);
     check_small_model();
     define_symbols();
     check_undefined();
     if (!errors_.empty()) throw LinkError(std::move(errors_));
     Linked out;
-    out.image.cpu = cpu();
+    out.image.cpu = cpu_;
     build(out.image);
     export_symbols(out.image);
     out.image.entry = entry();
     if (!errors_.empty()) throw LinkError(std::move(errors_));
     out.image.warnings = std::move(warnings_);
-    out.map = map_text(out.image);
+    out.map = link_map(out.image, map_, placement_, objects_);
     return out;
   }
 
@@ -61,81 +59,13 @@ class Linker {
   void complain(std::string message) {
     if (errors_.size() < most_errors) errors_.push_back(std::move(message));
   }
-
-  static bool defines(const ObjectSymbol& symbol) { return symbol.global && symbol.section != ObjectSymbol::undefined; }
-
-  void pull_from_library() {
-    std::map<std::string, std::size_t, std::less<>> offers;
-    for (std::size_t i = 0; i < library_.size(); ++i)
-      for (const ObjectSymbol& symbol : library_[i].symbols)
-        if (defines(symbol)) offers.emplace(symbol.name, i);
-    std::set<std::string, std::less<>> defined;
-    std::set<std::size_t> taken;
-    for (const auto& [name, value] : map_.symbols) defined.insert(name);
-    for (const Object& object : objects_)
-      for (const ObjectSymbol& symbol : object.symbols)
-        if (defines(symbol)) defined.insert(symbol.name);
-    const auto want = [&](const std::string& name) {
-      const auto offer = offers.find(name);
-      if (defined.contains(name) || offer == offers.end() || !taken.insert(offer->second).second) return;
-      objects_.push_back(library_[offer->second]);
-      for (const ObjectSymbol& symbol : objects_.back().symbols)
-        if (defines(symbol)) defined.insert(symbol.name);
-    };
-    if (!map_.entry.empty()) want(map_.entry);
-    if (map_.entry.empty() && map_.is_c) want("_c_int00");
-    for (std::size_t i = 0; i < objects_.size(); ++i) {  // Grows while it is walked.
-      const auto symbols = objects_[i].symbols;
-      for (const ObjectSymbol& symbol : symbols)
-        if (symbol.section == ObjectSymbol::undefined) want(symbol.name);
+  template <class Act>
+  void or_complain(const Act& act) {
+    try {
+      act();
+    } catch (const CoffError& error) {
+      complain(error.what());
     }
-  }
-
-  /// The first object with a word decides the program's processor; an object without words does not.
-  const Object& leader() const {
-    const auto found = std::ranges::find_if(objects_, holds_words);
-    return found == objects_.end() ? objects_.front() : *found;
-  }
-  static bool holds_words(const Object& object) {
-    return std::ranges::any_of(object.sections, [](const ObjectSection& section) { return section.size != 0; });
-  }
-  isa::Cpu cpu() const { return leader().cpu; }
-
-  void check_processors() const {
-    std::vector<std::string> errors;
-    for (const Object& object : objects_)
-      if (object.cpu != cpu() && holds_words(object))
-        errors.push_back(
-            fmt::format("{}: is for the {}, and {} for the {}; all objects of a program must be for one processor",
-                        object.name, isa::title(object.cpu), leader().name, isa::title(cpu())));
-    if (!errors.empty()) throw LinkError(std::move(errors));
-  }
-
-  /// Undefined symbols that have a size, and that no object defines, get this number of words of .bss.
-  void add_common() {
-    std::map<std::string, Word> wanted;
-    std::set<std::string> defined;
-    for (const Object& object : objects_)
-      for (const ObjectSymbol& symbol : object.symbols) {
-        if (defines(symbol)) defined.insert(symbol.name);
-        if (symbol.section == ObjectSymbol::undefined && symbol.value != 0)
-          wanted[symbol.name] = std::max(wanted[symbol.name], symbol.value);
-      }
-    Object common;
-    common.name = "common storage";
-    common.cpu = cpu();
-    ObjectSection bss;
-    bss.name = ".bss";
-    bss.loaded = false;
-    for (const auto& [name, size] : wanted) {
-      if (defined.contains(name)) continue;
-      common.symbols.push_back(
-          {.name = name, .value = bss.size, .section = 0, .global = true, .stands_for_section = false});
-      bss.size += size;
-    }
-    if (common.symbols.empty()) return;
-    common.sections.push_back(std::move(bss));
-    objects_.push_back(std::move(common));
   }
 
   void collect_sections() {
@@ -175,7 +105,7 @@ class Linker {
     for (const auto& [name, value] : map_.symbols) globals_[name] = {.value = value};
     for (std::size_t i = 0; i < objects_.size(); ++i)
       for (const ObjectSymbol& symbol : objects_[i].symbols) {
-        if (!defines(symbol)) continue;
+        if (!symbol.defines()) continue;
         const Definition definition{final_value(i, symbol), &objects_[i], symbol.section >= 0,
                                     is_loaded(objects_[i], symbol)};
         const auto [at, fresh] = globals_.insert({symbol.name, definition});
@@ -243,58 +173,16 @@ class Linker {
           add_lines(part, section.address + part.offset, image);
         }
       }
-      if (section.name == initial_values) check_initial_values(section, out.words);
+      if (section.name == initial_values)
+        for (std::string& doubt : doubts_about_initial_values(section, out.words, objects_, linked_program))
+          warnings_.push_back(std::move(doubt));
       if (section.for_loader)
-        return_to_loader(out, image);
+        or_complain([&] { set_initial_values(std::move(out), image, linked_program); });
       else
         image.sections.push_back(std::move(out));
     }
-    if (!map_.loader_sets_values) return;
-    try {
-      check_overlaps(image, linked_program);  // Initial values may be for any address.
-    } catch (const CoffError& error) {
-      complain(error.what());
-    }
-  }
-
-  /// What would be lost in silence: the program, and the loader, read the table up to the first count of 0.
-  void check_initial_values(const OutputSection& table, const std::vector<Word>& records) {
-    if (records.empty()) return;
-    std::size_t end = 0;
-    try {
-      Image unused;
-      end = add_initial_values(unused, table.name, records, fmt::format("{}: warning", linked_program));
-    } catch (const CoffError& error) {
-      if (!table.for_loader) warnings_.emplace_back(error.what());  // else it is an error (return_to_loader)
-      return;
-    }
-    if (end >= records.size())
-      warnings_.push_back(fmt::format("{}: warning: the last record of {} asks for one word more than it has",
-                                      linked_program, table.name));
-    const auto lost = std::find_if(records.begin() + static_cast<std::ptrdiff_t>(std::min(end, records.size())),
-                                   records.end(), [](Word word) { return word != 0; });
-    if (lost == records.end()) return;
-    const auto place = static_cast<Address>(lost - records.begin());
-    const auto next = std::ranges::find_if(table.parts, [&](const auto& part) { return part.offset > place; });
-    const OutputSection::Part& part = *std::prev(next);
-    warnings_.push_back(
-        fmt::format("{}: {}+{:X}h: warning: the initial values from here on are not set; a 0 before them, in word {} "
-                    "of {}, closes the table",
-                    objects_[part.source.object].name, table.name, place - part.offset, end, table.name));
-  }
-
-  /// The table itself stays as a section that reserves nothing: only its name and size.
-  void return_to_loader(Image::Section& table, Image& image) {
-    const std::vector<Word> records = std::move(table.words);
-    table.words.clear();
-    table.loaded = false;
-    const std::string name = table.name;
-    image.sections.push_back(std::move(table));
-    try {
-      add_initial_values(image, name, records, linked_program);
-    } catch (const CoffError& error) {
-      complain(error.what());
-    }
+    if (map_.loader_sets_values)  // Initial values may be for any address.
+      or_complain([&] { check_overlaps(image, linked_program); });
   }
 
   /// For the next section.
@@ -415,43 +303,11 @@ class Linker {
         ->address;
   }
 
-  std::string map_text(const Image& image) const {
-    std::string out = fmt::format("entry {:08X}h\n\nmemory            origin     length       used\n", image.entry);
-    for (const auto& memory : map_.memories) {
-      std::uint64_t used = 0;
-      for (const OutputSection& section : placement_.sections())
-        if (!section.for_loader && section.address >= memory.origin && section.address - memory.origin < memory.length)
-          used += section.size;
-      out += fmt::format("{:<16} {:08X}h {:>9X}h {:>9X}h\n", memory.name, memory.origin, memory.length, used);
-    }
-    out += "\nsection          address         size  from\n";
-    for (const OutputSection& section : placement_.sections()) {
-      if (section.size == 0 && section.parts.empty()) continue;
-      out += fmt::format("{:<16} {:08X}h {:>9X}h{}\n", section.name, section.address, section.size,
-                         section.for_loader ? "  for the loader"
-                         : section.loaded   ? ""
-                                            : "  reserved");
-      for (const auto& part : section.parts) {
-        const Object& object = objects_[part.source.object];
-        const Address size = object.sections[part.source.section].size;
-        if (size != 0)
-          out += fmt::format("{:<16} {:08X}h {:>9X}h  {}\n", "", section.address + part.offset, size, object.name);
-      }
-    }
-    out += "\naddress    symbol\n";
-    std::vector<std::pair<Word, std::string_view>> by_address;
-    for (const auto& [name, value] : image.names()) by_address.emplace_back(value, name);
-    std::sort(by_address.begin(), by_address.end());
-    for (const auto& [value, name] : by_address) out += fmt::format("{:08X}h  {}\n", value, name);
-    return io::printable(out);
-  }
-
   static constexpr std::size_t most_errors = 1000;
   static constexpr const char* linked_program = "the linked program";
-  static constexpr const char* initial_values = ".cinit";
 
   std::vector<Object> objects_;
-  std::vector<Object> library_;
+  isa::Cpu cpu_;
   const MemoryMap& map_;
   Placement placement_;
   std::map<std::string, Definition, std::less<>> globals_;
@@ -465,8 +321,10 @@ class Linker {
 LinkError::LinkError(std::vector<std::string> messages)
     : std::runtime_error(join(messages)), messages_(std::move(messages)) {}
 
-Linked link(std::vector<Object> objects, std::vector<Object> library, const MemoryMap& map) {
-  return Linker(std::move(objects), std::move(library), map).link();
+Linked link(std::vector<Object> objects, const std::vector<Object>& library, const MemoryMap& map) {
+  if (objects.empty()) throw LinkError({"nothing to link"});
+  const isa::Cpu cpu = complete(objects, library, map);
+  return Linker(std::move(objects), cpu, map).link();
 }
 
 Linked link_files(const std::vector<std::filesystem::path>& files, const MemoryMap& map) {
@@ -486,7 +344,7 @@ Linked link_files(const std::vector<std::filesystem::path>& files, const MemoryM
     for (const ArchiveMember& member : archive_members(bytes, path.string()))
       add(library, read_object(member.bytes, fmt::format("{}({})", path.string(), member.name)));
   }
-  return link(std::move(objects), std::move(library), map);
+  return link(std::move(objects), library, map);
 }
 
 }  // namespace toolchain

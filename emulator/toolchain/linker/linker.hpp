@@ -30,7 +30,7 @@ struct Linked {
 
 /// Links the objects in their order; then those of `library` that define symbols which are still undefined, and the
 /// objects that these need. Throws LinkError.
-Linked link(std::vector<Object> objects, std::vector<Object> library, const MemoryMap& map);
+Linked link(std::vector<Object> objects, const std::vector<Object>& library, const MemoryMap& map);
 
 /// Files may be objects or libraries. Throws LinkError, CoffError.
 Linked link_files(const std::vector<std::filesystem::path>& files, const MemoryMap& map);

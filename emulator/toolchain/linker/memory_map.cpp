@@ -7,6 +7,7 @@
 
 #include "io/text_form.hpp"
 #include "io/toml_reader.hpp"
+#include "toolchain/objects/section_places.hpp"
 
 namespace toolchain {
 namespace {
@@ -153,7 +154,7 @@ std::optional<bool> c_model(std::string_view name) {
 
 MemoryMap MemoryMap::standard() {
   MemoryMap map;
-  map.memories.push_back({"local", 0x300000, 0x100000});
+  map.memories.push_back({"local", usual_address, 0x100000});
   map.others = "local";
   return map;
 }

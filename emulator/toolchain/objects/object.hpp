@@ -44,6 +44,7 @@ struct ObjectSymbol {
   int section = absolute;  ///< Index into Object::sections.
   bool global = false;
   bool stands_for_section = false;
+  bool defines() const { return global && section != undefined; }  ///< for all objects
 };
 
 /// The source line of a word.

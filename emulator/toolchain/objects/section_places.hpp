@@ -11,6 +11,9 @@ namespace toolchain {
 /// In words; a mistake in a source or a memory map must not fill the host's memory.
 constexpr std::uint32_t largest_loaded_section = 1U << 24;
 
+/// Where the first section begins.
+inline constexpr std::uint32_t usual_address = 0x300000;
+
 /// The program starts at the first of these that is an address in a loaded section.
 inline constexpr std::array<std::string_view, 6> usual_entries{"_start", "_c_int00", "c_int00",
                                                                "start",  "START",    "Start"};

@@ -1,13 +1,14 @@
 #pragma once
 /// The state of a chip that its program or its peripherals can distinguish. Memory contents are in Memory. The engine
 /// lists its further state between two calls itself (chip_state.cpp).
-#include "c40/instructions/op.hpp"
 #include "c40/memory/cache.hpp"
 #include "c40/memory/memory.hpp"
 #include "c40/peripherals/comm_port.hpp"
 #include "c40/peripherals/dma.hpp"
 #include "c40/peripherals/pins.hpp"
 #include "c40/peripherals/timer.hpp"
+#include "c40/pipeline/timing.hpp"
+#include "c40/values/core.hpp"
 
 namespace c40 {
 
