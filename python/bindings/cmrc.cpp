@@ -146,6 +146,7 @@ void bind_config(py::module_& m) {
       py::call_guard<UsualFloats>(),
       "Defaults, then the preset, the file, the TOML text, the settings. Raises ConfigError.");
 
+  m.def("right_key", &cmrc::right_key, py::arg("key"), "What would be right instead of this unknown key.");
   m.def(
       "config_keys",
       [] {

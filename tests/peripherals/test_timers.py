@@ -458,5 +458,10 @@ def test_register_names() -> None:
     assert len(registers) == 2 + 2 * 3 + 6 * 3 + 6 * 9
     assert {entry["name"]: entry["address"] for entry in registers}["DMA3.link"] == 0x1000D6
     assert chip.peripheral("gmicr") == 0x1DEA4000
-    with pytest.raises(IndexError, match=r"did you mean PORT3.control\?"):
-        chip.peripheral("PROT3.control")
+    for wrong, right in [
+        ("PROT3.control", r'did you mean "PORT3\.control"\?'),
+        ("dma3.ilnk", r'did you mean "DMA3\.link"\?'),
+        ("zzzzzzzzzzzzzz", r"zzzzzzzzzzzzzz; docs/peripherals\.md lists the registers$"),
+    ]:
+        with pytest.raises(IndexError, match=right):
+            chip.peripheral(wrong)

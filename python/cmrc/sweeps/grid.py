@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import itertools
 import math
 import os
@@ -139,10 +138,8 @@ def full_name(key: str, where: str) -> str:
         return found[0]
     if found:
         raise GridError(f"{where}: several settings have this name; one of {', '.join(found)} is expected")
-    near = difflib.get_close_matches(key, [*schema(), *_shorts(), *APART], 1)
-    raise GridError(
-        f"{where}: there is no such setting" + (f"; {near[0]} is one" if near else " (docs/configuration.md)")
-    )
+    right = _core.io.did_you_mean(key, [*APART]) or f"; {_core.cmrc.right_key(key)}"
+    raise GridError(f"{where}: no such key{right}")
 
 
 def axis_name(key: str, where: str) -> str:
@@ -160,11 +157,8 @@ class _Reader:
             raise GridError(f"the grid is empty; at least one of {', '.join(TABLES)} is expected")
         for table in self.tables:
             if table not in TABLES:
-                near = difflib.get_close_matches(table, TABLES, 1)
-                raise GridError(
-                    f"{table}: unknown table; "
-                    + (f"is [{near[0]}] meant?" if near else f"{', '.join(TABLES)} are known")
-                )
+                right = _core.io.did_you_mean(table, [*TABLES]) or f"; {', '.join(TABLES)} are known"
+                raise GridError(f"{table}: no such table{right}")
         fixed = self._fixed()
         axes = [*self._axes(), *self._together()]
         events, futures = self._events("events", self.tables.get("events", [])), self._futures()
