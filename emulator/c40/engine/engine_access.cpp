@@ -96,7 +96,7 @@ Engine::Stepped Engine::resolve(Step& step) {
     return Stepped::done;
   }
   step.plain = false;
-  // Where a DMA is active, an access to a port may let it go on.
+  // Where a DMA is active, an access to a port may let it continue.
   const bool at_link = area->kind == Region::Kind::registers && is_linked(address) && !peripherals_.dma_active();
   step.repeatable &=
       (area->kind == Region::Kind::external_window || at_link) && decoded.area[k] != nullptr && step.windows == 0;
