@@ -135,7 +135,7 @@ def test_a_grid_without_axes_or_with_one_value_on_each_is_one_run() -> None:
     ({"fixed": {"phase_jitter": False}, "repeats": {"seeds": 2, "phases": True}}, "run.phase_jitter is also given at"),
     ({"axes": {"dspss": [1]}}, 'axes.dspss: no such key; did you mean "machine.dsps"?'),
     ({"axes": {"rated_load_kgg": [1]}}, "axes.rated_load_kgg: no such key; "),
-    ({"axes": {"config": ["a", "b"]}}, "axes.config: there is no such setting"),
+    ({"axes": {"config": ["a", "b"]}}, "axes.config: no such key; docs/configuration.md lists the keys"),
     ({"axes": {"dsps": {"from": 4, "to": 1, "step": 1}}}, "from < to is expected"),
     ({"axes": {"dsps": {"from": 1, "to": 4}}}, "either step or count"),
     ({"axes": {"dsps": {"from": 1, "to": 4, "step": 0}}}, "axes.dsps.step: 0"),

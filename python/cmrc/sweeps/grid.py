@@ -138,7 +138,7 @@ def full_name(key: str, where: str) -> str:
         return found[0]
     if found:
         raise GridError(f"{where}: several settings have this name; one of {', '.join(found)} is expected")
-    right = _core.io.did_you_mean(key, [*APART]) or f"; {_core.cmrc.right_key(key)}"
+    right = _core.io.did_you_mean(key, [name for name in APART if name != key]) or f"; {_core.cmrc.right_key(key)}"
     raise GridError(f"{where}: no such key{right}")
 
 
