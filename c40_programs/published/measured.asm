@@ -37,7 +37,7 @@ switch_c:       push    r4
                 pop     r4
                 rets
 
-; Two processes that yield to each other for ever, by either switch.
+; Two processes that yield to each other forever, by either switch.
 process_a:      call    switch_reduced
 back_a:         b       process_a
 process_b:      call    switch_reduced

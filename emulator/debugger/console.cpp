@@ -49,8 +49,8 @@ const std::vector<Console::Row>& Console::rows() {
        [](Console& c, Words& w) { c.stop_at_words(w); }},
       {{"on"},
        "KIND [FIELD=VALUE ...] [chip N] [ignore N] [log TEXT] [if EXPRESSION]",
-       "stop at an event (see: happenings)",
-       [](Console& c, Words& w) { c.stop_at_happening(w); }},
+       "stop at an event (see: kinds)",
+       [](Console& c, Words& w) { c.stop_at_event(w); }},
       {{"when"},
        "EXPRESSION",
        "stop when it becomes true, checked every 125 us",
@@ -81,7 +81,7 @@ const std::vector<Console::Row>& Console::rows() {
       {{"out", "finish"}, "", "to after the call of this routine", step(Step::out, false)},
       {{"block"}, "[COUNT]", "to this DSP's next claim of a task block", step(Step::claim, false)},
       {{"refresh"}, "[COUNT]", "to the host's next refresh of the list", step(Step::refresh, false)},
-      {{"event"}, "", "to the next event", step(Step::happening, false)},
+      {{"event"}, "", "to the next event", step(Step::event, false)},
       {{"rstepi", "rsi"}, "[COUNT]", "one instruction back", step(Step::instruction, true)},
       {{"rnexti", "rni"}, "[COUNT]", "one instruction back, over calls", step(Step::over, true)},
       {{"rstep", "rs"}, "[COUNT]", "one source line back", step(Step::line, true)},
@@ -89,7 +89,7 @@ const std::vector<Console::Row>& Console::rows() {
       {{"rout"}, "", "back to the call of this routine", step(Step::out, true)},
       {{"rblock"}, "[COUNT]", "back to this DSP's last claim of a task block", step(Step::claim, true)},
       {{"rrefresh"}, "[COUNT]", "back to the host's last refresh of the list", step(Step::refresh, true)},
-      {{"revent"}, "", "back to the last event", step(Step::happening, true)},
+      {{"revent"}, "", "back to the last event", step(Step::event, true)},
       {{"lastwrite", "who"}, "PLACE", "the last write to a word", [](Console& c, Words& w) { c.show_last_write(w); }},
       {{"chip", "dsp"}, "[NUMBER]", "choose the chip to show", [](Console& c, Words& w) { c.choose_chip(w); }},
       {{"chips", "dsps"}, "", "the state of all chips", [](Console& c, Words& w) { c.show_chips(w); }},
@@ -118,7 +118,7 @@ const std::vector<Console::Row>& Console::rows() {
        "NAME",
        "for the dock list, dsps, plant; for a network chips, events, devices",
        [](Console& c, Words& w) { c.show_page(w); }},
-      {{"happenings"}, "", "what `on` takes", [](Console& c, Words& w) { c.show_happenings(w); }},
+      {{"kinds"}, "", "the kinds of events that `on` takes", [](Console& c, Words& w) { c.show_event_kinds(w); }},
       {{"history"}, "", "the snapshots for going back", [](Console& c, Words& w) { c.show_history(w); }},
       {{"set"},
        "PLACE|REGISTER = EXPRESSION",
@@ -130,7 +130,7 @@ const std::vector<Console::Row>& Console::rows() {
        [](Console& c, Words& w) { c.assert_that(w); }},
       {{"source"}, "FILE", "execute the commands of a file", [](Console& c, Words& w) { c.read_script(w); }},
       {{"help", "h", "?"}, "", "this list", [](Console& c, Words& w) { c.help(w); }},
-      {{"quit", "q"}, "", "the end", [](Console& c, Words&) { c.goes_on_ = false; }},
+      {{"quit", "q"}, "", "the end", [](Console& c, Words&) { c.continues_ = false; }},
   };
   return all;
 }
@@ -150,10 +150,10 @@ std::string Console::prompt() const { return fmt::format("{}> ", debugger_.debug
 bool Console::command(std::string_view line) {
   failed_ = false;
   line = ascii::trimmed(line);
-  if (line.starts_with('#')) return goes_on_;
+  if (line.starts_with('#')) return continues_;
   const std::string again = last_step_;
   if (line.empty()) line = again;
-  if (line.empty()) return goes_on_;
+  if (line.empty()) return continues_;
   Words words{line};
   const std::string_view name = words.next();
   try {
@@ -173,16 +173,16 @@ bool Console::command(std::string_view line) {
     failed_ = true;
     if (unattended_ && status_ == 0) status_ = 2;
   }
-  return goes_on_;
+  return continues_;
 }
 
 bool Console::unattended(std::string_view line, const std::string& place) {
   const bool before = std::exchange(unattended_, true);
   command(line);
   unattended_ = before;
-  if (!failed_) return goes_on_;
+  if (!failed_) return continues_;
   print_(fmt::format("{}: {}", place, ascii::trimmed(line)));
-  return goes_on_ = false;
+  return continues_ = false;
 }
 
 void Console::script(const std::string& path) {
@@ -192,7 +192,7 @@ void Console::script(const std::string& path) {
   ++depth_;
   paused_ = false;
   int number = 0;
-  for (std::string line; goes_on_ && !paused_ && std::getline(in, line);) {
+  for (std::string line; continues_ && !paused_ && std::getline(in, line);) {
     ++number;
     if (number == 1) line.erase(0, mark_of_utf8(line));
     if (!ascii::trimmed(line).empty()) unattended(line, fmt::format("{}:{}", path, number));
@@ -220,7 +220,7 @@ bool take_field(Words& words, Trigger& trigger) {
 template <class Words>
 void read_options(Words& words, Trigger& trigger) {
   for (;;) {
-    if (trigger.kind == Trigger::Kind::happening && take_field(words, trigger)) continue;
+    if (trigger.kind == Trigger::Kind::event && take_field(words, trigger)) continue;
     if (words.take("chip") || words.take("dsp")) {
       trigger.chip = words.count("chip");
     } else if (words.take("ignore")) {
@@ -302,9 +302,9 @@ void Console::stop_at_words(Words& words) {
   added(debugger_.add(trigger));
 }
 
-void Console::stop_at_happening(Words& words) {
-  Trigger trigger{.kind = Trigger::Kind::happening, .name = std::string(words.next())};
-  if (trigger.name.empty()) throw DebugError("on: an event is expected (see: happenings)");
+void Console::stop_at_event(Words& words) {
+  Trigger trigger{.kind = Trigger::Kind::event, .name = std::string(words.next())};
+  if (trigger.name.empty()) throw DebugError("on: an event is expected (see: kinds)");
   trigger.text = "at " + trigger.name + " " + std::string(ascii::trimmed(words.rest));
   read_options(words, trigger);
   added(debugger_.add(trigger));
@@ -483,7 +483,7 @@ std::vector<std::string> Console::completions(std::string_view line) const {
     return {found.begin(), found.end()};
   }
   for (const auto& [name, value] : debugger_.program(chip_).image().symbols) offer(name);
-  for (const auto& [kind, what] : debugger_.happenings()) offer(kind);
+  for (const auto& [kind, what] : debugger_.event_kinds()) offer(kind);
   for (const std::string& name : debugger_.debuggee().value_names()) offer(name);
   for (const std::string& name : debugger_.debuggee().page_names()) offer(name);
   for (const ShownRegister& reg : machine::debug::registers(debugger_.debuggee().chip(chip_)))

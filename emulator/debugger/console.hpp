@@ -43,7 +43,7 @@ class Console {
   // one for each command
   void stop_at_code(Words& words);
   void stop_at_words(Words& words);
-  void stop_at_happening(Words& words);
+  void stop_at_event(Words& words);
   void stop_at_value(Words& words);
   void forget(Words& words);
   void enable(Words& words);
@@ -62,7 +62,7 @@ class Console {
   void show_code(Words& words);
   void show_stack(Words& words);
   void show_page(Words& words);
-  void show_happenings(Words& words);
+  void show_event_kinds(Words& words);
   void show_history(Words& words);
   void set(Words& words);
   void assert_that(Words& words);
@@ -88,7 +88,7 @@ class Console {
   int depth_ = 0;            ///< depth of nested scripts
   bool unattended_ = false;  ///< the present command is
   bool failed_ = false;      ///< the last command has
-  bool goes_on_ = true;
+  bool continues_ = true;
   bool paused_ = false;  ///< Ctrl-C has ended the last command that moved the machine: its script ends, too
 };
 

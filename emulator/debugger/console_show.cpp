@@ -140,9 +140,9 @@ void Console::show_page(Words& words) {
   print_(text);
 }
 
-void Console::show_happenings(Words& words) {
+void Console::show_event_kinds(Words& words) {
   words.end();
-  for (const auto& [kind, what] : debugger_.happenings()) print_(fmt::format("  {:<16} {}", kind, what));
+  for (const auto& [kind, what] : debugger_.event_kinds()) print_(fmt::format("  {:<16} {}", kind, what));
   print_("  any              each of them, except events at every bus clock or latch");
 }
 

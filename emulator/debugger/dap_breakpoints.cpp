@@ -156,15 +156,14 @@ Json Session::set_instruction_breakpoints(const Json& arguments) {
 
 Json Session::set_exception_breakpoints(const Json& arguments) {
   forget(by_exception_);
-  const auto there = core().happenings();
+  const auto there = core().event_kinds();
   Json answers = Json::array();
   for (const Json& filter : list_of(arguments, "filters")) {
     const std::string kind = filter.get<std::string>();
     if (std::ranges::none_of(there, [&](const auto& row) { return row.first == kind; }))
       answers.push_back(refused_breakpoint(fmt::format("there are no events {} here", kind)));
     else
-      answers.push_back(
-          add_breakpoint({.kind = Trigger::Kind::happening, .name = kind}, Json::object(), by_exception_));
+      answers.push_back(add_breakpoint({.kind = Trigger::Kind::event, .name = kind}, Json::object(), by_exception_));
   }
   return {{"breakpoints", answers}};
 }

@@ -250,7 +250,7 @@ void Session::tell_stop(const std::string& why) {
       case Stop::Reason::breakpoint: reason = "breakpoint"; break;
       case Stop::Reason::watchpoint: reason = "data breakpoint"; break;
       case Stop::Reason::fault: reason = "exception"; break;
-      case Stop::Reason::happening:
+      case Stop::Reason::event:
         reason = std::ranges::any_of(stop.hits,
                                      [&](const auto& hit) {
                                        return std::ranges::find(by_exception_, hit.trigger) != by_exception_.end();

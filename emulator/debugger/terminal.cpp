@@ -116,9 +116,9 @@ void converse(Console& console, machine::debug::Debugger& debugger, const std::v
     debugger.progress = [](machine::Time at, machine::Time, machine::Time) { running.at(at); };
   const auto command = [&](const std::string& line) {
     running.begin();
-    const bool goes_on = console.command(line);
+    const bool continues = console.command(line);
     running.clear();
-    return goes_on;
+    return continues;
   };
   for (const std::string& line : first) {
     if (!command(line)) return;

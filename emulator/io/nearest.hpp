@@ -53,7 +53,8 @@ inline std::size_t most_wrong(std::string_view given) {
   return given.size() < 2 ? 0 : std::max<std::size_t>(1, given.size() / 3);
 }
 
-/// The word that differs from `given` by the fewest letters, at most `most`; empty: no word is near.
+/// The word that differs from `given` by the fewest letters, at most `most`; empty: no word is near. Of equally near
+/// words, one that `given` is the beginning of: `.endi` means `.endif` rather than `.end`. Otherwise the first.
 template <class Words>
 std::string_view nearest(std::string_view given, const Words& words, std::size_t most) {
   std::string_view best;
@@ -62,12 +63,19 @@ std::string_view nearest(std::string_view given, const Words& words, std::size_t
       if (distance == 0) return word;
       most = distance - 1, best = word;
     }
+  for (const std::string_view word : words)
+    if (!best.empty() && word.size() == given.size() + most + 1 && word.starts_with(given)) return word;
   return best;
+}
+
+/// "did you mean \"waits\"?"
+inline std::string meant(std::string_view near, char quote = '"') {
+  return "did you mean " + std::string(1, quote).append(near) + quote + "?";
 }
 
 /// "; did you mean \"waits\"?", or nothing if no word is near.
 inline std::string suggestion(std::string_view near, char quote = '"') {
-  return near.empty() ? std::string() : "; did you mean " + std::string(1, quote).append(near) + quote + "?";
+  return near.empty() ? std::string() : "; " + meant(near, quote);
 }
 
 /// Whether the word begins with `given`, or has it in it. Too many words have fewer than four letters in them.

@@ -127,7 +127,6 @@ inline constexpr auto operation_rows = std::to_array<OperationRow>({
     {Operation::maxspeed, "maxspeed", OperationKind::integer},
 });
 // clang-format on
-inline constexpr int operation_count = static_cast<int>(operation_rows.size());
 
 constexpr const OperationRow& operation_row(Operation operation) {
   return operation_rows[static_cast<std::size_t>(operation)];

@@ -15,7 +15,6 @@ namespace report {
 
 /// The classes of ruling 16.
 enum class Outcome : std::uint8_t { on_time, late, unfinished, never_started, lost, dropped };
-inline constexpr std::size_t outcome_count = 6;
 std::string name(Outcome outcome);
 
 /// How far a job got. The account derives the outcome from this and the deadline.

@@ -115,12 +115,12 @@ void CraneAlone::piece(double at, double seconds) {
         c.q, wind_.force(at, crane().payload_velocity(c.q, c.qd), c.q[Q_PSI] + c.q[Q_KAPPA], container));
   }
   if (state_.faulted != 0 || state_.swung_out) brake_off_drives();
-  happenings_.clear();
-  advance_with_events(motion_, state_.crane, state_.inputs, state_.modes, seconds, happenings_,
+  crane_events_.clear();
+  advance_with_events(motion_, state_.crane, state_.inputs, state_.modes, seconds, crane_events_,
                       config_.bookkeeping ? &state_.work : nullptr);
-  for (const CraneEvent& happening : happenings_) {
-    events_.push_back({std::llround((at + happening.at) * 1e12), happening.kind, happening.joint});
-    if (happening.kind != CraneEvent::Kind::swung_out) continue;
+  for (const CraneEvent& event : crane_events_) {
+    events_.push_back({std::llround((at + event.at) * 1e12), event.kind, event.joint});
+    if (event.kind != CraneEvent::Kind::swung_out) continue;
     state_.swung_out = true;
     state_.inputs.command = {};
   }

@@ -82,7 +82,7 @@ class CraneAlone {
   Wind wind_;
   State state_;
   std::vector<Event> events_;
-  std::vector<CraneEvent> happenings_;  // scratch
+  std::vector<CraneEvent> crane_events_;  // scratch
 };
 
 }  // namespace plant

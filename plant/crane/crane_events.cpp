@@ -18,12 +18,12 @@ struct Candidate {
 class Interval {
  public:
   Interval(CraneMotion& motion, CraneState& state, CraneInputs& inputs, CraneModes& modes,
-           std::vector<CraneEvent>& happenings, Work* work)
+           std::vector<CraneEvent>& events, Work* work)
       : motion_(motion),
         c_(state),
         in_(inputs),
         modes_(modes),
-        happenings_(happenings),
+        events_(events),
         work_(work),
         p_(motion.crane().parameters()) {}
 
@@ -111,7 +111,7 @@ class Interval {
       case CraneEvent::Kind::slack: joint = -1; break;
       case CraneEvent::Kind::swung_out: break;
     }
-    happenings_.push_back({what.kind, joint, at});
+    events_.push_back({what.kind, joint, at});
   }
 
   void stop(std::size_t k) {
@@ -156,7 +156,7 @@ class Interval {
   CraneState& c_;
   CraneInputs& in_;
   CraneModes& modes_;
-  std::vector<CraneEvent>& happenings_;
+  std::vector<CraneEvent>& events_;
   Work* work_;
   const CraneParameters& p_;
   std::vector<Candidate> found_;  // mostly empty: then nothing is allocated or cleared
@@ -165,8 +165,8 @@ class Interval {
 }  // namespace
 
 void advance_with_events(CraneMotion& motion, CraneState& state, CraneInputs& inputs, CraneModes& modes, double seconds,
-                         std::vector<CraneEvent>& happenings, Work* work) {
-  Interval(motion, state, inputs, modes, happenings, work).advance(seconds);
+                         std::vector<CraneEvent>& events, Work* work) {
+  Interval(motion, state, inputs, modes, events, work).advance(seconds);
 }
 
 std::uint32_t rest_in_stops(const CraneMotion& motion, CraneState& state, const CraneInputs& inputs,

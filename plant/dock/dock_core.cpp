@@ -57,8 +57,8 @@ const CraneState& DockCore::ahead() {
   if (!ahead_) {
     Ahead& ahead = ahead_.emplace();
     ahead.crane = state.crane, ahead.inputs = state.inputs, ahead.modes = state.modes;
-    happenings_.clear();
-    advance_with_events(crane, ahead.crane, ahead.inputs, ahead.modes, latch_seconds, happenings_);
+    crane_events_.clear();
+    advance_with_events(crane, ahead.crane, ahead.inputs, ahead.modes, latch_seconds, crane_events_);
   }
   return ahead_->crane;
 }
@@ -69,7 +69,7 @@ void DockCore::step() {
   state.inputs = ahead_->inputs;
   state.modes = ahead_->modes;
   ahead_.reset();
-  meet_happenings();
+  meet_crane_events();
   ++state.latch;
   if (state.latch % agv_latches == 0) move_agvs();
   const SampleClock& sway_clock = config.sensors.sway_clock;
@@ -78,13 +78,13 @@ void DockCore::step() {
   begin_latch();
 }
 
-void DockCore::meet_happenings() {
-  for (const CraneEvent& happening : happenings_) {
-    const Time time = now() + Time{std::llround(happening.at * 1e12)};
-    switch (happening.kind) {
-      case CraneEvent::Kind::limit: report(time, EventKind::joint_limit, happening.joint); break;
-      case CraneEvent::Kind::stuck: report(time, EventKind::joint_stuck, happening.joint); break;
-      case CraneEvent::Kind::slipped: report(time, EventKind::joint_slipped, happening.joint); break;
+void DockCore::meet_crane_events() {
+  for (const CraneEvent& event : crane_events_) {
+    const Time time = now() + Time{std::llround(event.at * 1e12)};
+    switch (event.kind) {
+      case CraneEvent::Kind::limit: report(time, EventKind::joint_limit, event.joint); break;
+      case CraneEvent::Kind::stuck: report(time, EventKind::joint_stuck, event.joint); break;
+      case CraneEvent::Kind::slipped: report(time, EventKind::joint_slipped, event.joint); break;
       case CraneEvent::Kind::swung_out:
         if (state.faulted) break;
         state.faulted = true;

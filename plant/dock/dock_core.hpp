@@ -23,7 +23,7 @@ class DockCore {
 
   void step();                // to the next latch
   const CraneState& ahead();  // the crane at the next latch, integrated at the first call
-  void meet_happenings();     // the events of the interval that ends
+  void meet_crane_events();   // the events of the interval that ends
   void report(Time, EventKind, int index = -1, double first = 0.0, double second = 0.0);
   void forget_ahead() { ahead_.reset(); }
   // The present scan of an AGV's range sensor.
@@ -103,7 +103,7 @@ class DockCore {
     CraneModes modes;
   };
   std::optional<Ahead> ahead_;
-  std::vector<CraneEvent> happenings_;
+  std::vector<CraneEvent> crane_events_;
   // The scans of this latch that were computed, so that 180 reads cost one scan.
   struct Fresh {
     std::int64_t latch = -1;

@@ -21,8 +21,6 @@ enum class Stream : std::uint8_t {
   ship_pitch,  // phases, by part
 };
 
-inline constexpr int stream_count = static_cast<int>(Stream::ship_pitch) + 1;
-
 // Uniform between 0 and 1, both excluded.
 double uniform(std::uint64_t seed, Stream, std::int64_t sample);
 // Standard normal.

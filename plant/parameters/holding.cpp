@@ -14,6 +14,7 @@ const DriveParameters& drive(const CraneParameters& p, Joint joint) {
 // N or N m at the joint.
 double hoist_force(const CraneParameters& p, double load) { return gravity * (p.spreader_mass + load); }
 
+// With the jib at its flattest, where it is greatest; 0 on a gantry.
 double luff_force(const CraneParameters& p, double load) {
   if (p.machine == CraneKind::gantry) return 0.0;
   const double flattest = p.lower[static_cast<std::size_t>(Joint::luff)];
@@ -39,9 +40,6 @@ std::string too_weak(const char* name, const char* where, const DriveParameters&
 
 double hoist_holding_torque(const CraneParameters& p, double load) {
   return motor_torque(drive(p, Joint::hoist), hoist_force(p, load));
-}
-double luff_holding_torque(const CraneParameters& p, double load) {
-  return motor_torque(drive(p, Joint::luff), luff_force(p, load));
 }
 
 std::string cannot_hold(const CraneParameters& p, double load) {

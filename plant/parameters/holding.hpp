@@ -6,10 +6,8 @@
 
 namespace plant {
 
-// Motor torque that holds a load (kg below the spreader) at rest, N m: m g / (n eta) at the hoist; at the luff drive
-// with the jib at its flattest, where it is greatest (0 on a gantry).
+// Motor torque of the hoist that holds a load (kg below the spreader) at rest, N m: m g / (n eta).
 double hoist_holding_torque(const CraneParameters&, double load);
-double luff_holding_torque(const CraneParameters&, double load);
 
 // Why the crane cannot carry that load permanently, with the torque that would be needed: a drive's rated torque or its
 // brake is too small. Empty: it can.

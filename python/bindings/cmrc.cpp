@@ -3,20 +3,15 @@
 #include <map>
 
 #include "cmrc/configuration/config.hpp"
-#include "cmrc/programs/dsp_image.hpp"
-#include "cmrc/programs/segment_duration.hpp"
 #include "cmrc/run/reference_run.hpp"
 #include "cmrc/run/setup.hpp"
 #include "cmrc/run/simulation.hpp"
 #include "cmrc/run/snapshot_origin.hpp"
-#include "cmrc/tasks/words.hpp"
-#include "plant/dock/dock.hpp"
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/cmrc.hpp"
 #include "python/bindings/errors.hpp"
 #include "python/bindings/float_environment.hpp"
 #include "report/version.hpp"
-#include "toolchain/objects/image.hpp"
 
 namespace {
 
@@ -102,8 +97,6 @@ void bind_config(py::module_& m) {
           },
           "Equations (5) and (6), in refreshes.");
 
-  m.def("dsp_image", &cmrc::dsp_image, py::arg("config"),
-        "The DSPs' program as a run loads it, with what it knows of the plant in place: a toolchain.Image.");
   m.def("run_key", &cmrc::result_key_of, py::arg("config"),
         "What makes a run's result, as TOML: the configuration but turn order, strictness and the paths of files.");
   m.def("reference_key", &cmrc::reference_key, py::arg("config"), "Equal for runs that may share one ideal run.");
@@ -115,20 +108,6 @@ void bind_config(py::module_& m) {
         "What a configuration says of the files that it needs, empty where it needs none: equal for equal files.");
   m.def("inputs_digest", &cmrc::digest_of_inputs, py::arg("config"),
         "SHA-256 of those files: the DSPs' program as assembled, layout, board.");
-  m.def(
-      "dock_of",
-      [](const cmrc::Config& config) {
-        const toolchain::Image image = cmrc::dsp_image(config);
-        return cmrc::dock_of(config, image, cmrc::Words([&](std::string_view name) { return image.symbol(name); }));
-      },
-      py::arg("config"), "The dock of a run: a plant.DockConfig. Raises ConfigError as the run does.");
-  m.def(
-      "segment_seconds",
-      [](const cmrc::Config& config, double plan, double height, double turn) {
-        return cmrc::SegmentDuration(cmrc::dsp_image(config), config).seconds(plan, height, turn);
-      },
-      py::arg("config"), py::arg("plan"), py::arg("height"), py::arg("turn"),
-      "How long a slewing crane's trajectory takes for a segment, before a look-ahead stretches it: m, m, rad.");
   m.def(
       "config",
       [](const py::object& toml, const std::string& name, const py::object& file, const py::object& preset,
@@ -146,6 +125,7 @@ void bind_config(py::module_& m) {
       py::call_guard<UsualFloats>(),
       "Defaults, then the preset, the file, the TOML text, the settings. Raises ConfigError.");
 
+  m.def("right_key", &cmrc::right_key, py::arg("key"), "What would be right instead of this unknown key.");
   m.def(
       "config_keys",
       [] {

@@ -44,11 +44,10 @@ Step step_named(const std::string& name) {
   for (const auto& [text, step] :
        {std::pair{"instruction", Step::instruction}, std::pair{"over", Step::over}, std::pair{"line", Step::line},
         std::pair{"next_line", Step::next_line}, std::pair{"out", Step::out}, std::pair{"claim", Step::claim},
-        std::pair{"refresh", Step::refresh}, std::pair{"happening", Step::happening}})
+        std::pair{"refresh", Step::refresh}, std::pair{"event", Step::event}})
     if (name == text) return step;
-  throw py::value_error(
-      "step: \"" + name + "\"" +
-      " is unknown; instruction, over, line, next_line, out, claim, refresh or happening is expected");
+  throw py::value_error("step: \"" + name + "\"" +
+                        " is unknown; instruction, over, line, next_line, out, claim, refresh or event is expected");
 }
 
 Trigger trigger_of(const Debugger& debugger, const py::dict& given) {
@@ -57,11 +56,11 @@ Trigger trigger_of(const Debugger& debugger, const py::dict& given) {
   };
   Trigger trigger;
   const std::string kind = text("kind"), on = text("on");
-  trigger.kind = kind == "code"        ? Trigger::Kind::code
-                 : kind == "word"      ? Trigger::Kind::word
-                 : kind == "register"  ? Trigger::Kind::processor_register
-                 : kind == "happening" ? Trigger::Kind::happening
-                                       : Trigger::Kind::value;
+  trigger.kind = kind == "code"       ? Trigger::Kind::code
+                 : kind == "word"     ? Trigger::Kind::word
+                 : kind == "register" ? Trigger::Kind::processor_register
+                 : kind == "event"    ? Trigger::Kind::event
+                                      : Trigger::Kind::value;
   if (!on.empty())
     trigger.on = on == "read"     ? Trigger::On::read
                  : on == "access" ? Trigger::On::access
@@ -125,7 +124,6 @@ void bind_debug(py::module_& core) {
              for (const auto& [number, trigger] : d.get("hits").triggers()) hits[number] = trigger.hits;
              return hits;
            })
-      .def("stepped_chips", [](PythonDebugger& d) { return d.get("stepped_chips").stepped_chips(); })
       .def("stop", [](PythonDebugger& d) { return dict_of(d.get("stop").stop()); })
       .def(
           "go",
@@ -232,9 +230,8 @@ void bind_debug(py::module_& core) {
                names.push_back(d.get("chip_names").debuggee().chip_name(n));
              return names;
            })
-      .def("happenings", [](PythonDebugger& d) { return d.get("happenings").happenings(); })
+      .def("event_kinds", [](PythonDebugger& d) { return d.get("event_kinds").event_kinds(); })
       .def("value_names", [](PythonDebugger& d) { return d.get("value_names").debuggee().value_names(); })
-      .def("page_names", [](PythonDebugger& d) { return d.get("page_names").debuggee().page_names(); })
       .def(
           "page", [](PythonDebugger& d, const std::string& name) { return d.get("page").debuggee().page(name); },
           py::arg("name"))

@@ -39,7 +39,7 @@ class PythonDevice final : public machine::BoardDevice {
     const py::gil_scoped_acquire gil;
     return attached().attr("next_event")().cast<std::optional<c40::Cycles>>().value_or(machine::never_cycle);
   }
-  bool goes_on() const override { return true; }
+  bool continues() const override { return true; }
   bool interrupts() const override {
     const py::gil_scoped_acquire gil;
     return attached().attr("interrupts")().cast<bool>();

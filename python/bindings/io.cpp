@@ -4,6 +4,7 @@
 #include <csignal>
 
 #include "io/file_roles.hpp"
+#include "io/nearest.hpp"
 #include "io/output_file.hpp"
 #include "io/print.hpp"
 #include "python/bindings/bindings.hpp"
@@ -55,6 +56,10 @@ void bind_io(py::module_& core) {
   m.def(
       "printable", [](const py::bytes& text) { return io::printable(static_cast<std::string_view>(text)); },
       py::arg("text"), "What a terminal shows and does not obey: control characters become \\xNN.");
+  m.def(
+      "did_you_mean",
+      [](const std::string& given, const std::vector<std::string>& known) { return io::did_you_mean(given, known); },
+      py::arg("given"), py::arg("known"), "'; did you mean \"waits\"?', or nothing if no known word is near.");
   m.def("second_signal_ends", &second_signal_ends, py::arg("numbers"),
         "The first of these signals is for Python's handler; the second ends the process, whatever Python does.");
   py::class_<io::FileRoles>(m, "FileRoles",

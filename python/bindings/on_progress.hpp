@@ -28,7 +28,7 @@ class OnProgress {
     return [this](const cmrc::Progress& progress) {
       const py::gil_scoped_acquire gil;
       try {
-        return goes_on(function_(report::seconds(progress.simulated), report::seconds(progress.duration)));
+        return continues(function_(report::seconds(progress.simulated), report::seconds(progress.duration)));
       } catch (const std::exception&) {
         raised_ = std::current_exception();
         return false;
@@ -42,7 +42,7 @@ class OnProgress {
   }
 
  private:
-  static bool goes_on(const py::object& returned) {
+  static bool continues(const py::object& returned) {
     if (returned.is_none()) return true;
     try {
       return returned.cast<bool>();

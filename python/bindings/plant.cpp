@@ -11,5 +11,4 @@ void bind_plant(py::module_& core) {
   bind_plant_records(m);
   bind_plant_dock(m);
   bind_plant_linkage(m);
-  bind_plant_contact(m);
 }

@@ -17,7 +17,6 @@ void bind_plant_records(py::module_& plant);
 void bind_plant_dock(py::module_& plant);
 void bind_plant_state(py::module_& plant);
 void bind_plant_linkage(py::module_& plant);
-void bind_plant_contact(py::module_& plant);
 
 template <class T>
 inline constexpr bool is_list = false;

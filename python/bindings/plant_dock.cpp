@@ -180,7 +180,6 @@ void bind_observers(py::class_<Dock>& dock) {
 }
 
 void bind_dock(py::module_& m) {
-  m.attr("latch_period") = latch_period.count();
   py::class_<Dock> dock(m, "Dock", "The dock in time; t is integer picoseconds, nondecreasing over calls.");
   dock.def(py::init<const DockConfig&>(), py::arg("config"))
       .def(

@@ -45,7 +45,6 @@ void bind_equations(py::module_& m) {
           [](const Crane& c, const CraneVector& q, double mass) { return c.potential_energy(q, {mass, 0.0}); },
           py::arg("q"), py::arg("mass"))
       .def("friction", &Crane::friction, py::arg("joint"), py::arg("speed"), py::arg("sliding") = 0)
-      .def("static_friction", &Crane::static_friction, py::arg("joint"))
       .def("tip", &Crane::tip, py::arg("q"))
       .def("payload_position", &Crane::payload_position, py::arg("q"))
       .def("tip_velocity", &Crane::tip_velocity, py::arg("q"), py::arg("qd"))
@@ -58,15 +57,6 @@ void bind_motion(py::module_& m) {
     using P = CraneState;
     py::class_<P>(m, "CraneState").def(py::init<>()) FIELD(q) FIELD(qd) FIELD(torque) FIELD(step);
   }
-  py::class_<CraneInputs>(m, "CraneInputs")
-      .def(py::init<>())
-      .def_readwrite("command", &CraneInputs::command)
-      .def_readwrite("braked", &CraneInputs::braked)
-      .def_readwrite("locked", &CraneInputs::locked)
-      .def_readwrite("external", &CraneInputs::external)
-      .def_property(
-          "payload", [](const CraneInputs& i) { return std::pair{i.payload.mass, i.payload.inertia}; },
-          [](CraneInputs& i, std::pair<double, double> p) { i.payload = {p.first, p.second}; });
   py::class_<Work>(m, "Work", "Where energy went, J.")
       .def_readonly("motors", &Work::motors)
       .def_readonly("gears", &Work::gears)
@@ -75,17 +65,6 @@ void bind_motion(py::module_& m) {
       .def_readonly("external", &Work::external)
       .def_readonly("impacts", &Work::impacts)
       .def_property_readonly("stored", &Work::stored);
-  py::class_<CraneMotion>(m, "CraneMotion", "The crane with drives and friction, integrated by SUNDIALS.")
-      .def(py::init([](const CraneParameters& crane, double tolerance, int order, Method method) {
-             return std::make_unique<CraneMotion>(crane, Integrator::Settings{method, order, tolerance});
-           }),
-           py::arg("crane"), py::arg("tolerance") = 1e-8, py::arg("order") = 4, py::arg("method") = Method::erk)
-      .def("advance", &CraneMotion::advance, py::arg("state"), py::arg("inputs"), py::arg("seconds"))
-      .def("advance_fixed", &CraneMotion::advance_fixed, py::arg("state"), py::arg("inputs"), py::arg("seconds"),
-           py::arg("step"))
-      .def("advance_booked", &CraneMotion::advance_booked, py::arg("state"), py::arg("inputs"), py::arg("seconds"))
-      .def("acceleration", &CraneMotion::acceleration, py::arg("state"), py::arg("inputs"))
-      .def("holding_force", &CraneMotion::holding_force, py::arg("state"), py::arg("inputs"));
 }
 
 }  // namespace

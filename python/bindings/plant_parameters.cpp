@@ -55,7 +55,6 @@ void bind_crane(py::module_& m) {
       .def(py::init<>()) FIELD(machine) FIELD(portal) FIELD(gear_losses) FIELD(stiction) FIELD(lower) FIELD(upper)
           FIELD(drives);
   m.def("gantry_crane", &gantry_crane, "parameters of a ship-to-shore gantry");
-  m.def("drive_channels", &drive_channels, py::arg("machine"), "the joint behind each drive channel of the bus");
 }
 
 void bind_landing(py::module_& m) {

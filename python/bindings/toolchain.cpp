@@ -134,21 +134,6 @@ void bind_toolchain(py::module_& core) {
       "Links objects by a memory map (TOML, docs/assembler.md); gives the image and the map as text. Raises "
       "LinkError.");
   m.def(
-      "read_object",
-      [](const py::bytes& bytes, const std::string& name) {
-        const auto view = static_cast<std::string_view>(bytes);
-        return toolchain::read_object(std::as_bytes(std::span(view)), name);
-      },
-      py::arg("bytes"), py::arg("name") = "<bytes>", "Takes a COFF file of any kind apart. Raises CoffError.");
-  m.def(
-      "object_bytes",
-      [](toolchain::Object object, int version) {
-        object.version = version;
-        const auto bytes = toolchain::coff_bytes(object);
-        return py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-      },
-      py::arg("object"), py::arg("version") = 2, "The bytes of a COFF file of this version.");
-  m.def(
       "read_coff", [](const std::filesystem::path& path) { return toolchain::read_coff(path); }, py::arg("path"),
       "Reads a COFF executable of version 0, 1 or 2. Raises CoffError.");
   m.def(

@@ -53,9 +53,6 @@ std::optional<py::dict> difference(const std::string& left, const std::string& r
 
 void bind_trace(py::module_& core) {
   py::module_ room = core.def_submodule("trace", "Text traces (docs/trace.md).");
-  room.attr("event_header") = std::string(report::event_trace_header);
-  room.attr("instruction_header") = std::string(report::instruction_trace_header);
-  room.attr("labelled_header") = std::string(report::labelled_trace_header);
   py::class_<machine::Labels>(room, "Labels",
                               "What a program calls things, for traces that stay the same when it moves.")
       .def(py::init(&machine::Labels::of_program), py::arg("image"))

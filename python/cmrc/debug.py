@@ -47,7 +47,7 @@ class Hit:
 
 @dataclass(frozen=True)
 class Stop:
-    """Where the machine is. ``reason``: ``start``, ``breakpoint``, ``watchpoint``, ``happening``, ``step``, ``moved``,
+    """Where the machine is. ``reason``: ``start``, ``breakpoint``, ``watchpoint``, ``event``, ``step``, ``moved``,
     ``paused``, ``over`` or ``fault``. ``chip`` is the one that stopped the machine."""
 
     reason: str
@@ -230,12 +230,12 @@ class Debugger:
         log: str = "",
         **fields: str | int,
     ) -> int:
-        """Stops at an event: ``claim``, ``miss``, ... (``happenings()``), with these fields: ``on("claim", chip=2,
+        """Stops at an event: ``claim``, ``miss``, ... (``event_kinds()``), with these fields: ``on("claim", chip=2,
         task="pid")``."""
         return self._add(
-            "happening",
+            "event",
             chip=chip,
-            name=arguments.text("kind", kind, "a kind of event, as happenings() has it,"),
+            name=arguments.text("kind", kind, "a kind of event, as event_kinds() has it,"),
             fields={k: str(v) for k, v in fields.items()},
             condition=condition,
             ignore=ignore,
@@ -312,7 +312,7 @@ class Debugger:
     def step(self, how: str = "instruction", *, chip: int | None = None) -> Stop:
         """One step of a chip, by default of the last stop's chip: ``instruction``, ``over`` a call, ``line``,
         ``next_line``, ``out`` of the routine, to its next ``claim`` of a task block, the next ``refresh`` of the list,
-        or the next ``happening`` (event) of any kind."""
+        or the next ``event`` of any kind."""
         with self._moving("step"):
             return _stop(self._d.step(self._chip(chip), _kind_of_step(how)))
 
@@ -418,9 +418,9 @@ class Debugger:
         """The chips' names."""
         return list(self._d.chip_names())
 
-    def happenings(self) -> dict[str, str]:
+    def event_kinds(self) -> dict[str, str]:
         """The kinds of events for ``on``, with their descriptions."""
-        return dict(self._d.happenings())
+        return dict(self._d.event_kinds())
 
     def value_names(self) -> list[str]:
         """Values besides registers and memory, for expressions."""

@@ -7,8 +7,11 @@ namespace py = pybind11;
 void bind_bus_model(py::module_& test);
 void bind_ledger(py::module_& test);
 void bind_machine(py::module_& test);
+void bind_plant(py::module_& test);
+void bind_program_forms(py::module_& test);
 void bind_report(py::module_& test);
 void bind_rows(py::module_& test);
+void bind_run_setup(py::module_& test);
 void bind_scheduling(py::module_& test);
 
 // Parts of a submodule, in files of their own.

@@ -6,7 +6,10 @@ PYBIND11_MODULE(cmrc_test, test) {
   bind_bus_model(test);
   bind_ledger(test);
   bind_machine(test);
+  bind_plant(test);
+  bind_program_forms(test);
   bind_report(test);
   bind_rows(test);
+  bind_run_setup(test);
   bind_scheduling(test);
 }

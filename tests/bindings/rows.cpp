@@ -1,6 +1,9 @@
 // The tables of which one row adds one thing, as pages show them (scripts/doc_figures.py).
 #include <pybind11/stl.h>
 
+#include <string>
+
+#include "c40/peripherals/register_map.hpp"
 #include "c40/values/types.hpp"
 #include "cmrc/tasks/job_kinds.hpp"
 #include "tests/bindings/bindings.hpp"
@@ -26,4 +29,19 @@ void bind_rows(py::module_& test) {
         return all;
       },
       "The rows of the kinds of jobs.");
+  test.def(
+      "peripheral_registers",
+      [] {
+        py::list all;
+        for (const c40::RegisterInfo& info : c40::register_map()) {
+          py::dict fields;
+          for (const c40::Field& field : info.fields)
+            fields[py::str(std::string(field.name))] = py::make_tuple(field.low, field.width);
+          all.append(py::dict(py::arg("name") = info.name, py::arg("address") = info.address,
+                              py::arg("reset") = info.reset, py::arg("fields") = fields,
+                              py::arg("meaning") = std::string(info.meaning)));
+        }
+        return all;
+      },
+      "Every memory-mapped register: name, address, value after reset, fields (lowest bit, width).");
 }

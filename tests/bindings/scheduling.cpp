@@ -72,7 +72,7 @@ class TickTable {
     });
     for (Dsp& dsp : dsps_) {
       if (dsp.busy) continue;
-      for (const std::size_t index : list_.by_importance()) {
+      for (const std::size_t index : by_importance()) {
         if (list_[index].flag != cmrc::Flag::waiting || list_[index].importance == 0) continue;
         list_.take(index);
         dsp = {true, index, kinds_[list_[index].task.kind].duration};
@@ -80,7 +80,7 @@ class TickTable {
       }
     }
     std::vector<std::string> shown;
-    for (const std::size_t index : list_.by_importance()) {
+    for (const std::size_t index : by_importance()) {
       const cmrc::TaskBlock& block = list_[index];
       shown.push_back(fmt::format("{}:{}:{:X}{}", kinds_[block.task.kind].name, block.t, block.importance,
                                   block.flag == cmrc::Flag::taken ? "*" : ""));
@@ -89,6 +89,16 @@ class TickTable {
   }
 
  private:
+  /// The blocks by falling J alone, as the tables of plant-and-bus.md 4.8 show them; of equal J the one loaded first.
+  std::vector<std::size_t> by_importance() const {
+    std::vector<std::size_t> sorted(list_.order().begin(), list_.order().end());
+    std::sort(sorted.begin(), sorted.end(), [this](std::size_t a, std::size_t b) {
+      const cmrc::TaskBlock &one = list_[a], &other = list_[b];
+      return one.importance != other.importance ? one.importance > other.importance : one.inserted < other.inserted;
+    });
+    return sorted;
+  }
+
   struct Dsp {
     bool busy = false;
     std::size_t block = 0;

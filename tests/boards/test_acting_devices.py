@@ -241,7 +241,7 @@ def test_a_device_that_does_not_say_so_may_not(tmp_path: Path) -> None:
         Network([assembled(END)] * 2, boards=str(board(tmp_path)), devices={0: {PLACE: one}, 1: {PLACE: one}})
 
 
-def test_what_such_a_device_raises_comes_out_and_can_be_mended(tmp_path: Path) -> None:
+def test_what_such_a_device_raises_comes_out_and_can_be_fixed(tmp_path: Path) -> None:
     def wrong(network: Any, at_us: float) -> None:
         network.reset(1, at_us - 1)
 

@@ -113,7 +113,7 @@ def test_what_has_no_state_is_refused_by_name(tmp_path: Path) -> None:
             refused()
 
 
-def test_what_a_device_raises_comes_out_of_a_network_and_can_be_mended(tmp_path: Path) -> None:
+def test_what_a_device_raises_comes_out_of_a_network_and_can_be_fixed(tmp_path: Path) -> None:
     text = "        ldi 13,r0\n        sti r0,*ar2\n        ldi 1,r9\n"
     alarm = Alarm()
     network = Network([assembled(text + END)], boards=str(board(tmp_path)), until="done", devices={0: {PLACE: alarm}})

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from cmrc import _core
+from cmrc_test import forms
 from command_line import emulator
 
 toolchain = _core.toolchain
@@ -58,7 +59,7 @@ def test_an_object_without_a_word_may_be_linked_to_others(tmp_path: Path, wordle
     assert emulator("link", wordless, "s.obj", "-o", "x.out", folder=tmp_path).returncode == 0
     assert "stop: idle" in emulator("exec", "x.out", folder=tmp_path).stdout
     with pytest.raises(toolchain.LinkError, match="no section contains a word"):
-        toolchain.link([toolchain.read_object((tmp_path / wordless).read_bytes())])
+        toolchain.link([forms.read_object((tmp_path / wordless).read_bytes())])
 
 
 def test_an_empty_source_makes_no_program(tmp_path: Path) -> None:
@@ -79,7 +80,7 @@ def test_an_empty_source_makes_no_program(tmp_path: Path) -> None:
 @pytest.mark.parametrize("version", [0, 1, 2])
 @pytest.mark.parametrize("through_the_table", [False, True], ids=["zeros", "string table"])
 def test_an_empty_symbol_name_can_be_read_and_written(tmp_path: Path, version: int, through_the_table: bool) -> None:
-    file = bytearray(toolchain.object_bytes(toolchain.assemble_object("        .global x\nx:      .word 1\n"), version))
+    file = bytearray(forms.object_bytes(toolchain.assemble_object("        .global x\nx:      .word 1\n"), version))
     symbols, count = struct.unpack_from("<II", file, 8)
     entry = next(at for at in range(symbols, symbols + 18 * count, 18) if file[at : at + 8] == b"x\0\0\0\0\0\0\0")
     file[entry : entry + 8] = bytes(8)
@@ -89,9 +90,9 @@ def test_an_empty_symbol_name_can_be_read_and_written(tmp_path: Path, version: i
         struct.pack_into("<II", file, entry, 0, size)
         struct.pack_into("<I", file, strings, size + 1)
         file += b"\0"
-    read = toolchain.read_object(bytes(file))
+    read = forms.read_object(bytes(file))
     assert "" in [symbol.name for symbol in read.symbols]
-    again = toolchain.read_object(toolchain.object_bytes(read, version))
+    again = forms.read_object(forms.object_bytes(read, version))
     assert [(s.name, s.value, s.section) for s in again.symbols] == [(s.name, s.value, s.section) for s in read.symbols]
     image, _ = toolchain.link([read])
     toolchain.write_coff(image, tmp_path / "x.out")

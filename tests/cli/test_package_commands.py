@@ -8,7 +8,7 @@ from cmrc.__main__ import main
 
 @pytest.mark.parametrize(("given", "says"), [
     (["sweep", "g.toml", "out"], "cmrc sweep: out was not expected (cmrc sweep --help lists options)"),
-    (["sweep", "g.toml", "--workrs=2"], "cmrc sweep: --workrs=2 was not expected; did you mean --workers? (cmrc sweep --help"),
+    (["sweep", "g.toml", "--workrs=2"], 'cmrc sweep: --workrs=2 was not expected; did you mean "--workers"? (cmrc sweep --help'),
     (["sweep"], "cmrc sweep: the following arguments are required: FILE.toml (cmrc sweep --help lists options)"),
     (["sweep", "g.toml", "--workers", "x"], "cmrc sweep: argument --workers: invalid int value: 'x' (cmrc sweep --help"),
     (["swep"], "cmrc: argument command: invalid choice: 'swep' (choose from "),

@@ -9,10 +9,10 @@ import pytest
 from locations import ROOT
 
 CONFIGURATIONS = [
-    ("[[event]]\nat_s = 1\n", "event: no such table; the nearest known table is [[events]]"),
-    ("[[task]]\nname = 1\n", "task: no such table; the nearest known table is [[tasks]]"),
-    ("[sheduling]\nzzz = 1\n", "sheduling: no such table; the nearest known table is [scheduling]"),
-    ("[machin]\ndsps = 4\n", "machin.dsps: no such key; the nearest known key is machine.dsps"),
+    ("[[event]]\nat_s = 1\n", 'event: no such table; did you mean "[[events]]"?'),
+    ("[[task]]\nname = 1\n", 'task: no such table; did you mean "[[tasks]]"?'),
+    ("[sheduling]\nzzz = 1\n", 'sheduling: no such table; did you mean "[scheduling]"?'),
+    ("[machin]\ndsps = 4\n", 'machin.dsps: no such key; did you mean "machine.dsps"?'),
     ('[[tasks]]\nprogramm = "x"\n', "tasks.programm: no such field; "),
     ('[[tasks]]\nprogramm = "x"\n', 'did you mean "program"?'),
     ("[errors]\nx = 1\n", "errors.x: no such key; the keys of its table are errors.following_travel_m, "),

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from cmrc import _core, files
+from cmrc_test import forms
 from locations import BUILD
 
 EMULATOR = BUILD / "bin" / "emulator"
@@ -65,7 +66,7 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "t").write_text(f"{EVIL}\n")
     (tmp_path / f"{EVIL}.asm").write_text("_start: bogus r0\n")
     file = bytearray(
-        toolchain.object_bytes(toolchain.assemble_object("        .global label\nlabel:  .word 1\n        b label\n"))
+        forms.object_bytes(toolchain.assemble_object("        .global label\nlabel:  .word 1\n        b label\n"))
     )
     at = file.index(b"label\0\0\0")
     file[at : at + 8] = b"\x1b[2Jx\0\0\0"

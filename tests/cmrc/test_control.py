@@ -190,7 +190,7 @@ def test_unknown_or_wild_values_are_refused_before_a_run() -> None:
         ({"control.hoist_speed_limit_m_s": 0.2}, "dock.ramp_speed_m_s"),
         ({"dock.drive_delay_us": 100.0}, "a multiple of 125 us is expected"),
         ({"scheduling.servo_loss_share": 1.5}, "from 0 to 1"),
-        ({"control.hoist_bandwidth": 40.0}, "the nearest known key is control.hoist_bandwidth_rad_s"),
+        ({"control.hoist_bandwidth": 40.0}, 'did you mean "control.hoist_bandwidth_rad_s"'),
     ]
     for settings, message in cases:
         with pytest.raises(_core.cmrc.ConfigError, match=message):

@@ -8,6 +8,7 @@ import cmrc
 import numpy as np
 import pytest
 from cmrc import _core
+from cmrc_test import run_setup
 
 core = _core.cmrc
 ONE = "[[containers]]\nx_m = 3.0\ny_m = 24.0\n"
@@ -16,7 +17,7 @@ ONE = "[[containers]]\nx_m = 3.0\ny_m = 24.0\n"
 def dock(tmp_path: Path, layout: str, **settings: Any) -> Any:
     file = tmp_path / "layout.toml"
     file.write_text(layout, encoding="utf-8")
-    return core.dock_of(core.config(settings={"dock.layout": str(file), **settings}))
+    return run_setup.dock_of(core.config(settings={"dock.layout": str(file), **settings}))
 
 
 REFUSED = [
@@ -147,10 +148,10 @@ def test_a_dock_is_judged_alike_whether_a_file_names_it_or_not(tmp_path: Path) -
     for layout in ({}, {"dock.layout": str(tmp_path / "empty.toml")}):
         (tmp_path / "empty.toml").write_text("# the default layout\n", encoding="utf-8")
         with pytest.raises(cmrc.ConfigError, match=r"slewing needs 0.126[0-9]* rad/s, .* above 0.1257 rad/s"):
-            core.dock_of(core.config(settings={**NARROW, **layout}))
-        core.dock_of(core.config(settings={**NARROW, **layout, "control.slew_speed_limit_rad_s": 0.118}))
-        core.dock_of(core.config(settings={**{name: 1.02 for name in NARROW}, **layout}))
-        core.dock_of(core.config(settings={**NARROW, **layout, "kernels.trajectory": "quintic_shaper"}))
+            run_setup.dock_of(core.config(settings={**NARROW, **layout}))
+        run_setup.dock_of(core.config(settings={**NARROW, **layout, "control.slew_speed_limit_rad_s": 0.118}))
+        run_setup.dock_of(core.config(settings={**{name: 1.02 for name in NARROW}, **layout}))
+        run_setup.dock_of(core.config(settings={**NARROW, **layout, "kernels.trajectory": "quintic_shaper"}))
 
 
 def overspeed_for(seconds: float) -> dict[str, float]:
@@ -162,19 +163,19 @@ def test_a_drive_trips_only_if_it_is_too_fast_for_long_enough() -> None:
     above 0.1257 rad/s for 1.0 s."""
     for seconds in (0.0001, 0.9):
         with pytest.raises(cmrc.ConfigError, match=rf"above 0.1257 rad/s, .* after {seconds} s .slewing.*time_s"):
-            core.dock_of(core.config(settings={**NARROW, **overspeed_for(seconds)}))
+            run_setup.dock_of(core.config(settings={**NARROW, **overspeed_for(seconds)}))
     for seconds in (1.2, 10000):
-        core.dock_of(core.config(settings={**NARROW, **overspeed_for(seconds)}))
+        run_setup.dock_of(core.config(settings={**NARROW, **overspeed_for(seconds)}))
 
 
 SLOWED = {"scheduling.work_mode": "slowed_crane", "scheduling.slow_factor": 2.0}
 
 
 def test_a_slowed_crane_is_judged_by_its_own_speeds() -> None:
-    core.dock_of(core.config(settings={**NARROW, **SLOWED}))
+    run_setup.dock_of(core.config(settings={**NARROW, **SLOWED}))
     for other in ({"scheduling.work_mode": "slowed_agv"}, {"scheduling.slow_factor": 1.0}):
         with pytest.raises(cmrc.ConfigError, match="slewing needs 0.126"):
-            core.dock_of(core.config(settings={**NARROW, **SLOWED, **other}))
+            run_setup.dock_of(core.config(settings={**NARROW, **SLOWED, **other}))
 
 
 @pytest.mark.parametrize(

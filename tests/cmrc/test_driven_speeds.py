@@ -7,6 +7,7 @@ import cmrc
 import numpy as np
 import pytest
 from cmrc import _core
+from cmrc_test import run_setup
 from low_rates import LOW_RATES
 
 core = _core.cmrc
@@ -19,13 +20,13 @@ def test_joints_turn_as_fast_as_the_refusal_says(tmp_path: Path) -> None:
     settings = {**LOW_RATES, "dock.layout": str(file)}
     result = cmrc.run(duration_s=75.0, settings=settings)
     assert result.report["failures"] == []
-    drives = core.dock_of(core.config()).crane.drives
+    drives = run_setup.dock_of(core.config()).crane.drives
     for joint, signal, number in (("slew", "psi", 1), ("rotate", "kappa", 4)):
         turned = float(np.abs(result.signals[f"{signal}_rate_rad_per_s"]).max())
         drive = drives[number]
         overspeed = turned * drive.gear / drive.rated_speed
-        core.dock_of(core.config(settings={**settings, f"slewing.{joint}.overspeed": 1.005 * overspeed}))
+        run_setup.dock_of(core.config(settings={**settings, f"slewing.{joint}.overspeed": 1.005 * overspeed}))
         with pytest.raises(cmrc.ConfigError, match=f"slewing.{joint}.overspeed times") as refusal:
-            core.dock_of(core.config(settings={**settings, f"slewing.{joint}.overspeed": 0.995 * overspeed}))
+            run_setup.dock_of(core.config(settings={**settings, f"slewing.{joint}.overspeed": 0.995 * overspeed}))
         named = float(str(refusal.value).split(" needs ")[1].split()[0])
         assert turned == pytest.approx(named, rel=0.005)

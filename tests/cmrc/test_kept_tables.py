@@ -7,12 +7,13 @@ from typing import Any
 
 import pytest
 from cmrc import _core
+from cmrc_test import run_setup
 
 core = _core.cmrc
 
 
 def dock(**settings: Any) -> Any:
-    return core.dock_of(core.config(settings={name.replace("__", "."): value for name, value in settings.items()}))
+    return run_setup.dock_of(core.config(settings={name.replace("__", "."): value for name, value in settings.items()}))
 
 
 def lines_of(value: Any, name: str) -> Iterator[str]:
@@ -107,7 +108,7 @@ REACHED = [
 
 @pytest.mark.parametrize(("key", "value", "place", "reached"), REACHED)
 def test_a_setting_reaches_the_dock(key: str, value: Any, place: str, reached: Any) -> None:
-    found: Any = core.dock_of(core.config(settings={key: value}))
+    found: Any = run_setup.dock_of(core.config(settings={key: value}))
     for part in place.replace("[", ".[").split("."):
         found = found[int(part[1:-1])] if part.startswith("[") else getattr(found, part)
     assert found == pytest.approx(reached) if isinstance(reached, float) else found == reached

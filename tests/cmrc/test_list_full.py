@@ -6,6 +6,7 @@ from pathlib import Path
 import cmrc
 import pytest
 from cmrc import _core
+from cmrc_test import run_setup
 from locations import ROOT
 
 TASK = '[[tasks]]\nname = "t{0}"\nprogram = "kernel_avoidance"\nkind = {1}\nimportance = 62463\nperiod_ms = {2}\n'
@@ -28,7 +29,7 @@ def test_the_most_blocks_are_counted_when_the_configuration_is_read() -> None:
 
 
 def test_the_list_of_the_programs_has_the_length_that_is_counted_with() -> None:
-    assert _core.cmrc.dsp_image(config(0, 0)).symbols["BLOCK_COUNT"] == 64
+    assert run_setup.dsp_image(config(0, 0)).symbols["BLOCK_COUNT"] == 64
 
 
 def test_a_full_list_is_an_error_with_instant_and_kind(tmp_path: Path) -> None:

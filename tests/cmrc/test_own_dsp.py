@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from cmrc import _core
+from cmrc_test import run_setup
 from locations import AT_ONCE
 from own_dsp_run import US, Run, row, toml_of
 from scheduling_replay import Rule
@@ -156,7 +157,7 @@ def test_the_ideal_run_has_one_dsp_that_does_it_all(own_programs: Path) -> None:
 def test_without_a_dsp_the_words_are_as_ever(own_programs: Path) -> None:
     """The image of a configuration without `dsp` has no code for it. With `dsp`, all other code and data keep their
     places."""
-    without, within = (cmrc.dsp_image(core(own_programs, [row("one", dsp)])) for dsp in (None, 0))
+    without, within = (run_setup.dsp_image(core(own_programs, [row("one", dsp)])) for dsp in (None, 0))
     assert "own_claim" not in without.symbols
     others = {
         name: value for name, value in within.symbols.items() if not name.startswith("own_") and name != "OWN_BLOCKS"

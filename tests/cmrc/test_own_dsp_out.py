@@ -94,7 +94,7 @@ def test_a_slot_that_is_empty_from_the_start(tmp_path: Path, own_programs: Path)
     assert len(filled.claims("own")) >= 19 and {slot for _, slot in filled.claims("own")} == {2}
 
 
-def test_a_block_that_waits_for_ever_holds_back_no_long_ones(tmp_path: Path, own_programs: Path) -> None:
+def test_a_block_that_waits_forever_holds_back_no_long_ones(tmp_path: Path, own_programs: Path) -> None:
     """scheduling.long_blocks_max counts only blocks that any DSP may run."""
     rows = [row("own", 2, argument=100_000), row("long", None, argument=40_000, importance=0x6000)]
     run = Run(

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from cmrc import _core
-from cmrc_test import scheduling
+from cmrc_test import run_setup, scheduling
 from locations import BUILD
 
 cmrc, plant = _core.cmrc, _core.plant
@@ -80,7 +80,7 @@ def test_the_range_sensor_has_a_clock_where_it_has_a_rate(tmp_path: Path) -> Non
     assert "range sensor 0" not in clocks()
     sensor = clocks(**{"dock.layout": str(layout)})["range sensor 0"]
     assert sensor["nominal_hz"] == 20 and 0 <= sensor["phase_ps"] < sensor["period_ps"]
-    dock = plant.Dock(cmrc.dock_of(config(**{"dock.layout": str(layout)})))
+    dock = plant.Dock(run_setup.dock_of(config(**{"dock.layout": str(layout)})))
     changes, shown = [], dock.range_scan(0, 0)
     for at in range(1, 400):  # ms
         if (number := dock.range_scan(0, at * MS)) != shown:
@@ -205,7 +205,7 @@ def test_buses_that_a_bridge_joins_run_on_one_clock() -> None:
 def test_the_sway_sensor_samples_at_the_first_latch_after_its_ticks() -> None:
     for seed in (1, 2, 3):
         sensor = clocks(seed)["sway sensor"]
-        dock = plant.Dock(cmrc.dock_of(config(seed)))
+        dock = plant.Dock(run_setup.dock_of(config(seed)))
         shown, changes = (dock.sway(0, 0), dock.sway(1, 0)), []
         for latch in range(1, 8000):
             now = (dock.sway(0, latch * LATCH_PS), dock.sway(1, latch * LATCH_PS))
@@ -220,7 +220,7 @@ def test_the_sway_sensor_samples_at_the_first_latch_after_its_ticks() -> None:
 def test_an_agv_units_drive_ticks_by_its_own_clock() -> None:
     for seed in (1, 2, 3):
         unit = clocks(seed)["AGV unit 0"]
-        dock = plant.Dock(cmrc.dock_of(config(seed)))
+        dock = plant.Dock(run_setup.dock_of(config(seed)))
         dock.agv_push(0, 1000, 0, 0, 0)
         moved = next(
             ms for ms in range(1, 60) if dock.agv_status(0, ms * MS) & 0x10 == 0
@@ -235,7 +235,7 @@ def test_an_agv_unit_holds_set_points_by_its_own_clock() -> None:
     slow = next(seed for seed in range(1, 100) if clocks(seed)["AGV unit 0"]["ppm"] < -50)
     for seed, jitter in ((slow, True), (slow, False)):
         ppm = clocks(seed, jitter)["AGV unit 0"]["ppm"]
-        dock = plant.Dock(cmrc.dock_of(config(seed, jitter)))
+        dock = plant.Dock(run_setup.dock_of(config(seed, jitter)))
         dock.agv_period(0, 20_000, 0)
         dock.agv_push(0, 1000, 0, 0, 0)
         taken = []

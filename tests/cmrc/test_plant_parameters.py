@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from cmrc import _core
+from cmrc_test import run_setup
 from low_rates import AT_ONCE_AND_LOW
 
 cmrc, plant = _core.cmrc, _core.plant
@@ -48,7 +49,7 @@ def numbers(of: Any, path: str = "") -> dict[str, float]:
 
 
 def dock_of(**settings: Any) -> Any:
-    return cmrc.dock_of(cmrc.config(settings=settings))
+    return run_setup.dock_of(cmrc.config(settings=settings))
 
 
 def parts(dock: Any) -> dict[str, float]:
@@ -74,7 +75,7 @@ NOT_OF_A_GANTRY = {
 def test_every_parameter_of_the_plant_is_one_key(machine: str) -> None:
     keys = [name for name in MINE if name.split(".")[0] in (machine, "agv", "landing")]
     config = cmrc.config(settings={"dock.crane": machine})
-    before = parts(cmrc.dock_of(config))
+    before = parts(run_setup.dock_of(config))
     reached: dict[str, str] = {}
     for name in keys:
         # A tenth of a parameter may make a dock that is refused as a whole; the smallest step shows which one it is.
@@ -105,7 +106,7 @@ def test_degrees_are_degrees_and_an_untouched_default_keeps_its_bits() -> None:
     assert parts(dock_of()) == {**parts(plant.default_dock(1))}
     config = cmrc.config(settings={"slewing.luff.lower_deg": 25.0, "agv.mass_kg": 26e3})
     again = cmrc.config(toml=config.to_toml())
-    assert parts(cmrc.dock_of(again)) == parts(cmrc.dock_of(config)) and again.to_dict() == config.to_dict()
+    assert parts(run_setup.dock_of(again)) == parts(run_setup.dock_of(config)) and again.to_dict() == config.to_dict()
 
 
 # ---- at rest
@@ -118,7 +119,7 @@ def drift(machine: str, **settings: Any) -> np.ndarray:
     simulation = cmrc.Simulation(config)
     simulation.run()
     signals = simulation.signals()
-    crane = cmrc.dock_of(config).crane
+    crane = run_setup.dock_of(config).crane
     joints = ("s", "psi", "phi", "l", "kappa") if machine == "slewing" else ("s", "psi", "trolley", "l", "kappa")
     columns = [next(n for n in signals if n in (f"{joint}_m", f"{joint}_rad")) for joint in joints]
     moved = np.array([np.ptp(signals[column]) for column in columns])

@@ -11,7 +11,7 @@ from typing import Any
 import chain_replay
 import pytest
 from cmrc import _core
-from cmrc_test import scheduling
+from cmrc_test import run_setup, scheduling
 from locations import BUILD
 from traced_run import events_of
 
@@ -225,7 +225,7 @@ def test_what_comes_into_the_field_releases_avoidance(tmp_path: Path, topology: 
 
 
 def test_the_register_is_the_nearest_echo_in_the_vehicles_way() -> None:
-    config = cmrc.dock_of(cmrc.config(settings={"agvs": 2}))
+    config = run_setup.dock_of(cmrc.config(settings={"agvs": 2}))
     dock = plant.Dock(config)
     # AGV 1 stands 18 m behind AGV 0, both 14.8 m long: 3.2 m between them. Before AGV 0 nothing is within 30 m.
     assert dock.range_way(0, 0) == 30000

@@ -82,7 +82,7 @@ def test_a_place_may_be_a_line_of_a_file(program: Path, tmp_path: Path) -> None:
     [
         ("nonsense", "is not a command"), ("brek total", 'help lists the commands; did you mean "break"?'), ("break", "a place is expected"), ("break nowhere", "is not a place"), ("break add if", "an expression is expected"), ("break add if r0 ==", "column"),
         ("break add ignore many", "an integer of at least 0 is expected"), ("break add chip 5", "there is no chip 5"), ("watch", "a place or a register"), ("watch total,0", "PLACE,WORDS"), ("watch total sometimes", "the end of the command is expected"),
-        ("on", "an event is expected"), ("on miss", "is not an event"), ("when", "an expression is expected"), ("delete 9", "there is no stop condition 9"), ("delete x", "an integer of at least 0 is expected"),
+        ("on", r"an event is expected \(see: kinds\)"), ("on miss", "is not an event"), ("when", "an expression is expected"), ("delete 9", "there is no stop condition 9"), ("delete x", "an integer of at least 0 is expected"),
         ("goto never", "is not an instant"), ("goto -1 s", "is not an instant"), ("goto 1 day", "s, ms, us, ns, ps or cycles"), ("goto 1e30 s", "9000000 s"), ("stepi -1", "an integer of at least 0 is expected"), ("out", "no caller"),
         ("print", "a value is expected"), ("print [0x40000000000]", "is no number|nothing can be read"), ("x", "a place is expected"), ("peripherals nothing", "begins with nothing"), ("page nothing", "is expected"),
         ("set r0", "is expected"), ("set r0 = 1.5e99", "beyond"), ("set r1 = 4294967296", "does not fit into r1"), ("set [total] = 4294967296", "does not fit into a word"), ("set [total] = -2147483649", "does not fit into a word"), ("set 100000000h = 1", "is not an address"),
@@ -96,6 +96,14 @@ def test_commands_that_make_no_sense_say_what_would_be_right(
     done = debug(program, "-x", script(tmp_path, command, "print 6 * 7"))
     assert done.returncode == 2 and "42 " not in done.stdout
     assert re.search(message, done.stdout), done.stdout
+
+
+def test_the_kinds_of_events_are_those_that_can_stop_the_program(program: Path) -> None:
+    done = debug(program, stdin="kinds\n")
+    kinds = [line.split()[0] for line in done.stdout.splitlines() if line.startswith("  ")]
+    assert done.returncode == 0 and {"rule", "any"} <= set(kinds), done.stdout
+    for kind in kinds:
+        assert debug(program, stdin=f"on {kind}\n").returncode == 0
 
 
 def test_where_nobody_sees_the_answer_the_first_command_that_fails_is_the_end(program: Path, tmp_path: Path) -> None:

@@ -105,7 +105,7 @@ def test_at_a_stop_the_dock_is_as_without_a_debugger(dsps: int, settings: dict[s
         alone = make()
         alone.run_until(stop.time_s)
         assert run._core.difference(alone._core) is None, stop
-    assert {"watchpoint", "happening"} <= reasons
+    assert {"watchpoint", "event"} <= reasons
     debugger.step_back()
     debugger.go_to(0.02)
     debugger.close()

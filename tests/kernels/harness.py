@@ -9,6 +9,7 @@ from typing import Any
 
 import reference
 from cmrc import _core
+from cmrc_test import run_setup
 from words import signed
 
 WINDOW_A, WINDOW_B = 0xC0000000, 0x70000000
@@ -17,7 +18,7 @@ RETURN = 0x3FF000  # nothing is here: where the called code returns to
 
 @functools.cache
 def image_of(programs: str, settings: tuple[tuple[str, str | float], ...]) -> Any:
-    return _core.cmrc.dsp_image(_core.cmrc.config(settings={"machine.programs": programs, **dict(settings)}))
+    return run_setup.dsp_image(_core.cmrc.config(settings={"machine.programs": programs, **dict(settings)}))
 
 
 def image(**settings: str | float) -> Any:

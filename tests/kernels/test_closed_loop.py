@@ -8,6 +8,7 @@ import random
 import pytest
 import reference as ref
 from cmrc import _core
+from cmrc_test import plant as parts
 from harness import Dsp
 
 SETTLED, RAMP_DONE = 0x100000, 0x200000
@@ -27,8 +28,8 @@ class Crane:
     def __init__(self, home: list[float], payload: float) -> None:
         plant = _core.plant
         parameters = self.parameters()
-        self.equations, self.motion = plant.Crane(parameters), plant.CraneMotion(parameters)
-        self.state, self.inputs = plant.CraneState(), plant.CraneInputs()
+        self.equations, self.motion = plant.Crane(parameters), parts.CraneMotion(parameters)
+        self.state, self.inputs = plant.CraneState(), parts.CraneInputs()
         q = plant.inverse_kinematics(parameters, plant.CranePose(0, *home))
         self.state.q, self.state.qd = q, [0.0] * 7
         self.inputs.payload = (payload, ref.I_SPREADER + ref.I_PER_KG * (payload - ref.M_SPREADER))

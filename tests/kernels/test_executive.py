@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from cmrc import _core
+from cmrc_test import run_setup
 from harness import RETURN, WINDOW_A, Dsp, image
 from locations import ROOT
 
@@ -21,7 +22,7 @@ KIND = {"error": 0, "torque": 5, "unknown": 77}
 def image_with_own_blocks() -> Any:
     """The program for a configuration where one task has its own DSP."""
     task = '[[tasks]]\nname = "own"\nprogram = "kernel_none"\nkind = 23\nimportance = 1\nperiod_ms = 1\ndsp = 0\n'
-    return _core.cmrc.dsp_image(_core.cmrc.config(toml=task, settings={"machine.programs": str(ROOT / "c40_programs")}))
+    return run_setup.dsp_image(_core.cmrc.config(toml=task, settings={"machine.programs": str(ROOT / "c40_programs")}))
 
 
 class Board(Dsp):

@@ -17,6 +17,7 @@ import reference as ref
 import test_closed_loop as loop
 import test_pid
 from cmrc import _core
+from cmrc_test import plant as parts
 from harness import Dsp, gantry_constants
 from test_crane import END_OF_LEG, PERIOD, UNREACHABLE, assert_point, put_point, put_ring, put_route, single
 from test_torque_builds import BOUND, CLOSED_FORM, NEWTON_EULER
@@ -343,7 +344,7 @@ class Loop(loop.Crane):
     processor = Gantry
 
     def __init__(self, home: list[float], payload: float) -> None:
-        assert list(self.channels) == list(plant.drive_channels(plant.Machine.gantry))
+        assert list(self.channels) == list(parts.drive_channels(plant.Machine.gantry))
         super().__init__(home, payload)
         self.inputs.locked = self.inputs.locked | 0b10  # psi is built in
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from cmrc import _core
+from cmrc_test import run_setup
 from harness import Dsp, from_ti, image_of, to_ti
 from test_crane import put_ring, single
 from test_torque_builds import BOUND, CLOSED_FORM, NEWTON_EULER
@@ -39,7 +40,7 @@ def changed(name: str) -> float:
     default, machine = KEYS[name]["default"], name.split(".")[0]
     for value in (default * 1.1, default * 0.9) if default else (1.0,):
         try:
-            cmrc.dock_of(
+            run_setup.dock_of(
                 cmrc.config(settings={"dock.crane": machine if machine == "gantry" else "slewing", name: value})
             )
         except cmrc.ConfigError:
@@ -150,7 +151,7 @@ def test_torque_compensation_is_the_plants_inverse_dynamics_whatever_its_paramet
     channels = (1, 2, 3, 4) if gantry else joints
     for name in [name for name in parameters(machine) if known(name)]:
         settings = {"dock.crane": machine, name: changed(name)}
-        p = cmrc.dock_of(cmrc.config(settings=settings)).crane
+        p = run_setup.dock_of(cmrc.config(settings=settings)).crane
         model = plant.Crane(p)
         dsp = Dsp(**{key.replace(".", "__"): value for key, value in settings.items()})
         dsp.servo_rates(consumed=2)
@@ -190,7 +191,7 @@ def test_torque_compensation_is_the_plants_inverse_dynamics_whatever_its_paramet
 )
 def test_inverse_kinematics_puts_the_load_where_it_should_be(name: str) -> None:
     r = random.Random(12)
-    p = cmrc.dock_of(cmrc.config(settings={name: changed(name)})).crane
+    p = run_setup.dock_of(cmrc.config(settings={name: changed(name)})).crane
     model = plant.Crane(p)
     dsp = Dsp(**{name.replace(".", "__"): changed(name)})
     for k in range(20):

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from cmrc import _core
+from cmrc_test import run_setup
 from harness import Dsp
 
 core = _core.cmrc
@@ -48,7 +49,7 @@ def laid(dsp: Dsp, kernel: str, way: tuple[float, ...]) -> float:
 def told(way: tuple[float, ...], **settings: Any) -> float:
     x, y, z, yaw = way
     named = {name.replace("__", "."): value for name, value in settings.items()}
-    return core.segment_seconds(core.config(settings=named), (x * x + y * y) ** 0.5, abs(z), abs(yaw))
+    return run_setup.segment_seconds(core.config(settings=named), (x * x + y * y) ** 0.5, abs(z), abs(yaw))
 
 
 @pytest.mark.parametrize("way", WAYS)

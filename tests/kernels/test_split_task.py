@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 from cmrc import _core
+from cmrc_test import run_setup
 from harness import WINDOW_B, Dsp
 from locations import ROOT
 from words import signed
@@ -42,7 +43,7 @@ class Survey(Dsp):
     def __init__(self, folder: Path, rays: list[int]) -> None:
         super().__init__()
         config = _core.cmrc.config(toml=example().HALVES, settings={"machine.programs": str(folder / "programs")})
-        program = _core.cmrc.dsp_image(config)
+        program = run_setup.dsp_image(config)
         self.symbols = s = program.symbols
         self.chip.load_image(program)
         first, last = s["constants"], s["constants_end"]
@@ -138,7 +139,7 @@ def test_the_example(capsys: pytest.CaptureFixture[str]) -> None:
 
 @pytest.mark.parametrize("way", ["", "_link"])
 @pytest.mark.parametrize("at_us", [60, 130, 200, 270, 340])
-def test_the_first_never_waits_for_ever(folder: Path, at_us: int, way: str) -> None:
+def test_the_first_never_waits_forever(folder: Path, at_us: int, way: str) -> None:
     """The partner's DSP dies at several instants of its half: the first DSP waits for the configured time, then does
     the whole task."""
     split: Any = example()

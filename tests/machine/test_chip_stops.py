@@ -45,7 +45,7 @@ TABLE: dict[str, tuple[str, str, tuple[str, int] | None, tuple[str, int] | None,
     ),  # of a linked port; the dock's are tested with its boot
     "port_wait": ("port_wait", READ_PORT, ("port_wait", 1), ("waiting", 1), "port_wait", "faults"),
     "horizon": (
-        "asks_anew",
+        "asks_again",
         "",
         None,
         None,

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from cmrc import _core
 from cmrc._core import plant, toolchain
-from cmrc_test import machine
+from cmrc_test import machine, run_setup
 from locations import ROOT
 from programs import INCLUDE, with_devices
 
@@ -90,7 +90,7 @@ def test_the_controllers_programs_are_refused_before_the_run(tmp_path: Path) -> 
     settings = {"machine.programs": str(folder)}
     said = "machine.programs: AGV_LOADED is 64, but the dock's devices have 32; RANGE_MOST is 29000, but"
     with pytest.raises(_core.cmrc.ConfigError, match=said):
-        _core.cmrc.dsp_image(_core.cmrc.config(settings=settings))
+        run_setup.dsp_image(_core.cmrc.config(settings=settings))
     with pytest.raises(_core.cmrc.ConfigError, match=said):
         _core.cmrc.Simulation(_core.cmrc.config(settings=settings))
 

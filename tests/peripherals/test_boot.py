@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from cmrc._core import c40, toolchain
+from cmrc_test import forms
 from linked_processors import HERTZ, Network, processor
 
 PERIOD = 10**12 // HERTZ
@@ -44,7 +45,7 @@ def test_from_a_port(port: int) -> None:
     chip = c40.Processor.bootable()
     chip.boot()
     assert chip.peripheral("GMICR") == 0x3E39FFF0
-    stream = c40.boot_stream(image(), ivtp=0x2FFA00, tvtp=0x300000)
+    stream = forms.boot_stream(image(), ivtp=0x2FFA00, tvtp=0x300000)
     stream[1] = 0x1DEA4050
     stop = feed(chip, port, stream)
     assert (stop["reason"], stop["pc"]) == ("breakpoint", 0x2FFC00)
@@ -71,8 +72,8 @@ def in_units(words: list[int], width: int) -> list[int]:
 @pytest.mark.parametrize("address", [0x300000, 0x40000000, 0x80000000])
 def test_from_memory(address: int, width: int) -> None:
     chip = c40.Processor.bootable(memory=address)
-    stream = [width, *c40.boot_stream(image())]
-    assert stream[1:] == c40.boot_stream(image(), memory=True)[1:]
+    stream = [width, *forms.boot_stream(image())]
+    assert stream[1:] == forms.boot_stream(image(), memory=True)[1:]
     units = in_units(stream, width) if width < 32 else stream
     chip.load_words(address, units)
     chip.boot()
@@ -95,7 +96,7 @@ def test_several_blocks_and_the_first_is_entered() -> None:
 def test_a_stream_that_is_cut_short_waits_in_the_rom() -> None:
     chip = c40.Processor.bootable()
     chip.boot()
-    stop = feed(chip, 1, c40.boot_stream(image())[:-3])
+    stop = feed(chip, 1, forms.boot_stream(image())[:-3])
     assert stop["reason"] == "port_wait" and stop["port"] == 1 and stop["pc"] < 0x1000
 
 
@@ -112,7 +113,7 @@ def test_without_a_boot_rom_the_reset_vector_is_missing() -> None:
     with pytest.raises(ValueError, match="the pins choose no memory at 12345678h"):
         c40.Processor.bootable(memory=0x12345678)
     with pytest.raises(ValueError, match="the boot ROM is there"):
-        c40.boot_stream(
+        forms.boot_stream(
             toolchain.assemble("        .text\nentry:  nop\n", "low.asm", sections={".text": 0x100}, entry="entry")
         )
 
@@ -120,11 +121,11 @@ def test_without_a_boot_rom_the_reset_vector_is_missing() -> None:
 def test_a_program_begins_in_one_of_its_sections() -> None:
     behind = toolchain.assemble("        .text\n        nop\nentry:\n", "behind.asm", entry="entry")
     with pytest.raises(ValueError, match="the program's entry 00300001h is in no section"):
-        c40.boot_stream(behind)
+        forms.boot_stream(behind)
 
 
 def test_a_chip_boots_its_neighbour() -> None:
-    stream = c40.boot_stream(image())
+    stream = forms.boot_stream(image())
     sender = processor(
         "        ldhi 10h,ar0\n        or 40h,ar0\n        ldhi 30h,ar1\n        ldi COUNT,rc\n        rptb last\n"
         "        ldi *ar1++,r0\nlast:   sti r0,*+ar0(2)\n        ldi *+ar0(1),r6\nend:    bu end\n".replace(

@@ -124,7 +124,7 @@ def test_the_dma_continues_while_its_processor_waits_for_a_port() -> None:
     assert all(result == results[0] for result in results)
 
 
-def test_a_processor_and_its_dma_both_wait_for_ever() -> None:
+def test_a_processor_and_its_dma_both_wait_forever() -> None:
     waits = base(3, "ar2") + "        ldi *+ar2(1),r1\n" + STOP
     network = Network([program(STOP), program(waits)], links=["0.0:1.3"])
     stream_by_dma(network.chips[1]._core, network.chips[1]._core)  # channels 0 and 3; port 0 is not linked

@@ -9,6 +9,7 @@ import pytest
 from cmrc import c40
 from cmrc._core import c40 as core
 from cmrc.network import Network
+from cmrc_test import forms
 
 CODE, VECTORS, STACK = 0x2FFC00, 0x2FF800, 0x2FFA00
 PERIOD_PS = 50_000
@@ -100,7 +101,7 @@ def test_37_interrupt_entry_on_a_stream_of_one_instruction(source: str) -> None:
 
 def test_the_boot_loader_stores_a_word_in_eight_to_ten_cycles() -> None:
     booted = program("        addi 1,r0\n" * 100 + STOP)
-    stream = core.boot_stream(booted)
+    stream = forms.boot_stream(booted)
     sends = (
         port(0, "ar0")
         + "        addi 2,ar0\n        ldhi 30h,ar1\n"

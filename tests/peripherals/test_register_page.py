@@ -2,6 +2,7 @@
 
 import re
 
+import cmrc_test
 import pytest
 from cmrc._core import c40
 from locations import ROOT
@@ -15,7 +16,7 @@ def test_the_page_holds_the_generated_tables() -> None:
 
 
 def test_fields_of_a_register_do_not_overlap() -> None:
-    for register in c40.peripheral_registers():
+    for register in cmrc_test.peripheral_registers():
         bits = [bit for low, width in register["fields"].values() for bit in range(low, low + width)]
         assert len(bits) == len(set(bits)) and all(0 <= bit < 32 for bit in bits), register["name"]
 
@@ -35,12 +36,12 @@ def test_every_field_of_a_model_is_in_the_map(header: str, register: str) -> Non
         name: (int(low), int(width))
         for name, low, width in re.findall(r'constexpr Field \w+\{"([^"]+)", (\d+), (\d+)', text)
     }
-    [fields] = [entry["fields"] for entry in c40.peripheral_registers() if entry["name"] == register]
+    [fields] = [entry["fields"] for entry in cmrc_test.peripheral_registers() if entry["name"] == register]
     assert declared and declared == fields
 
 
 def test_every_register_of_the_dma_is_in_the_map() -> None:
     text = (ROOT / "emulator" / "c40" / "peripherals" / "dma_registers.hpp").read_text(encoding="utf-8")
     [body] = re.findall(r"enum class DmaRegister[^{]*\{([^}]*)\}", text)
-    names = [entry["name"] for entry in c40.peripheral_registers() if entry["name"].startswith("DMA0.")]
+    names = [entry["name"] for entry in cmrc_test.peripheral_registers() if entry["name"].startswith("DMA0.")]
     assert names == [f"DMA0.{name}" for name in re.findall(r"\w+", body)]

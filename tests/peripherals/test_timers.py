@@ -6,6 +6,7 @@ import itertools
 import random
 from typing import Any
 
+import cmrc_test
 import pytest
 from cmrc._core import c40, toolchain
 from cmrc.c40 import assemble
@@ -454,9 +455,14 @@ def test_random_periods_against_the_stepped_model() -> None:
 
 def test_register_names() -> None:
     chip, _ = program(0, 0, 0)
-    registers = c40.peripheral_registers()
+    registers = cmrc_test.peripheral_registers()
     assert len(registers) == 2 + 2 * 3 + 6 * 3 + 6 * 9
     assert {entry["name"]: entry["address"] for entry in registers}["DMA3.link"] == 0x1000D6
     assert chip.peripheral("gmicr") == 0x1DEA4000
-    with pytest.raises(IndexError, match=r"did you mean PORT3.control\?"):
-        chip.peripheral("PROT3.control")
+    for wrong, right in [
+        ("PROT3.control", r'did you mean "PORT3\.control"\?'),
+        ("dma3.ilnk", r'did you mean "DMA3\.link"\?'),
+        ("zzzzzzzzzzzzzz", r"zzzzzzzzzzzzzz; docs/peripherals\.md lists the registers$"),
+    ]:
+        with pytest.raises(IndexError, match=right):
+            chip.peripheral(wrong)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from cmrc import plant
 from cmrc._core import plant as core
+from cmrc_test import plant as parts
 
 REST = (0.0, 0.3, 0.8, 14.0, 0.02, -0.01, 0.1)
 
@@ -144,14 +145,14 @@ def test_orders_whose_tables_sundials_misuses_are_refused(order):
     with pytest.raises(ValueError, match="order"):
         plant.Crane(order=order)
     with pytest.raises(ValueError, match="order"):
-        core.CraneMotion(core.CraneParameters(), 1e-8, order)
+        parts.CraneMotion(core.CraneParameters(), 1e-8, order)
 
 
 @pytest.mark.parametrize("order", [3, 4, 5])
 def test_several_fixed_steps_in_one_call_have_the_order_they_say(order):
     """h = 4 and 2 ms (issue 15), against an integration of tight tolerance; the command is the torque, which then is
     constant."""
-    inputs = core.CraneInputs()
+    inputs = parts.CraneInputs()
     inputs.payload = (30e3, 1.25e5)
     inputs.command = torque = [0.0, 800.0, 3000.0, 2400.0, 2.0]
 
@@ -159,9 +160,9 @@ def test_several_fixed_steps_in_one_call_have_the_order_they_say(order):
         s = core.CraneState()
         s.q, s.qd, s.torque, s.step = list(REST), [0.1, 0.05, 0.01, 0.3, 0.5, -0.4, 0.02], torque, 1e-4
         if fixed:
-            core.CraneMotion(core.CraneParameters(), 1e-8, order).advance_fixed(s, inputs, 0.4, fixed)
+            parts.CraneMotion(core.CraneParameters(), 1e-8, order).advance_fixed(s, inputs, 0.4, fixed)
         else:
-            core.CraneMotion(core.CraneParameters(), 1e-13, 5).advance(s, inputs, 0.4)
+            parts.CraneMotion(core.CraneParameters(), 1e-13, 5).advance(s, inputs, 0.4)
         return np.array(s.q)
 
     exact = end(None)

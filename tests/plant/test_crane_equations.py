@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from cmrc._core import plant
+from cmrc_test import plant as parts
 from lossless import without_losses
 
 GRAVITY = 9.81
@@ -266,7 +267,7 @@ def free_swing(rng, crane, mass):
         0,
         0,
     ]
-    state, inputs = plant.CraneState(), plant.CraneInputs()
+    state, inputs = plant.CraneState(), parts.CraneInputs()
     state.q, state.qd = list(q), list(qd)
     inputs.payload, inputs.locked, inputs.external = (mass, 1.0), 1 << 6, [*force, 0.0]
     return state, inputs, force
@@ -294,7 +295,7 @@ def test_pinocchio_follows_the_same_trajectory():
             k3 = rate(y + h / 2 * k2)
             k4 = rate(y + h * k3)
             y = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-        plant.CraneMotion(crane, 1e-11).advance(state, inputs, 5.0)
+        parts.CraneMotion(crane, 1e-11).advance(state, inputs, 5.0)
         np.testing.assert_allclose(state.q[:6], np.linalg.solve(CHAIN, y[:6]), atol=1e-6, rtol=1e-8)
 
 
@@ -356,7 +357,7 @@ def test_mujoco_follows_the_same_trajectory():
         d.qfrc_applied[:] = np.linalg.solve(CHAIN.T, force)
         for _ in range(2000):
             mujoco.mj_step(m, d)
-        plant.CraneMotion(c, 1e-11).advance(state, inputs, 4.0)
+        parts.CraneMotion(c, 1e-11).advance(state, inputs, 4.0)
         np.testing.assert_allclose(state.q[:6], np.linalg.solve(CHAIN, d.qpos), atol=2e-6, rtol=1e-7)
 
 

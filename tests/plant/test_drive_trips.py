@@ -151,7 +151,7 @@ def test_a_trip_ends_when_the_drive_is_switched_off_and_has_cooled() -> None:
     assert hot.drive_status(TRAVEL, cool + 2 * MS) == READY | BRAKE
 
 
-def test_the_rated_torque_can_be_held_for_ever() -> None:
+def test_the_rated_torque_can_be_held_forever() -> None:
     """Code 1365 of 2047 is the rated torque at 1.5 times of it: heat comes to 1 and no further."""
     it = dock(TRAVEL, thermal_time=0.05, rated_speed=1e5)
     it.set_torque_code(TRAVEL, 1364, 0)

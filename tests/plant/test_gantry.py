@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from cmrc import plant as public
 from cmrc._core import plant
+from cmrc_test import plant as parts
 from lossless import without_losses
 
 G = 9.81
@@ -60,11 +61,11 @@ def test_mujoco_agrees():
 
 def test_trolley_with_a_hanging_load_swings_with_the_pendulums_and_the_carts_frequency():
     p, mass, length = lossless(), 40e3, 20.0
-    state, inputs = plant.CraneState(), plant.CraneInputs()
+    state, inputs = plant.CraneState(), parts.CraneInputs()
     state.q = [0, HALF, 10.0, length, 1e-4, 0, 0]
     inputs.payload, inputs.locked = (mass, 1e5), 0b1001011  # trolley and sway are free
     w = math.sqrt(G / length * (1 + mass / p.jib_mass))
-    plant.CraneMotion(p, 1e-11).advance(state, inputs, math.pi / w)
+    parts.CraneMotion(p, 1e-11).advance(state, inputs, math.pi / w)
     assert state.q[4] == pytest.approx(-1e-4, rel=1e-6)
     assert state.q[2] - 10.0 == pytest.approx(2e-4 * length * mass / (mass + p.jib_mass), rel=1e-5)
 

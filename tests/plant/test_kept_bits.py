@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from cmrc import _core
 from cmrc import plant as public
+from cmrc_test import run_setup
 
 plant, core = _core.plant, _core.cmrc
 SECOND = 10**12
@@ -31,7 +32,7 @@ DOCKS: dict[str, dict[str, Any]] = {
 
 def bits(settings: dict[str, Any], more: Callable[[Any], None] = lambda config: None) -> str:
     """A tenth of a second with all drives at work and two vehicles that drive: by step the sensors, twice the state."""
-    config = core.dock_of(core.config(settings={**AT_WORK, **settings}))
+    config = run_setup.dock_of(core.config(settings={**AT_WORK, **settings}))
     more(config)
     dock = plant.Dock(config)
     dock.enable_drives(31, 0)

@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 from cmrc._core import plant
+from cmrc_test import plant as parts
 from lossless import without_losses
 
 G = 9.81
@@ -17,7 +18,7 @@ def frictionless() -> plant.CraneParameters:
 
 
 def payload_inputs(mass=20e3, inertia=2e5):
-    inputs = plant.CraneInputs()
+    inputs = parts.CraneInputs()
     inputs.payload = (mass, inertia)
     return inputs
 
@@ -34,7 +35,7 @@ def locked(*coordinates):
 
 @pytest.mark.parametrize("length", [10.0, 20.0, 35.0])
 def test_small_swing_has_the_period_of_a_pendulum(length):
-    motion = plant.CraneMotion(frictionless(), 1e-10)
+    motion = parts.CraneMotion(frictionless(), 1e-10)
     inputs = payload_inputs()
     inputs.locked = locked(*ACTUATED)
     s = state((0, 0.3, 0.8, length, 1e-3, 0, 0))
@@ -47,7 +48,7 @@ def test_small_swing_has_the_period_of_a_pendulum(length):
 
 def test_undriven_frictionless_crane_keeps_its_energy():
     crane = frictionless()
-    motion = plant.CraneMotion(crane, 1e-11)
+    motion = parts.CraneMotion(crane, 1e-11)
     model = plant.Crane(crane)
     inputs = payload_inputs()
     inputs.locked = locked(2, 3)  # luff and hoist would fall
@@ -64,7 +65,7 @@ def test_undriven_frictionless_crane_keeps_its_energy():
 
 def test_travel_momentum_is_conserved_without_travel_force():
     crane = frictionless()
-    motion = plant.CraneMotion(crane, 1e-11)
+    motion = parts.CraneMotion(crane, 1e-11)
     model = plant.Crane(crane)
     inputs = payload_inputs()
     inputs.locked = locked(2, 3)
@@ -86,7 +87,7 @@ def test_fixed_steps_converge_with_fourth_order():
     results = []
     for step in (0.1, 0.05, 0.025, 0.0125 / 8):
         s = state(q, qd)
-        plant.CraneMotion(frictionless(), 1e-8).advance_fixed(s, inputs, 2.0, step)
+        parts.CraneMotion(frictionless(), 1e-8).advance_fixed(s, inputs, 2.0, step)
         results.append(np.array(s.q))
     errors = [np.abs(r - results[-1]).max() for r in results[:-1]]
     slopes = [math.log2(a / b) for a, b in itertools.pairwise(errors)]
@@ -98,6 +99,6 @@ def test_an_independent_multistep_integrator_agrees():
     inputs.command = [100.0, 300.0, 0.0, 0.0, 10.0]
     inputs.locked = locked(2, 3)
     one, two = (state((0, 0.2, 0.9, 12.0, 0.1, -0.1, 0.1)) for _ in range(2))
-    plant.CraneMotion(plant.CraneParameters(), 1e-9).advance(one, inputs, 3.0)
-    plant.CraneMotion(plant.CraneParameters(), 1e-9, method=plant.Method.adams).advance(two, inputs, 3.0)
+    parts.CraneMotion(plant.CraneParameters(), 1e-9).advance(one, inputs, 3.0)
+    parts.CraneMotion(plant.CraneParameters(), 1e-9, method=plant.Method.adams).advance(two, inputs, 3.0)
     assert np.allclose(one.q, two.q, rtol=0, atol=1e-6)

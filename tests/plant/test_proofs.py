@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from cmrc import plant as public
 from cmrc._core import plant
+from cmrc_test import plant as parts
 from controller import LATCH
 from lossless import without_losses
 
@@ -21,7 +22,7 @@ def lossless() -> plant.CraneParameters:
 
 
 def start(q, qd, mass, *locked, inertia=2e5):
-    state, inputs = plant.CraneState(), plant.CraneInputs()
+    state, inputs = plant.CraneState(), parts.CraneInputs()
     state.q, state.qd = list(q), list(qd)
     inputs.payload, inputs.locked = (mass, inertia), sum(1 << k for k in locked)
     return state, inputs
@@ -30,7 +31,7 @@ def start(q, qd, mass, *locked, inertia=2e5):
 @pytest.mark.parametrize("settings", [(1e-11, 5, plant.Method.erk), (1e-11, 4, plant.Method.adams)])
 def test_free_crane_keeps_its_energy_over_a_hundred_seconds(settings):
     crane, mass = lossless(), 20e3
-    model, motion = plant.Crane(crane), plant.CraneMotion(crane, *settings)
+    model, motion = plant.Crane(crane), parts.CraneMotion(crane, *settings)
     state, inputs = start((0, 0.2, 0.9, 18.0, 0.2, -0.15, 0.1), (0.1, 0.02, 0, 0, 0.1, 0.05, 0.01), mass, 2, 3)
     lowest = model.potential_energy([*state.q[:4], 0.0, 0.0, 0.0], mass)
 
@@ -67,7 +68,7 @@ def test_power_balance_with_drives_friction_and_sway_damping(seed):
 
 def test_slewing_momentum_is_conserved_with_the_gantry_held():
     crane, mass = lossless(), 20e3
-    model, motion = plant.Crane(crane), plant.CraneMotion(crane, 1e-11)
+    model, motion = plant.Crane(crane), parts.CraneMotion(crane, 1e-11)
     state, inputs = start((0, 0.5, 0.9, 18.0, 0.3, 0.1, 0.0), (0, 0.05, 0, 0, 0, 0.1, 0), mass, 0, 2, 3)
 
     def momentum():
@@ -91,9 +92,9 @@ def two_engines():
     force = [0.0, 2e5, plant.Crane(crane).gravity(q, mass)[2]]
     state, inputs = start(q, qd, mass, 3, 6, inertia=1.0)
     inputs.external = [*force, 0, 0, 0, 0]
-    plant.CraneMotion(crane, 1e-11).advance(state, inputs, seconds)
+    parts.CraneMotion(crane, 1e-11).advance(state, inputs, seconds)
     steps = [4e-3, 2e-3, 1e-3, 5e-4]
-    return [np.array(plant.swing_in_ode(crane, mass, q, qd, force, h, round(seconds / h))) for h in steps], np.array(
+    return [np.array(parts.swing_in_ode(crane, mass, q, qd, force, h, round(seconds / h))) for h in steps], np.array(
         state.q
     )
 
@@ -110,9 +111,9 @@ def test_ode_takes_as_many_steps_as_it_is_asked_for():
     changed."""
     crane, mass, q, qd = lossless(), 40e3, (2.0, 0.4, 0.9, 15, 0, 0, 0), (1.0, 0, 0, 0, 0, 0, 0)
     hold = [0.0, 0.0, plant.Crane(crane).gravity(q, mass)[2]]
-    assert plant.swing_in_ode(crane, mass, q, qd, hold, 1e-3, 0) == pytest.approx(q, abs=1e-12)
+    assert parts.swing_in_ode(crane, mass, q, qd, hold, 1e-3, 0) == pytest.approx(q, abs=1e-12)
     for steps in (1, 2, 10):
-        assert plant.swing_in_ode(crane, mass, q, qd, hold, 1e-3, steps)[0] - q[0] == pytest.approx(
+        assert parts.swing_in_ode(crane, mass, q, qd, hold, 1e-3, steps)[0] - q[0] == pytest.approx(
             1e-3 * steps, rel=0.01
         )
 
@@ -155,11 +156,11 @@ def test_held_sway_is_the_rigid_level():
     torques = [300.0, 900.0, 1300.0, -1000.0, 5.0]
     rigid = public.Crane(model="rigid", load_mass=2e4, tolerance=1e-11)
     rigid.run(torques, 1e-3, 2000)
-    state, inputs = plant.CraneState(), plant.CraneInputs()
+    state, inputs = plant.CraneState(), parts.CraneInputs()
     state.q = public.Crane().state.q
     inputs.command, inputs.locked = torques, 0b0110000
     inputs.payload = (rigid.parameters.spreader_mass + 2e4, rigid.parameters.spreader_inertia)
-    plant.CraneMotion(rigid.parameters, 1e-11, method=plant.Method.adams).advance(state, inputs, 2.0)
+    parts.CraneMotion(rigid.parameters, 1e-11, method=plant.Method.adams).advance(state, inputs, 2.0)
     np.testing.assert_allclose(rigid.state.q, state.q, atol=2e-8)
     swaying = public.Crane(load_mass=2e4)
     swaying.run(torques, 1e-3, 2000)
@@ -170,7 +171,7 @@ def test_a_landing_gives_its_energy_to_the_dampers_and_springs():
     """What a box had is, after it settled, in the springs m^2 g^2 / 2k, and the rest is gone: it does not bounce up
     again."""
     mass, stiffness, h, speed, gap = 30480.0, 4e7, 0.00025, 0.2, 0.02
-    rows = np.array(plant.drop_box(mass, (12.192, 2.438, 2.591), gap, speed, 0.0, h, 8000))
+    rows = np.array(parts.drop_box(mass, (12.192, 2.438, 2.591), gap, speed, 0.0, h, 8000))
     height, velocity, force = rows[:, 0], rows[:, 1], rows[:, 2]
     spring = 0.5 * stiffness * np.minimum(height, 0.0) ** 2
     energy = 0.5 * mass * velocity**2 + mass * G * height + spring

@@ -2,11 +2,13 @@
 
 import ast
 import importlib
-from pathlib import Path
+import re
 
 import pytest
+from locations import ROOT
 
-STUBS = Path(__file__).parents[2] / "python" / "cmrc" / "_core"
+PACKAGE = ROOT / "python" / "cmrc"
+STUBS = PACKAGE / "_core"
 
 
 @pytest.mark.parametrize("room", ["c40", "cmrc", "isa", "network", "report", "toolchain", "trace", "why_late"])
@@ -26,3 +28,20 @@ def test_stub(room: str) -> None:
             assert hasattr(module, node.target.id)
             promised += 1
     assert promised > 0
+
+
+def test_what_only_tests_use_is_not_in_the_module_of_the_package() -> None:
+    """But in tests/bindings/. The names of errors, and of what a function takes or returns, are for users."""
+    users = [*PACKAGE.rglob("*.py"), *(ROOT / "examples").rglob("*.py"), *(ROOT / "scripts").iterdir()]
+    used = {word for file in users if file.is_file() for word in re.findall(r"\w+", file.read_text(encoding="utf-8"))}
+    unused = []
+    for stub in STUBS.glob("*.pyi"):
+        text = stub.read_text(encoding="utf-8")
+        for node in ast.parse(text).body:
+            if not isinstance(node, ast.FunctionDef | ast.ClassDef) or node.name in used:
+                continue
+            is_type = isinstance(node, ast.ClassDef) and len(re.findall(rf"\b{node.name}\b", text)) > 1
+            is_error = isinstance(node, ast.ClassDef) and any(ast.unparse(base) == "Error" for base in node.bases)
+            if not is_type and not is_error:
+                unused.append(f"{stub.stem}.{node.name}")
+    assert not unused

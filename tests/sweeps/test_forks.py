@@ -96,7 +96,7 @@ def test_runs_that_begin_alike_are_neighbours() -> None:
     ({"futures": [{"name": "a", "event": []}]}, "futures[0].event: unknown"),
     ({"futures": [{"name": "a", "events": 3}]}, "futures[0].events: a list of tables"),
     ({"futures": {"a": 1}}, "futures: a list of tables is expected, [[futures]]"),
-    ({"axes": {"future": ["a"]}}, "axes.future: there is no such setting"),
+    ({"axes": {"future": ["a"]}}, "axes.future: no such key; "),
 ])  # fmt: skip
 def test_a_bad_fork_says_where_and_what_would_be_right(change: dict[str, Any], says: str) -> None:
     with pytest.raises(GridError) as error:

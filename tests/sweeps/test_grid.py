@@ -121,7 +121,7 @@ def test_a_grid_without_axes_or_with_one_value_on_each_is_one_run() -> None:
 
 @pytest.mark.parametrize(("tables", "says"), [
     ({}, "the grid is empty; at least one of "),
-    ({"axis": {}}, "axis: unknown table; is [axes] meant?"),
+    ({"axis": {}}, 'axis: no such table; did you mean "axes"?'),
     ({"axes": 3}, "axes: a table is expected"),
     ({"axes": {"dsps": []}}, "axes.dsps: the list is empty"),
     ({"axes": {"dsps": 3}}, "axes.dsps: a list of values"),
@@ -133,9 +133,9 @@ def test_a_grid_without_axes_or_with_one_value_on_each_is_one_run() -> None:
     ({"fixed": {"dsps": 1}, "axes": {"machine.dsps": [2]}}, "axes.machine.dsps: machine.dsps is also given at fixed.dsps"),
     ({"fixed": {"seed": 1}, "repeats": {"seeds": 2}}, "repeats.seeds: run.seed is also given at fixed.seed"),
     ({"fixed": {"phase_jitter": False}, "repeats": {"seeds": 2, "phases": True}}, "run.phase_jitter is also given at"),
-    ({"axes": {"dspss": [1]}}, "axes.dspss: there is no such setting; "),
-    ({"axes": {"rated_load_kgg": [1]}}, "axes.rated_load_kgg: there is no such setting"),
-    ({"axes": {"config": ["a", "b"]}}, "axes.config: there is no such setting"),
+    ({"axes": {"dspss": [1]}}, 'axes.dspss: no such key; did you mean "machine.dsps"?'),
+    ({"axes": {"rated_load_kgg": [1]}}, "axes.rated_load_kgg: no such key; "),
+    ({"axes": {"config": ["a", "b"]}}, "axes.config: no such key; docs/configuration.md lists the keys"),
     ({"axes": {"dsps": {"from": 4, "to": 1, "step": 1}}}, "from < to is expected"),
     ({"axes": {"dsps": {"from": 1, "to": 4}}}, "either step or count"),
     ({"axes": {"dsps": {"from": 1, "to": 4, "step": 0}}}, "axes.dsps.step: 0"),

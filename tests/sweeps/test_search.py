@@ -176,7 +176,7 @@ def test_a_search_continues_in_the_folder_of_a_sweep(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("tables", "says"), [
     ({"fixed": {}}, "there is no table [search]"),
     ({"axes": {"dsps": [1]}, "search": {"bisect": "dsps", "from": 1, "to": 2}}, "not with axes"),
-    ({"search": {"bisect": "dspss", "from": 1, "to": 2}}, "search.bisect: dspss: there is no such setting"),
+    ({"search": {"bisect": "dspss", "from": 1, "to": 2}}, 'search.bisect: dspss: no such key; did you mean "machine.dsps"?'),
     ({"fixed": {"dsps": 1}, "search": {"bisect": "dsps", "from": 1, "to": 2}}, "machine.dsps is fixed, too"),
     ({"search": {"bisect": "dsps", "from": 1}}, "search.to: a number is expected"),
     ({"search": {"bisect": "dsps", "from": 1, "to": 1}}, "search.to: 1 is where it begins"),

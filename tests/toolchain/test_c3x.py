@@ -10,6 +10,7 @@ import cmrc
 import corpus
 import pytest
 from cmrc._core import isa, toolchain
+from cmrc_test import forms
 
 C40_FLAG = 0x0010  # of a COFF file's header: its code is the C4x's
 
@@ -189,8 +190,8 @@ def test_objects_say_whose_they_are_and_link_to_what_one_assembly_gives() -> Non
     whole = toolchain.assemble(PROGRAM, cpu="c3x")
     for version in (0, 1, 2):
         o = toolchain.assemble_object(PROGRAM, cpu="c3x")
-        data = toolchain.object_bytes(o, version)
-        again = toolchain.read_object(data, "a.o")
+        data = forms.object_bytes(o, version)
+        again = forms.read_object(data, "a.o")
         assert (struct.unpack_from("<H", data, 18)[0] & C40_FLAG, again.cpu) == (0, "c3x")
         assert [r.type for r in again.sections[0].relocations] == [
             "R_PARTMS8",
@@ -242,12 +243,12 @@ def test_the_address_space_ends_at_24_bits() -> None:
     for place in ('".text" = { address = 0xFFFFFF }', '".text" = "m"'):
         with pytest.raises(toolchain.LinkError, match="passes the end of the address space of the C3x"):
             toolchain.link([o], map=f"[memory]\nm = {{ origin = 0xFFFFFF, length = 16 }}\n[sections]\n{place}\n")
-    data = bytearray(toolchain.object_bytes(toolchain.assemble_object(" nop\n nop\n")))
+    data = bytearray(forms.object_bytes(toolchain.assemble_object(" nop\n nop\n")))
     struct.pack_into("<I", data, 22 + 8, 0xFFFFFF)
-    toolchain.read_object(bytes(data))
+    forms.read_object(bytes(data))
     struct.pack_into("<H", data, 18, struct.unpack_from("<H", data, 18)[0] & ~C40_FLAG)
     with pytest.raises(toolchain.CoffError, match="section '.text' passes the end of the address space of the C3x"):
-        toolchain.read_object(bytes(data))
+        forms.read_object(bytes(data))
 
 
 def test_checks_of_repeated_blocks_know_absolute_ends() -> None:

@@ -9,6 +9,7 @@ import corpus
 import gnu_sources
 import pytest
 from cmrc._core import isa, toolchain
+from cmrc_test import forms
 from gnu_sources import GNU
 
 pytestmark = [
@@ -71,7 +72,7 @@ def gnu_object(source: str, folder: Path, name: str, *options: str) -> toolchain
     ]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[:2000]
-    return toolchain.read_object((folder / f"{name}.o").read_bytes(), name)
+    return forms.read_object((folder / f"{name}.o").read_bytes(), name)
 
 
 def test_both_assemblers_make_the_same_words_of_the_corpus(tmp_path: Path) -> None:
@@ -134,7 +135,7 @@ def test_objects_of_either_link_to_the_same_with_either_linker(tmp_path: Path, v
     for name, source in sources.items():
         gnu = gnu_object(source, tmp_path, f"{name}.gnu")
         our = toolchain.assemble_object(source, name=name, dialect="gnu", cpu="c3x")
-        (tmp_path / f"{name}.our.o").write_bytes(toolchain.object_bytes(our, version))
+        (tmp_path / f"{name}.our.o").write_bytes(forms.object_bytes(our, version))
         assert list(our.sections[0].words) == list(gnu.sections[0].words)
         assert [(r.offset, r.type) for r in our.sections[0].relocations if r.type == "R_REL24"] == [
             (r.offset, r.type) for r in gnu.sections[0].relocations if r.type == "R_REL24"
@@ -146,7 +147,7 @@ def test_objects_of_either_link_to_the_same_with_either_linker(tmp_path: Path, v
             subprocess.run([GNU / "tic4x-ld", "-T", "l.ld", *files, "-o", "p.out"], cwd=tmp_path, check=True)
             theirs = toolchain.read_coff(tmp_path / "p.out")
             ours, _ = toolchain.link(
-                [toolchain.read_object((tmp_path / file).read_bytes(), file) for file in files], map=MAP
+                [forms.read_object((tmp_path / file).read_bytes(), file) for file in files], map=MAP
             )
             assert theirs.cpu == ours.cpu == "c3x"
             results += [

@@ -10,6 +10,7 @@ import gnu_sources
 import pytest
 import tomllib
 from cmrc._core import isa, toolchain
+from cmrc_test import forms
 from gnu_sources import GNU
 from locations import BUILD, ROOT
 
@@ -29,7 +30,7 @@ def gnu_words(source: str, tmp_path: Path) -> list[int]:
     command = [GNU / "tic4x-as", "-m40", "-midle2", tmp_path / "gnu.s", "-o", tmp_path / "gnu.o"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[:2000]
-    return list(toolchain.read_object((tmp_path / "gnu.o").read_bytes()).sections[0].words)
+    return list(forms.read_object((tmp_path / "gnu.o").read_bytes()).sections[0].words)
 
 
 def short_float(bits: int) -> Fraction:
@@ -125,7 +126,7 @@ def test_gnus_own_test_sources_give_the_same_words(tmp_path: Path) -> None:
             check=True,
             capture_output=True,
         )
-        theirs = toolchain.read_object((tmp_path / "gnu.o").read_bytes())
+        theirs = forms.read_object((tmp_path / "gnu.o").read_bytes())
         assert list(ours.sections[0].words) == gnu_sources.as_ours(theirs.sections[0].words)
         counts[name] = len(ours.sections[0].words)
     assert counts == {"opcodes": 1396, "addressing": 198, "registers": 13}

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from cmrc._core import isa, toolchain
+from cmrc_test import forms
 from linked import contents, link, link_errors
 from locations import ROOT
 
@@ -23,7 +24,7 @@ local = { origin = 0x300000, length = 0x100000 }
 
 
 def from_gnu(name: str) -> toolchain.Object:
-    return toolchain.read_object((HERE / f"{name}.gnu.o").read_bytes(), name)
+    return forms.read_object((HERE / f"{name}.gnu.o").read_bytes(), name)
 
 
 def from_us(name: str) -> toolchain.Object:
@@ -35,7 +36,7 @@ def from_us(name: str) -> toolchain.Object:
 @pytest.mark.parametrize("version", [0, 1, 2])
 def test_objects_of_either_assembler_link_to_what_gnu_ld_makes_of_them(first, second, version: int) -> None:  # type: ignore[no-untyped-def]
     expected = toolchain.read_coff(HERE / "gnu.out")
-    again = [toolchain.read_object(toolchain.object_bytes(o, version), o.name) for o in (first("a"), second("b"))]
+    again = [forms.read_object(forms.object_bytes(o, version), o.name) for o in (first("a"), second("b"))]
     assert [o.version for o in again] == [version, version]
     image, _ = toolchain.link(again, map=MAP)
     assert contents(image) == contents(expected)
@@ -455,7 +456,7 @@ def test_damaged_objects_are_refused_or_linked_but_harm_nothing() -> None:
         for _ in range(rng.randint(1, 6)):
             bad[rng.randrange(len(bad))] = rng.choice([0, 1, 0x7F, 0x80, 0xFF, rng.randrange(256)])
         try:
-            toolchain.link([toolchain.read_object(bytes(bad), "bad"), other], map=MAP)
+            toolchain.link([forms.read_object(bytes(bad), "bad"), other], map=MAP)
             outcomes["linked"] += 1
         except toolchain.CoffError:
             outcomes["refused"] += 1
@@ -464,7 +465,7 @@ def test_damaged_objects_are_refused_or_linked_but_harm_nothing() -> None:
     assert min(outcomes.values()) > 50, outcomes
     for length in range(0, len(good) - 8, 5):  # Its last bytes are an empty string table.
         with pytest.raises(toolchain.CoffError):
-            toolchain.read_object(good[:length], "cut")
+            forms.read_object(good[:length], "cut")
 
 
 def test_a_word_may_hold_half_of_an_address() -> None:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from cmrc._core import toolchain
+from cmrc_test import forms
 from linked import contents, link
 
 Program = tuple[int, str]
@@ -42,7 +43,7 @@ def test_local_names_that_objects_share_are_all_kept(tmp_path: Path, emulator: P
     assert [row for row in rows if row.endswith("  N")] == ["00000005h  N", "00000006h  N"]
     listed = run(emulator, "disasm", "p.out", at=tmp_path)[1]
     assert listed.splitlines().count("loop:") == 3
-    file = toolchain.read_object((tmp_path / "p.out").read_bytes())
+    file = forms.read_object((tmp_path / "p.out").read_bytes())
     assert sorted((s.value, s.is_global) for s in file.symbols if s.name == "loop") == [
         (0x300001, True), (0x300004, False), (0x300006, False),
     ]  # fmt: skip

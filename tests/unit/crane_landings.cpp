@@ -299,7 +299,7 @@ TEST_CASE("with too much wind an empty spreader waits above a container") {
   c.enter(Kind::lower);
   CHECK(c.steps.waits_for_wind());
   CHECK(c.land(0, 0) == "-");
-  CHECK(c.land(1, c.w.pid_locked) == "17+8751 0 0.7");  // with a container it goes on
+  CHECK(c.land(1, c.w.pid_locked) == "17+8751 0 0.7");  // with a container it continues
   CHECK_FALSE(c.steps.waits_for_wind());
 
   Crane calmer;

@@ -65,6 +65,16 @@ TEST_CASE("a distance is 1 for words one step apart, and the same for every limi
   }
 }
 
+TEST_CASE("of equally near words, one that begins with the given one is meant, otherwise the first") {
+  const std::vector<std::string> words{".end", ".endr", ".endif", ".word"};
+  CHECK(io::nearest(".endi", words, 1) == ".endif");
+  CHECK(io::nearest(".ends", words, 1) == ".end");
+  CHECK(io::nearest(".endr", words, 1) == ".endr");
+  CHECK(io::nearest(".wrd", words, 1) == ".word");
+  CHECK(io::nearest(".xyz", words, 1).empty());
+  CHECK(io::nearest("", std::vector<std::string>{"a"}, 0).empty());
+}
+
 TEST_CASE("letters that only one word has do not make words differ by more than they do") {
   CHECK(io::edit_distance("abcdef", "ghijkl", 9) == 6);
   CHECK(io::edit_distance("abcdef", "ghijkl", 6) == 6);

@@ -79,7 +79,7 @@ TEST_CASE("a point that trajectory planning does not make demands no inverse kin
   c.chain.trajectory_done(false, false, true);
   CHECK(c.at(101) == "T0 due 110 t 0;");
   c.chain.trajectory_done(false, true, false);
-  CHECK(c.at(102) == "I0 due 110 t 1;");  // and the leg does not go on
+  CHECK(c.at(102) == "I0 due 110 t 1;");  // and the leg does not continue
   c.chain.inverse_done();
   CHECK(c.at(103).empty());
   CHECK_FALSE(c.chain.through(103));  // it has not ended either

@@ -1,4 +1,4 @@
-// Calls as a profile sees them: by the instruction that calls, and where the program goes on.
+// Calls as a profile sees them: by the instruction that calls, and where the program continues.
 #include "c40/observers/profile.hpp"
 
 #include <doctest/doctest.h>

@@ -143,7 +143,7 @@ TEST_CASE("a whole step has the bits of ERKStep's only step, or is left to ERKSt
   }
 }
 
-TEST_CASE("an integrator goes on as ERKStep, whatever step it begins with") {
+TEST_CASE("an integrator continues as ERKStep, whatever step it begins with") {
   std::mt19937_64 draw(2);
   for (const int order : {3, 4, 5}) {
     CAPTURE(order);

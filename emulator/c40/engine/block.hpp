@@ -117,7 +117,7 @@ struct CodeBlock {
     const Memory::Area* area = nullptr;
     CodeBlock* block = nullptr;
   };
-  /// An access that reaches many areas seldom comes back to one.
+  /// An access that reaches many areas rarely comes back to one.
   std::array<Other, 3> others{};
 
   const WindowAccess* window(std::size_t instruction) const {

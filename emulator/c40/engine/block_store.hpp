@@ -32,14 +32,14 @@ class BlockStore {
   }
   /// A recording from `pc` on came to nothing: no block may end there, or a delay slot waited for a word.
   void gave_up(Address pc) {
-    Recordings& recordings = in_vain_[pc % in_vain_.size()];
+    Recordings& recordings = given_up_[pc % given_up_.size()];
     if (recordings.pc != pc) recordings = {pc, 0};
     ++recordings.times;
   }
   /// Where recordings have come to nothing again and again, one arrival in 64 is recorded.
   bool may_record(Address pc) {
-    Recordings& recordings = in_vain_[pc % in_vain_.size()];
-    return recordings.pc != pc || recordings.times < most_in_vain || ++recordings.times % 64 == 0;
+    Recordings& recordings = given_up_[pc % given_up_.size()];
+    return recordings.pc != pc || recordings.times < most_given_up || ++recordings.times % 64 == 0;
   }
   /// Adds a block and marks its words as code in `memory`.
   void add(std::unique_ptr<CodeBlock> block, Memory& memory);
@@ -58,12 +58,12 @@ class BlockStore {
   void settle(Causes& causes, std::uint64_t& instructions);
 
  private:
-  static constexpr unsigned most_cuts = 8, most_in_vain = 8;
+  static constexpr unsigned most_cuts = 8, most_given_up = 8;
   struct Recordings {
     Address pc = 0;
     unsigned times = 0;
   };
-  std::array<Recordings, 256> cuts_{}, in_vain_{};  ///< by address
+  std::array<Recordings, 256> cuts_{}, given_up_{};  ///< by address
   std::vector<std::unique_ptr<CodeBlock>> blocks_;
   std::unordered_map<CodeBlockKey, CodeBlock*, CodeBlockKeyHash> by_key_;
   std::array<CodeBlock*, 256> recent_{};  ///< by address

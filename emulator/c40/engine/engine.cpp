@@ -31,7 +31,7 @@ void Engine::reset() {
   state_.iiof_driven = old.iiof_driven;
   state_.nmi_low = old.nmi_low;
   state_.drives = old.drives;
-  for (std::size_t n = 0; n < timer_count; ++n) state_.timers[n].start_anew(old.timers[n]);
+  for (std::size_t n = 0; n < timer_count; ++n) state_.timers[n].restart(old.timers[n]);
   state_.ports = old.ports;
   ports_.reset(state_.cycle);
   state_.dma.now = state_.cycle;
@@ -185,7 +185,7 @@ void Engine::stand_until(Cycles cycle, Cause cause) {
 }
 
 // A held chip drives no pin. No listener sees what its timers would have done meanwhile. An access that waits begins
-// anew afterwards: until its caller knows of it, it limits the DMA and the timers beside it.
+// again afterwards: until its caller knows of it, it limits the DMA and the timers beside it.
 void Engine::hold(bool held) {
   touch();
   access_.set_reported(false);

@@ -139,8 +139,8 @@ class Engine {
   // engine_step.cpp: the exact engine
   Stepped exact_step(Step& step, bool fresh);
   Stepped run_exactly(Cycles limit);
-  template <class GoesOn>
-  bool quick_step(const GoesOn& goes_on);
+  template <class Continues>
+  bool quick_step(const Continues& continues);
   bool meet_transition(DecodedSlot& decoded, Exit exit);
   Stepped traced_step(Step& step);
   Stepped probed_step(Step& step, bool fresh);

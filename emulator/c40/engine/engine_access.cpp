@@ -120,7 +120,7 @@ Engine::Stepped Engine::access_outside(Step& step, std::size_t k, const Memory::
   const Address address = core.miss_address;
   const bool write = core.miss_write;
   const bool window = area.kind != Region::Kind::registers;
-  // Where a DMA is active, an access to a port may let it go on.
+  // Where a DMA is active, an access to a port may let it continue.
   const bool at_link = !window && is_linked(address) && !peripherals_.dma_active();
   step.plain = false;
   step.repeatable &=

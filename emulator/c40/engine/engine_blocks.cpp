@@ -10,7 +10,7 @@ namespace c40 {
 namespace {
 
 // So often a block is left for an access before other blocks are recorded for it.
-constexpr std::uint32_t seldom_left = 8;
+constexpr std::uint32_t rarely_left = 8;
 
 }  // namespace
 
@@ -330,7 +330,7 @@ void Engine::left_block(CodeBlock& block, InBlock in, const Outcome& outcome) {
     onward_.inside(block, at);
   } else {
     const bool elsewhere = outcome.exit == Exit::miss && (at != 0 || block.key.left_for == CodeBlockKey::none);
-    onward_.missed(block, elsewhere && ++block.times_left > seldom_left);
+    onward_.missed(block, elsewhere && ++block.times_left > rarely_left);
   }
 }
 

@@ -104,7 +104,7 @@ void Engine::complete_dma(bool write, Word value, Cycles waited) {
   const Address address = dma_side_.request->address;
   const Word word = write ? dma_side_.request->value : value;
   const int channel = std::exchange(dma_side_.request, std::nullopt)->channel;
-  access_.set_reported(false);  // it begins before the DMA goes on
+  access_.set_reported(false);  // it begins before the DMA continues
   state_.dma.answered_until = state_.dma.now + waited;
   dma_side_.tell_probe(channel, address, word, word, write, state_.dma.answered_until - 1);
   dma_.answer(value, state_.dma.answered_until);

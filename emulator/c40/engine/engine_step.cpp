@@ -368,9 +368,9 @@ const Transition& Engine::executed_transition(const Step& step) {
 
 // The common case of untraced_step, much cheaper: a known instruction whose accesses meet the same windows as before
 // and that does not affect interrupts; with its repetitions under RPTS. True: the next one can be tried. False: it is
-// no such instruction, and nothing of it has happened, or goes_on() is false.
-template <class GoesOn>
-[[gnu::always_inline]] inline bool Engine::quick_step(const GoesOn& goes_on) {
+// no such instruction, and nothing of it has happened, or continues() is false.
+template <class Continues>
+[[gnu::always_inline]] inline bool Engine::quick_step(const Continues& continues) {
   Core& core = state_.core;
   const Address pc = core.pc;
   if (!code_.contains_unpaged(pc)) return false;
@@ -407,7 +407,7 @@ template <class GoesOn>
     if (code_.cacheable && cache_.on() && core.repeat_single != 2 && !cache_.frozen()) [[unlikely]]
       cache_.hit(pc);
     if (core.delay_slots != 0 || (core.modes & st::RM) != 0) advance_pc(pc);
-    if (!goes_on()) return false;
+    if (!continues()) return false;
   } while (core.pc == pc && decoded.fetch_bits == unfetched_bits);
   return true;
 }
@@ -416,11 +416,11 @@ template <class GoesOn>
 // block can be used. A quick step changes none of the conditions that `attention` does not report.
 Engine::Stepped Engine::run_exactly(Cycles limit) {
   const Core& core = state_.core;
-  const auto goes_on = [&] { return !core.attention && state_.cycle < limit && (exact_only || !by_blocks()); };
+  const auto continues = [&] { return !core.attention && state_.cycle < limit && (exact_only || !by_blocks()); };
   Step step;
-  while (core.code_writes == 0 && !peripherals_.interface_changed() && !core.idle && goes_on()) {
-    while (quick_step(goes_on)) continue;
-    if (!goes_on()) return Stepped::done;
+  while (core.code_writes == 0 && !peripherals_.interface_changed() && !core.idle && continues()) {
+    while (quick_step(continues)) continue;
+    if (!continues()) return Stepped::done;
     if (const Stepped why = exact_step(step, false); why != Stepped::done) return why;
   }
   return Stepped::done;

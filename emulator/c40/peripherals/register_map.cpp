@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <stdexcept>
-#include <utility>
 #include <vector>
 
 #include "c40/peripherals/comm_port.hpp"
 #include "c40/peripherals/dma_registers.hpp"
 #include "c40/peripherals/memory_interface.hpp"
 #include "c40/peripherals/timer.hpp"
+#include "io/nearest.hpp"
 #include "isa/ascii.hpp"
 
 namespace c40 {
@@ -94,18 +94,6 @@ std::string folded(std::string_view text) {
   return out;
 }
 
-/// Number of letters to change, add or leave out.
-std::size_t distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i);
-    for (std::size_t j = 1; j <= b.size(); ++j)
-      diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, diagonal + (a[i - 1] != b[j - 1])}));
-  }
-  return row[b.size()];
-}
-
 std::string_view name(FieldAccess access) {
   constexpr std::array<std::string_view, 3> names{"read, write", "read", "write"};
   return names[static_cast<std::size_t>(access)];
@@ -132,22 +120,16 @@ const RegisterInfo* register_at(Address address) {
 const RegisterInfo& register_named(std::string_view name) {
   const auto all = register_map();
   const std::string wanted = folded(name);
-  for (const RegisterInfo& info : all)
-    if (folded(info.name) == wanted) return info;
-  const auto nearest = std::min_element(all.begin(), all.end(), [&](const RegisterInfo& a, const RegisterInfo& b) {
-    return distance(folded(a.name), wanted) < distance(folded(b.name), wanted);
-  });
-  throw std::out_of_range(fmt::format("no peripheral register is called {}; did you mean {}?", name, nearest->name));
-}
-
-const Field& field_named(const RegisterInfo& info, std::string_view name) {
-  std::string known;
-  for (const Field& field : info.fields) {
-    if (folded(field.name) == folded(name)) return field;
-    known += fmt::format("{}{}", known.empty() ? "" : ", ", field.name);
-  }
-  throw std::out_of_range(info.fields.empty() ? fmt::format("{} has no fields", info.name)
-                                              : fmt::format("{} has no field {}; it has {}", info.name, name, known));
+  std::vector<std::string> known;
+  for (const RegisterInfo& info : all) known.push_back(folded(info.name));
+  const auto index_of = [&](std::string_view word) {
+    return static_cast<std::size_t>(std::find(known.begin(), known.end(), word) - known.begin());
+  };
+  if (const std::size_t found = index_of(wanted); found < known.size()) return all[found];
+  const std::size_t near = index_of(io::nearest(wanted, known, io::most_wrong(wanted)));
+  throw std::out_of_range(
+      fmt::format("no peripheral register is called {}; {}", name,
+                  near < known.size() ? io::meant(all[near].name) : "docs/peripherals.md lists the registers"));
 }
 
 std::string describe_register(Address address) {

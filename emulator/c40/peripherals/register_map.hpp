@@ -23,11 +23,8 @@ struct RegisterInfo {
 std::span<const RegisterInfo> register_map();
 /// Null for a reserved address.
 const RegisterInfo* register_at(Address address);
-/// In any case of letters. Throws std::out_of_range with the nearest name for one that does not exist.
+/// In any case of letters. Throws std::out_of_range for one that does not exist, with the name that was likely meant.
 const RegisterInfo& register_named(std::string_view name);
-/// A field in any case of letters; spaces may be written as underscores. Throws std::out_of_range with the register's
-/// fields.
-const Field& field_named(const RegisterInfo& info, std::string_view name);
 /// The name of a peripheral address, for messages: "PORT1.input (communication port 1)", "the analysis block".
 std::string describe_register(Address address);
 /// The register tables of docs/peripherals.md, as Markdown.

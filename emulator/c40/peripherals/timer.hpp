@@ -52,7 +52,7 @@ class Timer {
   /// The level at the pin TCLK while the chip is held: it is no tick.
   void follow_pin(bool level) { outside_ = level; }
   /// Reset; the level that the outside drives stays.
-  void start_anew(const Timer& before) { outside_ = before.outside_; }
+  void restart(const Timer& before) { outside_ = before.outside_; }
   /// The timer counts edges of the pin TCLK.
   bool counts_pin() const { return running() && !internal_clock(); }
   /// The outside drives the pin TCLK to a level from cycle `at` on; true if this changed TSTAT from 0 to 1.

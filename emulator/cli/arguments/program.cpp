@@ -130,12 +130,6 @@ ChipText chip_text(std::string_view text, std::size_t chips, std::string_view wh
   return {*chip, text.substr(colon + 1)};
 }
 
-std::string symbol_at(const Image& image, Address address) {
-  for (const auto& [name, value] : image.names())
-    if (value == address) return std::string(name);
-  return {};
-}
-
 machine::BoardDescription board_named(const ExecOptions& options, const std::string& name) {
   machine::BoardDescription description = machine::read_board(name);
   if (!options.memory_max) return description;

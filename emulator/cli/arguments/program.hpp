@@ -53,7 +53,4 @@ struct ChipText {
 /// \throws InputError that names the option `what` for a chip that does not exist
 ChipText chip_text(std::string_view text, std::size_t chips, std::string_view what);
 
-/// The symbol at exactly this address, or nothing. If there are several, the first in the alphabet.
-std::string symbol_at(const toolchain::Image& image, toolchain::Address address);
-
 }  // namespace cli

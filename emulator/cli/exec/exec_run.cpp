@@ -71,13 +71,13 @@ class Run final : private machine::ChipRunner {
                  ? ends({"limit", fmt::format("the {} cycles of --cycles have passed, at {:08X}h", limit_, chip_.pc())})
                  : ends({"limit", fmt::format("--max-cycles {} reached at {:08X}h{}", limit_, chip_.pc(), booting()),
                          run_failed});
-    if (!machine::sleeps_for_ever(chip_) || may_be_woken()) return true;
+    if (!machine::sleeps_forever(chip_) || may_be_woken()) return true;
     if (machine::awaits_dma(chip_)) return dma_wait();
     return ends({"idle", fmt::format("IDLE at {:08X}h, and no interrupt will come{}", chip_.pc() - 1,
                                      machine::armed_dma(chip_))});
   }
 
-  bool asks_anew() override { return at_limit(); }
+  bool asks_again() override { return at_limit(); }
 
   bool at_breakpoint() override {
     const Address pc = chip_.pc();

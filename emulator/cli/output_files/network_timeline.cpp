@@ -125,24 +125,24 @@ class Drawing {
       directions_.at(out->second).on_the_way.add(event.time, -1);
   }
 
-  void happened(const machine::ChipEvent& happening) {
+  void happened(const machine::ChipEvent& chip_event) {
     using Kind = c40::PeripheralEvent::Kind;
-    Chip& chip = chips_.at(happening.chip);
-    const c40::PeripheralEvent& event = happening.event;
+    Chip& chip = chips_.at(chip_event.chip);
+    const c40::PeripheralEvent& event = chip_event.event;
     switch (event.kind) {
       case Kind::port_write:
-        if (const auto out = from_port_.find({happening.chip, event.number}); out != from_port_.end())
-          directions_.at(out->second).on_the_way.add(happening.time, 1);
+        if (const auto out = from_port_.find({chip_event.chip, event.number}); out != from_port_.end())
+          directions_.at(out->second).on_the_way.add(chip_event.time, 1);
         return;
-      case Kind::port_read: return fifo(happening.chip, event.number).add(happening.time, -1);
+      case Kind::port_read: return fifo(chip_event.chip, event.number).add(chip_event.time, -1);
       case Kind::dma_start:
-      case Kind::dma_end: return dma(chip, happening.time, event);
+      case Kind::dma_end: return dma(chip, chip_event.time, event);
       case Kind::timer:
       case Kind::interrupt: break;
     }
     if (!chip.events) chip.events = trace_.add_slices("interrupts and timers", chip.group);
     const PerfettoTrace::Note notes[] = {{"number", static_cast<std::int64_t>(event.number)}};
-    trace_.instant(*chip.events, happening.time, name(event.kind), notes);
+    trace_.instant(*chip.events, chip_event.time, name(event.kind), notes);
   }
 
   void dma(Chip& chip, Time at, const c40::PeripheralEvent& event) {

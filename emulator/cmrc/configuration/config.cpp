@@ -25,9 +25,8 @@ std::string_view leaf(std::string_view key) {
   return dot == std::string_view::npos ? key : key.substr(dot + 1);
 }
 
-/// What would be right instead of an unknown key: the known key that the user most likely meant (compared by the whole
-/// name, and by the part after the table), else those that have its name in theirs, else the keys of the table, else
-/// where all keys are listed.
+}  // namespace
+
 std::string right_key(std::string_view key) {
   std::string_view best;
   const std::string_view given = leaf(key);
@@ -48,7 +47,7 @@ std::string right_key(std::string_view key) {
   for (const Key& known : keys())
     if (io::has_in_it(known.name, given)) alike.push_back(known.name);
   if (best.empty() && alike.size() == 1) best = alike.front();
-  if (!best.empty()) return fmt::format("the nearest known key is {}", best);
+  if (!best.empty()) return io::meant(best);
   if (!alike.empty() && alike.size() <= 8) return fmt::format("keys with that word are {}", fmt::join(alike, ", "));
   const std::string_view table = key.substr(0, key.size() - given.size());
   std::vector<std::string_view> others;
@@ -58,6 +57,8 @@ std::string right_key(std::string_view key) {
   if (others.empty()) return "docs/configuration.md lists the keys";
   return fmt::format("the keys of its table are {}", fmt::join(others, ", "));
 }
+
+namespace {
 
 /// The tables of keys, with the lists of tables in brackets: "[run]", "[agv.vehicle]", "[[events]]".
 std::vector<std::string> table_names() {
@@ -72,14 +73,15 @@ std::vector<std::string> table_names() {
 /// \throws ConfigError that names the most likely table, or all tables
 [[noreturn]] void refuse_table(const Origin& origin, const std::string& table) {
   const std::vector<std::string> names = table_names();
-  std::string_view best;
-  std::size_t least = io::most_wrong(table) + 1;
+  std::map<std::string_view, std::string_view> with_brackets;
+  std::vector<std::string_view> bare;
   for (const std::string_view name : names) {
     const std::size_t first = name.find_first_not_of('['), last = name.find(']');
-    const std::size_t distance = io::edit_distance(table, name.substr(first, last - first), least);
-    if (distance < least) least = distance, best = name;
+    bare.push_back(name.substr(first, last - first));
+    with_brackets[bare.back()] = name;
   }
-  if (!best.empty()) refuse(origin, table, "no such table", fmt::format("the nearest known table is {}", best));
+  if (const std::string_view near = io::nearest(table, bare, io::most_wrong(table)); !near.empty())
+    refuse(origin, table, "no such table", io::meant(with_brackets[near]));
   refuse(origin, table, "no such table", fmt::format("the tables are {}", fmt::join(names, ", ")));
 }
 

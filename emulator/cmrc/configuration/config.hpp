@@ -283,6 +283,10 @@ struct Key {
   bool path = false;  ///< names a file or a folder, unless it has its default
 };
 std::span<const Key> keys();
+/// What would be right instead of an unknown key: the known key that the user most likely meant (compared by the whole
+/// name, and by the part after the table), else those that have its name in theirs, else the keys of the table, else
+/// where all keys are listed.
+std::string right_key(std::string_view key);
 /// A value as 64 bits: an integer, a double's bits, the number of a choice.
 struct KeyBits {
   std::uint32_t key;

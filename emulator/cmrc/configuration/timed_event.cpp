@@ -221,7 +221,7 @@ std::optional<machine::ScriptedEvent> scripted_event(const TimedEvent& event) {
   return machine::ScriptedEvent{at, action.scripted->action, number, amount};
 }
 
-bool befalls_machine(const TimedEvent& event) {
+bool concerns_machine(const TimedEvent& event) {
   const machine::ScriptedAction* scripted = action_of(event).scripted;
   return scripted != nullptr && machine::is_of_machine(scripted->target);
 }

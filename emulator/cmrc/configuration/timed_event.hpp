@@ -43,7 +43,7 @@ std::string_view target_of(const TimedEvent& event);
 /// The event for the machine's script; none: the host does it.
 std::optional<machine::ScriptedEvent> scripted_event(const TimedEvent& event);
 /// The event concerns DSPs, host or buses, not the dock.
-bool befalls_machine(const TimedEvent& event);
+bool concerns_machine(const TimedEvent& event);
 /// The event ends what the other one has begun: a repair of the same object.
 bool undoes(const TimedEvent& event, const TimedEvent& begun);
 

@@ -181,7 +181,7 @@ void DockDebuggee::watch_shared(machine::debug::SharedListener* listener, std::v
 
 // ---- events ----
 
-std::vector<std::pair<std::string, std::string>> DockDebuggee::happenings() const {
+std::vector<std::pair<std::string, std::string>> DockDebuggee::event_kinds() const {
   std::vector<std::pair<std::string, std::string>> all;
   for (const KindText& row : kind_texts) all.emplace_back(report::name(row.kind), row.what);
   return all;
@@ -206,21 +206,20 @@ std::string DockDebuggee::task_name(Word kind) const {
 
 void DockDebuggee::event(const report::Event& event) {
   if (!kinds_.contains(event.kind)) return;
-  machine::debug::DebugEvent happening{
-      .time = event.time, .kind = report::name(event.kind), .text = report::to_text(event)};
+  machine::debug::DebugEvent told{.time = event.time, .kind = report::name(event.kind), .text = report::to_text(event)};
   const auto names = report::argument_names(event.kind);
   for (std::size_t i = 0; i < names.size(); ++i)
-    if (!names[i].empty()) happening.fields.emplace(names[i], fmt::format("{}", event.arguments[i]));
+    if (!names[i].empty()) told.fields.emplace(names[i], fmt::format("{}", event.arguments[i]));
   if (event.component >= report::first_dsp && event.component < report::plant)
-    happening.chip = event.component - report::first_dsp;
+    told.chip = event.component - report::first_dsp;
   using enum EventKind;
   const bool of_block = event.kind == load || event.kind == claim || event.kind == finish || event.kind == remove ||
                         event.kind == requeue;
   if (of_block || event.kind == miss) {
-    happening.fields["task"] = task_name(event.arguments[of_block ? 1 : 0]);
-    happening.text += fmt::format(" task={}", happening.fields["task"]);
+    told.fields["task"] = task_name(event.arguments[of_block ? 1 : 0]);
+    told.text += fmt::format(" task={}", told.fields["task"]);
   }
-  listener_->happened(happening);
+  listener_->happened(told);
 }
 
 // ---- values and pages ----

@@ -39,7 +39,7 @@ class DockDebuggee final : public machine::debug::Debuggee, private report::Even
   void poke(std::size_t n, c40::Address address, Word value) override;
   std::optional<c40::Address> shared_word(std::size_t n, c40::Address address) const override;
   void watch_shared(machine::debug::SharedListener* listener, std::vector<c40::AddressRange> words) override;
-  std::vector<std::pair<std::string, std::string>> happenings() const override;
+  std::vector<std::pair<std::string, std::string>> event_kinds() const override;
   void listen(machine::debug::DebugEventListener* listener, const std::set<std::string>& kinds) override;
   std::vector<std::string> value_names() override;
   std::optional<double> value(std::string_view name) override;
@@ -57,7 +57,6 @@ class DockDebuggee final : public machine::debug::Debuggee, private report::Even
   std::map<std::string, std::function<double(const plant::Signal&)>, std::less<>> values_;
   std::vector<c40::TraceSink*> traces_;  ///< sinks that were set before
   machine::debug::DebugEventListener* listener_ = nullptr;
-  bool any_ = false;
   std::set<report::EventKind> kinds_;
 };
 

@@ -29,10 +29,10 @@ void ErrorsAgainstIdeal::begin() {
 
 void ErrorsAgainstIdeal::forget() {
   reference_.reset();
-  measure_anew();
+  measure_again();
 }
 
-void ErrorsAgainstIdeal::measure_anew() {
+void ErrorsAgainstIdeal::measure_again() {
   ideal_run_.reset();
   problem_.clear();
   errors_.reset();

@@ -27,7 +27,7 @@ class ErrorsAgainstIdeal {
   /// Results against another course of events, or a part of it, are measured again.
   void forget();
   /// The same, but a reference that was given stays.
-  void measure_anew();
+  void measure_again();
   /// \throws ConfigError as the constructor
   void give(std::shared_ptr<const Reference> reference);
   const std::shared_ptr<const Reference>& given() const { return reference_; }

@@ -8,7 +8,7 @@ bool is_the_machines(const TimedEvent& event) {
   const bool sets = event.action == "set";
   const bool speed = sets && event.key.starts_with("host.");
   const bool lost = sets && event.key.starts_with("scheduling.servo_") && event.key != "scheduling.servo_reload";
-  return speed || lost || befalls_machine(event);
+  return speed || lost || concerns_machine(event);
 }
 
 }  // namespace

@@ -154,12 +154,12 @@ void Simulation::restore(const Snapshot& snapshot) {
   } catch (const state::StateError& error) {
     throw SnapshotError(fmt::format("the snapshot is of another version of the emulator: {}", error.what()));
   }
-  p.measure_anew();
+  p.measure_again();
 }
 
 void Simulation::list_state(state::Visitor& list) {
   parts_->list_state(list);
-  if (list.loads()) parts_->measure_anew();
+  if (list.loads()) parts_->measure_again();
 }
 
 std::optional<std::string> Simulation::difference(const Simulation& other) const {

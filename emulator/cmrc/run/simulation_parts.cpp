@@ -108,9 +108,9 @@ void Simulation::Parts::list_state(state::Visitor& list) {
   run_end.list_state(list);
 }
 
-void Simulation::Parts::measure_anew() {
+void Simulation::Parts::measure_again() {
   reported_all = false;
-  ideal.measure_anew();
+  ideal.measure_again();
 }
 
 void Simulation::Parts::run_until(Time time) {

@@ -42,7 +42,7 @@ class Simulation::Parts {
   /// The state of a run. The ideal run, and what was measured against it, is made again.
   void list_state(state::Visitor& list);
   /// The state was loaded.
-  void measure_anew();
+  void measure_again();
 
   void run_until(Time time);
   /// Continues an interrupted run.

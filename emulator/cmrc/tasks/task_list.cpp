@@ -89,12 +89,6 @@ void TaskList::sort() {
   });
 }
 
-std::vector<std::size_t> TaskList::by_importance() const {
-  std::vector<std::size_t> sorted(order_.begin(), order_.end());
-  std::sort(sorted.begin(), sorted.end(), [this](std::size_t a, std::size_t b) { return before(a, b); });
-  return sorted;
-}
-
 void TaskList::list_state(state::Visitor& list) {
   list("blocks", blocks_);
   list("order", order_);

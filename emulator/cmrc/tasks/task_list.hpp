@@ -86,8 +86,6 @@ class TaskList {
   void sort();
   /// Order of the last refresh: places in the pool.
   std::span<const std::size_t> order() const { return order_; }
-  /// The same blocks by falling J alone, as the tables of plant-and-bus.md 4.8 show them.
-  std::vector<std::size_t> by_importance() const;
 
   TaskBlock& operator[](std::size_t index) { return blocks_[index]; }
   const TaskBlock& operator[](std::size_t index) const { return blocks_[index]; }

@@ -93,7 +93,7 @@ class BoardDevice {
   /// The next cycle in which the device could change its pin by itself.
   virtual c40::Cycles next_event() const { return never_cycle; }
   /// A value that a program reads here could change by itself.
-  virtual bool goes_on() const { return false; }
+  virtual bool continues() const { return false; }
   /// The device pulls its pin low.
   virtual bool interrupts() const { return false; }
   /// The device may act on other chips, or depend on what they do: its accesses take place in the order of the network.

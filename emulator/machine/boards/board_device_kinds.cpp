@@ -35,7 +35,7 @@ class Console final : public BoardDevice {
   }
   void advance_to(Cycles now) override { interrupts_ = host_.next() <= now; }
   Cycles next_event() const override { return interrupts_ ? never_cycle : host_.next(); }
-  bool goes_on() const override { return host_.next() != never_cycle; }
+  bool continues() const override { return host_.next() != never_cycle; }
   bool interrupts() const override { return interrupts_; }
   const std::vector<Word>* sent() const override { return &sent_; }
   HostScript* host() override { return &host_; }

@@ -155,8 +155,8 @@ Cycles BoardDevices::next_event() const {
   return next;
 }
 
-bool BoardDevices::goes_on() const {
-  return std::ranges::any_of(places_, [](const Place& place) { return place.device->goes_on(); });
+bool BoardDevices::continues() const {
+  return std::ranges::any_of(places_, [](const Place& place) { return place.device->continues(); });
 }
 
 std::vector<Pin> BoardDevices::pins() const {

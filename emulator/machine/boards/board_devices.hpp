@@ -65,7 +65,7 @@ class BoardDevices {
   bool act_on_others() const;
   bool will_act_on_others() const;
   /// A value that a program reads there could change by itself.
-  bool goes_on() const;
+  bool continues() const;
 
   /// The pins that devices may pull, each once.
   std::vector<c40::Pin> pins() const;

@@ -28,7 +28,7 @@ class Fifo final : public BoardDevice {
   void write(c40::Address offset, c40::Word value, c40::Cycles now) override;
   void advance_to(c40::Cycles now) override;
   c40::Cycles next_event() const override { return control_ == 0 ? never_cycle : next_word(); }
-  bool goes_on() const override { return !in_.empty() || next_word() != never_cycle; }
+  bool continues() const override { return !in_.empty() || next_word() != never_cycle; }
   bool interrupts() const override;
   const std::vector<c40::Word>* sent() const override { return &sent_; }
   HostScript* host() override { return &host_; }

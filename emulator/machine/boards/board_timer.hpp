@@ -20,7 +20,7 @@ class Timer final : public BoardDevice {
   c40::Cycles next_event() const override {
     return (control_ & interrupt) != 0 && (status_ & expired) == 0 ? expires() : never_cycle;
   }
-  bool goes_on() const override { return expires() != never_cycle; }
+  bool continues() const override { return expires() != never_cycle; }
   bool interrupts() const override { return (control_ & interrupt) != 0 && (status_ & expired) != 0; }
   void list_state(state::Visitor& list) override;
 

@@ -47,14 +47,14 @@ bool can_interrupt(const c40::Chip& chip) {
   return chip.idle() || (chip.register_value(isa::Register::ST) & c40::st::GIE) != 0;
 }
 
-bool rests_for_ever(const c40::Chip& chip) {
+bool rests_forever(const c40::Chip& chip) {
   if (chip.dma_busy()) return false;
   if (!can_interrupt(chip)) return true;
   if (chip.interrupt_pending() || awaits_timer(chip)) return false;
   return !awaits_dma(chip) || next_dma_tick(chip) == never_cycle;
 }
 
-bool sleeps_for_ever(const c40::Chip& chip) { return chip.idle() && rests_for_ever(chip); }
+bool sleeps_forever(const c40::Chip& chip) { return chip.idle() && rests_forever(chip); }
 
 std::string armed_dma(const c40::Chip& chip) {
   std::string out;

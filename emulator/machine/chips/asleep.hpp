@@ -19,9 +19,9 @@ bool awaits_timer(const c40::Chip& chip);
 /// GIE is set; IDLE sets it.
 bool can_interrupt(const c40::Chip& chip);
 /// Nothing on the chip will take the processor out of IDLE, or out of a branch to itself.
-bool rests_for_ever(const c40::Chip& chip);
+bool rests_forever(const c40::Chip& chip);
 /// In IDLE, and nothing on the chip will wake it.
-bool sleeps_for_ever(const c40::Chip& chip);
+bool sleeps_forever(const c40::Chip& chip);
 /// "; DMA channel 3 waits for a word in input FIFO 3 (read of 00100071h) since cycle 40": the channels that are still
 /// armed, or nothing.
 std::string armed_dma(const c40::Chip& chip);

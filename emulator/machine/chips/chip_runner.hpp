@@ -30,14 +30,14 @@ class ChipRunner {
  private:
   virtual std::optional<Span> span() = 0;
   virtual bool at_limit() = 0;
-  virtual bool asks_anew() = 0;
+  virtual bool asks_again() = 0;
   virtual bool at_breakpoint() = 0;
   virtual bool window_access(const c40::ExternalAccess& access) = 0;
   virtual bool port_access(const c40::PortAccess& access) = 0;
   virtual bool port_wait(const c40::PortAccess& access) = 0;
   virtual bool faulted(const c40::Fault& fault) = 0;
 
-  bool goes_on(const c40::Chip& chip, const c40::StopInfo& stop);
+  bool continues(const c40::Chip& chip, const c40::StopInfo& stop);
 };
 
 }  // namespace machine

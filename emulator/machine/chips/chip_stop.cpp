@@ -10,7 +10,7 @@ std::string_view name(StopMeaning meaning) {
   using enum StopMeaning;
   switch (meaning) {
     case limit: return "limit";
-    case asks_anew: return "asks_anew";
+    case asks_again: return "asks_again";
     case breakpoint: return "breakpoint";
     case window_access: return "window_access";
     case port_access: return "port_access";

@@ -8,7 +8,7 @@ namespace machine {
 
 enum class StopMeaning : std::uint8_t {
   limit,          ///< the driver's own limit
-  asks_anew,      ///< the driver has to compute again how far the chip may run
+  asks_again,     ///< the driver has to compute again how far the chip may run
   breakpoint,     ///< the driver's own breakpoint
   window_access,  ///< before an access to a window; without an answer by the driver it is a fault
   port_access,    ///< before an access to a linked port
@@ -23,7 +23,7 @@ inline StopMeaning meaning(c40::StopInfo::Reason reason) {
   using enum c40::StopInfo::Reason;
   switch (reason) {
     case limit: return StopMeaning::limit;
-    case horizon: return StopMeaning::asks_anew;
+    case horizon: return StopMeaning::asks_again;
     case breakpoint: return StopMeaning::breakpoint;
     case external_access: return StopMeaning::window_access;
     case port_access: return StopMeaning::port_access;

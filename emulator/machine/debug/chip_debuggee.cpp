@@ -43,7 +43,7 @@ void ChipDebuggee::run_until(Time time) {
     const c40::Cycles far = around_ != nullptr ? around_->limit(limit) : limit;
     const c40::StopInfo stop = chip_.run_until(std::exchange(at_end, false) ? std::min(far, chip_.cycle() + 1) : far);
     if (stop.reason == c40::StopInfo::Reason::external_access && answered(stop.access)) continue;
-    if (meaning(stop.reason) == StopMeaning::asks_anew) continue;
+    if (meaning(stop.reason) == StopMeaning::asks_again) continue;
     at_end = meaning(stop.reason) == StopMeaning::breakpoint;
     over_ = end_of(stop);
   }
@@ -67,7 +67,7 @@ std::optional<std::string> ChipDebuggee::end_of(const c40::StopInfo& stop) const
 
 /// In IDLE, or in a branch to itself. None: neither, or something will take it from there.
 std::optional<std::string> ChipDebuggee::rests() const {
-  if (!rests_for_ever(chip_) || (around_ != nullptr && around_->could_wake())) return std::nullopt;
+  if (!rests_forever(chip_) || (around_ != nullptr && around_->could_wake())) return std::nullopt;
   if (chip_.idle()) return fmt::format("IDLE before {:08X}h, and no interrupt will come", chip_.pc());
   if (chip_.program_end() == isa::ProgramEnd::halt) return fmt::format("branches to itself at {:08X}h", chip_.pc());
   return std::nullopt;

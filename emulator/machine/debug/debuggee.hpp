@@ -33,7 +33,7 @@ struct DebugEvent {
 class DebugEventListener {
  public:
   virtual ~DebugEventListener() = default;
-  virtual void happened(const DebugEvent& happening) = 0;
+  virtual void happened(const DebugEvent& event) = 0;
 };
 
 /// An access to a word that several chips can access.
@@ -87,7 +87,7 @@ class Debuggee {
   virtual std::optional<std::string> over() const = 0;
   /// To be called when an answer may have come for which the debuggee waited.
   virtual void look_again() {}
-  /// To be called after registers or words were changed from outside: what had come to an end may go on.
+  /// To be called after registers or words were changed from outside: what had come to an end may continue.
   /// \param moved the chip whose PC was set: it is not in the instruction that it had begun any more
   virtual void changed_by_hand(std::optional<std::size_t> /*moved*/) {}
   /// Why a PC set now would have no effect, or could not have; none: it can be set.
@@ -112,7 +112,7 @@ class Debuggee {
   virtual void watch_shared(SharedListener* /*listener*/, std::vector<c40::AddressRange> /*words*/) {}
 
   /// Kinds of events, with their descriptions.
-  virtual std::vector<std::pair<std::string, std::string>> happenings() const { return {}; }
+  virtual std::vector<std::pair<std::string, std::string>> event_kinds() const { return {}; }
   virtual void listen(DebugEventListener* /*listener*/, const std::set<std::string>& /*kinds*/) {}
 
   /// Names of further values: "plant.payload_z_m".

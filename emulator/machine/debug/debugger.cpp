@@ -18,7 +18,7 @@ std::string_view name(Stop::Reason reason) {
     case Stop::Reason::start: return "start";
     case Stop::Reason::breakpoint: return "breakpoint";
     case Stop::Reason::watchpoint: return "watchpoint";
-    case Stop::Reason::happening: return "happening";
+    case Stop::Reason::event: return "event";
     case Stop::Reason::step: return "step";
     case Stop::Reason::moved: return "moved";
     case Stop::Reason::paused: return "paused";

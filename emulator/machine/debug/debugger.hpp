@@ -4,7 +4,7 @@
 /// A stop is one instant for the whole machine: everything before it has happened on all chips. Conditions are checked
 /// while the machine runs, and hits are recorded. The earliest hit counts: if chips were ahead, the machine is brought
 /// to this instant by a snapshot and a run from the snapshot. So looking changes nothing, and going back works like
-/// going on.
+/// going forward.
 ///
 /// A breakpoint stops before its instruction, a watchpoint after the access. Hits of other chips at the same instant
 /// are reported together. A search continues with later instants.
@@ -31,7 +31,7 @@ struct Trigger {
     code,                ///< before the instruction at any of `places`
     word,                ///< an access to one of `words` words from `address` on
     processor_register,  ///< `name` has changed: the chip runs by single instructions
-    happening,           ///< an event of kind `name`, with `fields`
+    event,               ///< an event of kind `name`, with `fields`
     value,               ///< the expression `name` has become true; checked every Debuggee::value_period()
   };
   enum class On : std::uint8_t { write, read, access, change };
@@ -67,7 +67,7 @@ struct Trigger {
 
   /// The name of the event "an instruction breaks a rule of the manual".
   static constexpr std::string_view rules = "rule";
-  bool of_rules() const { return kind == Kind::happening && name == rules; }
+  bool of_rules() const { return kind == Kind::event && name == rules; }
   /// The trigger's chip runs instruction by instruction.
   bool by_instructions() const { return kind == Kind::processor_register || of_rules(); }
 
@@ -85,7 +85,7 @@ struct Hit {
 };
 
 struct Stop {
-  enum class Reason : std::uint8_t { start, breakpoint, watchpoint, happening, step, moved, paused, over, fault };
+  enum class Reason : std::uint8_t { start, breakpoint, watchpoint, event, step, moved, paused, over, fault };
   Reason reason = Reason::start;
   Time time{};
   std::optional<std::size_t> chip;  ///< the chip to show
@@ -102,7 +102,7 @@ enum class Step : std::uint8_t {
   out,        ///< to the instruction after the call of the present routine
   claim,      ///< to the chip's next claim of a task block
   refresh,    ///< to the host's next refresh of the list
-  happening,  ///< the next one of any kind
+  event,      ///< the next one of any kind
 };
 
 /// The instruction or device that wrote a word.
@@ -128,7 +128,7 @@ class Debugger {
   const std::vector<ProgramView>& programs() const { return programs_; }
   const Stop& stop() const { return stop_; }
   /// Kinds of events at which it can stop, with their descriptions.
-  std::vector<std::pair<std::string, std::string>> happenings() const;
+  std::vector<std::pair<std::string, std::string>> event_kinds() const;
 
   // ---- stop conditions ----
   /// Returns the number of the new condition. \throws DebugError for an impossible one: an address without memory, a
@@ -138,8 +138,6 @@ class Debugger {
   void remove(unsigned number);
   void enable(unsigned number, bool on);
   const std::map<unsigned, Trigger>& triggers() const { return triggers_; }
-  /// Chips that run instruction by instruction because of triggers: slow.
-  std::vector<std::size_t> stepped_chips() const;
 
   // ---- forward ----
   /// To the next hit after now, or to `until`. interrupt() and io::stop_asked() pause it.
@@ -201,11 +199,11 @@ class Debugger {
   std::vector<Hit> last_hits(Time after, Time before);
   bool counts(const Hit& hit);
   bool holds(const Hit& hit);
-  const Stop& go_on(Time until, const Manner& manner);
+  const Stop& resume(Time until, const Manner& manner);
   const Stop& step_lines(std::size_t chip, bool over_calls);
   const Stop& step_over(std::size_t chip);
   const Stop& run_to_code(std::size_t chip, Address address, std::string condition);
-  Trigger happening_of(std::size_t chip, Step step);
+  Trigger event_of(std::size_t chip, Step step);
   template <class Fits>
   std::optional<Time> instruction_before(std::size_t chip, Time time, Fits fits);
   void look_at_past(std::size_t chip, Time from, Time to);

@@ -161,8 +161,8 @@ const Stop& Debugger::step_back(std::size_t chip, Step step) {
     }
     case Step::claim:
     case Step::refresh:
-    case Step::happening: {
-      const auto kept = std::exchange(triggers_, {{temporary, happening_of(chip, step)}});
+    case Step::event: {
+      const auto kept = std::exchange(triggers_, {{temporary, event_of(chip, step)}});
       std::vector<Hit> hits = last_hits(beginning(), from);
       const std::string text = hits.empty() ? "" : hits.front().text;
       const auto who = hits.empty() ? std::nullopt : hits.front().chip;

@@ -35,8 +35,8 @@ void Debugger::check(const Trigger& trigger) {
         "IIF, RS, RE, RC are",
         trigger.name));
   if (trigger.kind == value) (void)Expression(trigger.name, debuggee_, programs_, chip).value();
-  if (trigger.kind == happening) {
-    const auto kinds = happenings();
+  if (trigger.kind == event) {
+    const auto kinds = event_kinds();
     if (trigger.name != "any" &&
         std::ranges::none_of(kinds, [&](const auto& row) { return row.first == trigger.name; })) {
       std::vector<std::string_view> names;
@@ -51,8 +51,8 @@ void Debugger::check(const Trigger& trigger) {
   if (!trigger.condition.empty()) (void)Expression(trigger.condition, debuggee_, programs_, chip);
 }
 
-std::vector<std::pair<std::string, std::string>> Debugger::happenings() const {
-  auto all = debuggee_.happenings();
+std::vector<std::pair<std::string, std::string>> Debugger::event_kinds() const {
+  auto all = debuggee_.event_kinds();
   all.emplace_back(
       std::string(Trigger::rules),
       "an instruction breaks a rule of the manual (rule=NAME: one of them); checked instruction by instruction");
@@ -74,17 +74,6 @@ void Debugger::enable(unsigned number, bool on) {
   const auto found = triggers_.find(number);
   if (found == triggers_.end()) throw DebugError(fmt::format("there is no stop condition {}", number));
   found->second.enabled = on;
-}
-
-std::vector<std::size_t> Debugger::stepped_chips() const {
-  std::vector<std::size_t> chips;
-  for (std::size_t n = 0; n < programs_.size(); ++n)
-    if (std::ranges::any_of(triggers_, [&](const auto& entry) {
-          const Trigger& t = entry.second;
-          return t.enabled && t.by_instructions() && t.chip.value_or(n) == n;
-        }))
-      chips.push_back(n);
-  return chips;
 }
 
 }  // namespace machine::debug

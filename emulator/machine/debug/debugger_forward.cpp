@@ -106,15 +106,15 @@ const Stop& Debugger::report(std::vector<Hit> hits) {
       chip = hit.chip;
       if (hit.trigger != temporary && trigger != triggers_.end()) {
         const Trigger::Kind kind = trigger->second.kind;
-        reason = kind == Trigger::Kind::code        ? Stop::Reason::breakpoint
-                 : kind == Trigger::Kind::happening ? Stop::Reason::happening
-                                                    : Stop::Reason::watchpoint;
-        if (kind == Trigger::Kind::happening && trigger->second.name == "fault") reason = Stop::Reason::fault;
+        reason = kind == Trigger::Kind::code    ? Stop::Reason::breakpoint
+                 : kind == Trigger::Kind::event ? Stop::Reason::event
+                                                : Stop::Reason::watchpoint;
+        if (kind == Trigger::Kind::event && trigger->second.name == "fault") reason = Stop::Reason::fault;
       }
     }
     if (hit.text.empty()) continue;
     if (hit.trigger == temporary) {
-      if (trigger != triggers_.end() && trigger->second.kind == Trigger::Kind::happening) text += hit.text;
+      if (trigger != triggers_.end() && trigger->second.kind == Trigger::Kind::event) text += hit.text;
       continue;
     }
     text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", hit.trigger, hit.text);
@@ -126,7 +126,7 @@ const Stop& Debugger::report(std::vector<Hit> hits) {
   return stopped(reason, chip, std::move(text), std::move(hits));
 }
 
-const Stop& Debugger::go_on(Time until, const Manner& manner) {
+const Stop& Debugger::resume(Time until, const Manner& manner) {
   interrupted_ = false;
   debuggee_.look_again();
   if (const auto why = debuggee_.over()) return stopped(Stop::Reason::over, {}, *why);
@@ -150,12 +150,12 @@ const Stop& Debugger::go_on(Time until, const Manner& manner) {
   return stopped(Stop::Reason::moved, {}, fmt::format("at {}", seconds(now())));
 }
 
-const Stop& Debugger::go(Time until) { return go_on(until, {}); }
+const Stop& Debugger::go(Time until) { return resume(until, {}); }
 
 const Stop& Debugger::step(std::size_t chip, Step step) {
   require_chip(chip);
   switch (step) {
-    case Step::instruction: return go_on(never, {.steps = chip});
+    case Step::instruction: return resume(never, {.steps = chip});
     case Step::over: return step_over(chip);
     case Step::line: return step_lines(chip, false);
     case Step::next_line: return step_lines(chip, true);
@@ -169,15 +169,15 @@ const Stop& Debugger::step(std::size_t chip, Step step) {
     }
     case Step::claim:
     case Step::refresh:
-    case Step::happening: break;
+    case Step::event: break;
   }
-  triggers_.insert_or_assign(temporary, happening_of(chip, step));
-  return go_on(never, {});
+  triggers_.insert_or_assign(temporary, event_of(chip, step));
+  return resume(never, {});
 }
 
 /// The event that ends a step other than an instruction's.
-Trigger Debugger::happening_of(std::size_t chip, Step step) {
-  Trigger trigger{.kind = Trigger::Kind::happening,
+Trigger Debugger::event_of(std::size_t chip, Step step) {
+  Trigger trigger{.kind = Trigger::Kind::event,
                   .name = step == Step::claim     ? "claim"
                           : step == Step::refresh ? "refresh"
                                                   : "any",
@@ -193,14 +193,14 @@ const Stop& Debugger::run_to_code(std::size_t chip, Address address, std::string
                                                 .places = {{std::nullopt, address}},
                                                 .condition = std::move(condition),
                                                 .once = true});
-  return go_on(never, {});
+  return resume(never, {});
 }
 
 const Stop& Debugger::step_over(std::size_t chip) {
   const Address pc = debuggee_.chip(chip).pc();
   const auto word = debuggee_.peek(chip, pc);
   const auto back = word ? returns_from_call(pc, *word) : std::nullopt;
-  if (!back) return go_on(never, {.steps = chip});
+  if (!back) return resume(never, {.steps = chip});
   return run_to_code(chip, *back, fmt::format("sp == {}", debuggee_.chip(chip).register_value(isa::Register::SP)));
 }
 
@@ -212,7 +212,7 @@ const Stop& Debugger::step_lines(std::size_t chip, bool over_calls) {
   };
   const auto first = line_at();
   for (;;) {
-    const Stop& stop = over_calls ? step_over(chip) : go_on(never, {.steps = chip});
+    const Stop& stop = over_calls ? step_over(chip) : resume(never, {.steps = chip});
     if (stop.reason != Stop::Reason::step || stop.chip != chip) return stop;
     const auto line = line_at();
     if (first.second == 0 || (line != first && line.second != 0)) return stop;

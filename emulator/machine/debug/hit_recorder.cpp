@@ -95,7 +95,7 @@ void Debugger::HitRecorder::arm(const std::map<unsigned, Trigger>& triggers, std
   std::vector<c40::AddressRange> shared_words;
   std::set<std::string> kinds;
   for (const auto& [number, trigger] : armed_) {
-    if (trigger.kind == Trigger::Kind::happening && !trigger.of_rules()) kinds.insert(trigger.name);
+    if (trigger.kind == Trigger::Kind::event && !trigger.of_rules()) kinds.insert(trigger.name);
     if (trigger.kind == Trigger::Kind::word && shared(trigger))
       shared_words.push_back({*debuggee_.shared_word(trigger.chip.value_or(0), trigger.address), trigger.words});
     if (trigger.kind == Trigger::Kind::value)
@@ -267,29 +267,29 @@ void Debugger::HitRecorder::executed(std::size_t chip, const c40::TraceRecord& r
 
 void Debugger::HitRecorder::broke_rule(std::size_t chip, const c40::Diagnostic& breach, c40::Cycles cycle) {
   const std::string rule(c40::name(breach.rule));
-  DebugEvent happening{.time = debuggee_.time_of(chip, cycle),
-                       .kind = std::string(Trigger::rules),
-                       .chip = chip,
-                       .fields = {{"rule", rule}},
-                       .text = {}};
-  happening.text = fmt::format("{} broke the rule {} ({} {}) at {}: {}: {}", debuggee_.chip_name(chip), rule,
-                               c40::document(breach.rule), breach.section, place(chip, breach.pc), breach.instruction,
-                               breach.message);
-  happened(happening);
+  DebugEvent event{.time = debuggee_.time_of(chip, cycle),
+                   .kind = std::string(Trigger::rules),
+                   .chip = chip,
+                   .fields = {{"rule", rule}},
+                   .text = {}};
+  event.text = fmt::format("{} broke the rule {} ({} {}) at {}: {}: {}", debuggee_.chip_name(chip), rule,
+                           c40::document(breach.rule), breach.section, place(chip, breach.pc), breach.instruction,
+                           breach.message);
+  happened(event);
 }
 
-void Debugger::HitRecorder::happened(const DebugEvent& happening) {
+void Debugger::HitRecorder::happened(const DebugEvent& event) {
   if (!open_) return;
   for (const auto& [number, trigger] : armed_) {
-    if (trigger.kind != Trigger::Kind::happening ||
-        (trigger.name != happening.kind && (trigger.name != "any" || happening.kind == Trigger::rules)))
+    if (trigger.kind != Trigger::Kind::event ||
+        (trigger.name != event.kind && (trigger.name != "any" || event.kind == Trigger::rules)))
       continue;
-    if (trigger.chip && trigger.chip != happening.chip) continue;
+    if (trigger.chip && trigger.chip != event.chip) continue;
     const bool fits = std::ranges::all_of(trigger.fields, [&](const auto& field) {
-      const auto found = happening.fields.find(field.first);
-      return found != happening.fields.end() && found->second == field.second;
+      const auto found = event.fields.find(field.first);
+      return found != event.fields.end() && found->second == field.second;
     });
-    if (fits) add(number, trigger, {.time = happening.time, .chip = happening.chip, .text = happening.text});
+    if (fits) add(number, trigger, {.time = event.time, .chip = event.chip, .text = event.text});
   }
 }
 

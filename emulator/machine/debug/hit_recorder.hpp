@@ -46,7 +46,7 @@ class Debugger::HitRecorder final : private DebugEventListener, private SharedLi
 
  private:
   class ChipEar;
-  void happened(const DebugEvent& happening) override;
+  void happened(const DebugEvent& event) override;
   void shared_access(const SharedAccess& access) override;
   void reached(std::size_t chip, Address pc, Time time);
   void accessed(std::size_t chip, const c40::ProbedAccess& access, Time time);

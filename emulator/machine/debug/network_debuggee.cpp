@@ -13,7 +13,7 @@ namespace {
 
 using Kind = NetworkEvent::Kind;
 
-constexpr std::array happening_kinds{
+constexpr std::array kinds_of_events{
     std::pair{Kind::lost, "a word is lost on a link that is cut"},
     std::pair{Kind::dead, "a link can never move a word again"},
     std::pair{Kind::cut, "an action cuts a link"},
@@ -87,13 +87,13 @@ void NetworkDebuggee::tell_new() {
   for (; reported_ < events.size(); ++reported_) {
     const NetworkEvent& event = events[reported_];
     if (is_common(event.kind) || !wanted(machine::name(event.kind))) continue;
-    DebugEvent happening{.time = event.time,
-                         .kind = std::string(machine::name(event.kind)),
-                         .chip = {},
-                         .fields = {},
-                         .text = network_.text(event)};
-    if (event.kind >= Kind::discarded) happening.chip = event.place;
-    listener_->happened(happening);
+    DebugEvent told{.time = event.time,
+                    .kind = std::string(machine::name(event.kind)),
+                    .chip = {},
+                    .fields = {},
+                    .text = network_.text(event)};
+    if (event.kind >= Kind::discarded) told.chip = event.place;
+    listener_->happened(told);
   }
   for (std::size_t n = 0; n < status_.size(); ++n) {
     const ChipStatus status = network_.status(n);
@@ -162,10 +162,10 @@ void NetworkDebuggee::watch_shared(SharedListener* listener, std::vector<c40::Ad
   });
 }
 
-std::vector<std::pair<std::string, std::string>> NetworkDebuggee::happenings() const {
+std::vector<std::pair<std::string, std::string>> NetworkDebuggee::event_kinds() const {
   std::vector<std::pair<std::string, std::string>> all{{"fault", "a chip cannot continue"},
                                                        {"end", "a chip's program has ended, or waits forever"}};
-  for (const auto& [kind, what] : happening_kinds) all.emplace_back(std::string(machine::name(kind)), what);
+  for (const auto& [kind, what] : kinds_of_events) all.emplace_back(std::string(machine::name(kind)), what);
   return all;
 }
 

@@ -61,7 +61,7 @@ void Dsp::plan() {
 }
 
 Time Dsp::next_of_links_and_pins() const {
-  return std::min(dma_goes_on() ? clock_.at(chip_.settled()) : never, next_pin_event());
+  return std::min(dma_continues() ? clock_.at(chip_.settled()) : never, next_pin_event());
 }
 
 void Dsp::attach(int port, c40::Link& link, int side, Scheduler::Actor& wire) {
@@ -88,7 +88,7 @@ void Dsp::act(Time now) {
       case State::idle:
       case State::dead: own_next_ = never; break;
     }
-  } else if (dma_goes_on()) {
+  } else if (dma_continues()) {
     run_dma(horizon());
   }
   if (next_pin_event() <= now) chip_.let_peripherals_reach(clock_.tick_at_or_after(now));

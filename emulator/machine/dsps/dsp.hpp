@@ -190,7 +190,7 @@ class Dsp final : public Scheduler::Processor,
   struct Mark {
     Window window;
     bool direct;
-    std::uint16_t unused = 0;
+    std::uint16_t unused = 0;  ///< where padding would be: a bit_cast needs each bit to have a value
     Offset offset;
   };
 
@@ -207,7 +207,7 @@ class Dsp final : public Scheduler::Processor,
   bool access_instantly(const c40::ExternalAccess& access, Time issued, Word& value);
   std::optional<Span> span() override;
   bool at_limit() override;
-  bool asks_anew() override { return true; }
+  bool asks_again() override { return true; }
   bool at_breakpoint() override { return at_limit(); }
   bool window_access(const c40::ExternalAccess& access) override;
   bool port_access(const c40::PortAccess& access) override;
@@ -222,7 +222,7 @@ class Dsp final : public Scheduler::Processor,
   Time nets_reach() const;
   Time next_of_links_and_pins() const;
   /// While the processor is before or in an access, a DMA that moves words over a link to another slot continues.
-  bool dma_goes_on() const {
+  bool dma_continues() const {
     return wires_.size() > 1 && in_access() && !dma_waits_ && chip_.dma_busy() && chip_.watches_ports();
   }
   void require_not_run_past(Time now) const;

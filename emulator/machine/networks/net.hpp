@@ -68,7 +68,7 @@ class Net final : public Scheduler::Actor {
   /// This pin is a receiver, and low behind its synchroniser.
   bool is_low_at(const ChipPin& pin) const;
   /// The net will change again, as far as is known.
-  bool goes_on() const { return next() != never; }
+  bool continues() const { return next() != never; }
 
   const NetDescription& description() const { return description_; }
   bool level() const { return level_; }

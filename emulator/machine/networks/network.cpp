@@ -255,8 +255,8 @@ bool Network::quiet() {
   if (std::any_of(links_.begin(), links_.end(),
                   [](const auto& link) { return link->next_event() != never && !link->only_exchanges_token(); }))
     return false;
-  if (std::ranges::any_of(nets_, [](const auto& net) { return net->goes_on() && net->has_listener(); })) return false;
-  if (std::ranges::any_of(nodes_, [](const auto& node) { return node->devices_go_on(); })) return false;
+  if (std::ranges::any_of(nets_, [](const auto& net) { return net->continues() && net->has_listener(); })) return false;
+  if (std::ranges::any_of(nodes_, [](const auto& node) { return node->devices_continue(); })) return false;
   for (auto& node : nodes_) node->look_for_loop();
   const auto moves = std::find_if(nodes_.begin(), nodes_.end(), [](const auto& node) { return !node->is_still(); });
   if (moves == nodes_.end()) return true;
@@ -266,9 +266,9 @@ bool Network::quiet() {
   return false;
 }
 
-bool Network::waits_for_ever() const {
+bool Network::waits_forever() const {
   return std::any_of(nodes_.begin(), nodes_.end(), [&](const auto& node) {
-    return (node->patience.loop ? polls(*node) : node->status == ChipStatus::waiting) || node->awaits_dma_for_ever();
+    return (node->patience.loop ? polls(*node) : node->status == ChipStatus::waiting) || node->awaits_dma_forever();
   });
 }
 
@@ -315,7 +315,7 @@ NetworkStop Network::run_slice(Time limit) {
 std::optional<NetworkStop> Network::stop_at_rest(Time limit) {
   const Time end = at_rest_since();
   if (end >= limit) return {};
-  const auto reason = waits_for_ever() ? NetworkStop::Reason::deadlock : NetworkStop::Reason::ended;
+  const auto reason = waits_forever() ? NetworkStop::Reason::deadlock : NetworkStop::Reason::ended;
   ends_at_ = end;
   while (scheduler_.earliest() < end) scheduler_.step(limit);
   ends_at_ = never;
@@ -395,9 +395,9 @@ NetworkStop Network::finish(NetworkStop::Reason reason, Time end) {
   now_ = reason == NetworkStop::Reason::limit ? std::max(now_, end) : end;
   for (auto& node : nodes_) {
     const bool runs = node->status == ChipStatus::running;
-    const bool goes_on = reason == NetworkStop::Reason::limit && !node->patience.loop &&
-                         (node->follows() || (runs && node->chip.dma_active()));
-    if (goes_on || (runs && node->patience.loop))
+    const bool continues = reason == NetworkStop::Reason::limit && !node->patience.loop &&
+                           (node->follows() || (runs && node->chip.dma_active()));
+    if (continues || (runs && node->patience.loop))
       node->run_to(end);  // its last instruction, if it follows its ports only now; and its DMA, which may be behind
     else if (node->status == ChipStatus::waiting)
       node->bring_timers_to(end);
@@ -406,7 +406,7 @@ NetworkStop Network::finish(NetworkStop::Reason reason, Time end) {
   }
   // Events since a chip was last checked are recorded at the end of every run, wherever the run was divided.
   for (auto& node : nodes_)
-    if (!node->patience.is_private && node->patience.happenings != happenings_) node->begin_patience();
+    if (!node->patience.is_private && node->patience.news != news_) node->begin_patience();
   check_words();
   return {reason, end};
 }
@@ -428,7 +428,7 @@ ChipStatus Network::status(std::size_t n) const {
   const Node& node = *nodes_.at(n);
   if (node.patience.loop) return ChipStatus::looping;
   if (node.status != ChipStatus::sleeping || !node.dma_waits()) return node.status;
-  if (node.awaits_dma_for_ever()) return ChipStatus::waiting;
+  if (node.awaits_dma_forever()) return ChipStatus::waiting;
   return node.has_ended() ? node.chip.idle() ? ChipStatus::idle : ChipStatus::halt : ChipStatus::sleeping;
 }
 void Network::record_peripherals(bool on) {

@@ -344,7 +344,7 @@ class Network {
   }
   c40::Cycles find_next_action_on(const Node& node) const;
   bool quiet();
-  bool waits_for_ever() const;
+  bool waits_forever() const;
   bool polls(const Node& node) const;
   std::string describe_loop(const Node& node) const;
   std::string describe_dma(const Node& node) const;
@@ -384,9 +384,9 @@ class Network {
   std::vector<NetworkEvent> events_, net_events_;
   Scheduler scheduler_;
   Time now_{0};
-  void something_happened() { ++happenings_, happened_ = now_; }
-  std::uint64_t happenings_ = 0;  ///< on links, in shared memories, to chips: what could end a loop that polls
-  Time happened_{0};              ///< the last of them
+  void something_happened() { ++news_, happened_ = now_; }
+  std::uint64_t news_ = 0;  ///< on links, in shared memories, to chips: what could end a loop that polls
+  Time happened_{0};        ///< the last of them
   Time changed_{0};  ///< the last thing on a link that was no mere exchange of the token, change of a pin, or action
   std::size_t moving_ = 0;  ///< a chip that was not at rest when last looked at
   Time ends_at_ = never;    ///< of a network that is quiet: when all have come to rest

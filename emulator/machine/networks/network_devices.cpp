@@ -85,7 +85,7 @@ void Network::Node::note_device_event() {
 }
 
 /// The devices could still interrupt the chip.
-bool Network::Node::devices_go_on() const {
+bool Network::Node::devices_continue() const {
   if (device_turn == nullptr || devices->next_event() == never_cycle) return false;
   if (devices->will_act_on_others()) return true;
   return std::ranges::any_of(devices->pins(), [&](Pin pin) { return listens_to(pin) && reacts_to(pin); });

@@ -28,9 +28,9 @@ void Network::Node::run_to(Time until, Cycles last) {
 
 /// Of a chip that does not only wait for a port.
 bool Network::Node::follow_to(Time time) {
-  const bool goes_on = follows() || (status == ChipStatus::waiting && dma_waits());
-  if (status != ChipStatus::sleeping && !goes_on) return false;
-  if (goes_on)
+  const bool continues = follows() || (status == ChipStatus::waiting && dma_waits());
+  if (status != ChipStatus::sleeping && !continues) return false;
+  if (continues)
     run_to(time);
   else
     bring_to(time, true);
@@ -53,8 +53,8 @@ std::optional<ChipRunner::Span> Network::Node::span_of_runner() {
   // Only here it is known whether the chip still follows its ports.
   const bool begins_last = cycle >= ends_ && ends_ <= last_ && !waits && !idles && follows();
   Cycles limit = std::min(ends_ + (begins_last ? 1 : 0), action_);
-  const bool dma_goes_on = with_dma && (chip.dma_ends_by(known) || chip.next_event() <= std::min(known, settled));
-  if (settled >= known && !dma_goes_on && (waits || cycle >= limit)) {
+  const bool dma_continues = with_dma && (chip.dma_ends_by(known) || chip.next_event() <= std::min(known, settled));
+  if (settled >= known && !dma_continues && (waits || cycle >= limit)) {
     note_idle();
     return {};
   }
@@ -76,7 +76,7 @@ bool Network::Node::at_limit() {
   return status == ChipStatus::running && has_moved();
 }
 
-bool Network::Node::asks_anew() {
+bool Network::Node::asks_again() {
   if (passing_) return passes_on();
   note_idle();
   return false;
@@ -118,9 +118,9 @@ void Network::Node::look_again(bool moved) {
   patience.is_private = false;
   begin_patience();
   using enum ChipStatus;
-  const bool begins_anew =
+  const bool begins_again =
       moved && !chip.halted() && (status == waiting || status == external_access || status == fault);
-  if (begins_anew && !dma_awaits_answer()) {
+  if (begins_again && !dma_awaits_answer()) {
     forget_port();
     chip.stand_until(first_cycle(network.now_));
   } else if (status != halt && status != idle && status != until && status != sleeping) {
@@ -144,14 +144,14 @@ bool Network::Node::window_access(const c40::ExternalAccess& access) {
   stop = {};
   stop.reason = StopInfo::Reason::external_access;
   stop.access = access;
-  return again && waits && dma_goes_on();
+  return again && waits && dma_continues();
 }
 
 bool Network::Node::waits(StopInfo::Reason why, const c40::PortAccess& access) {
   if (passing_) return passes_on();
   if (waits_for_port()) {
     stop.port = access;  // an access of the DMA may have delayed it
-    return dma_goes_on();
+    return dma_continues();
   }
   status = ChipStatus::waiting;
   await(access.port);

@@ -78,9 +78,9 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   struct Patience {
     static constexpr c40::Cycles first = 10'000;
     static constexpr int growth = 8;
-    c40::Cycles since = 0;         ///< no event anywhere since this cycle
-    c40::Cycles length = first;    ///< until the next check
-    std::uint64_t happenings = 0;  ///< number of events at that cycle
+    c40::Cycles since = 0;       ///< no event anywhere since this cycle
+    c40::Cycles length = first;  ///< until the next check
+    std::uint64_t news = 0;      ///< Network::news_ at that cycle
     std::optional<LoopWatch> looking;
     std::optional<LoopWatch::Loop> loop;  ///< the loop found; valid until the next event
     Time found{0};                        ///< when
@@ -106,7 +106,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
     return waits_for_window() && devices != nullptr && devices->has(stop.access.address);
   }
   bool waits_for_memory() const { return waits_for_window() && !waits_for_device(); }
-  /// Its DMA has an access to a window under way. Nothing on the chip goes on before the answer.
+  /// Its DMA has an access to a window under way. Nothing on the chip continues before the answer.
   bool dma_awaits_answer() const { return waits_for_window() && stop.access.channel >= 0; }
   c40::Cycles first_cycle(Time time) const { return clock.tick_at_or_after(time); }
   /// Processor, DMA, and the timers at pins that drive nets, have done everything before this instant. What the
@@ -117,7 +117,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   /// Its DMA, which is behind the processor, may do something at pins that drive nets, or at a shared memory.
   bool dma_acts_on_others() const { return chip.dma_active() && (!nets_out.empty() || shares_memory); }
   /// It runs, and its behaviour depends on its ports or pins: it must not run past their next events. Or others depend
-  /// on what its DMA does, and the DMA goes on only with the processor. Or its DMA goes on while the processor waits.
+  /// on what its DMA does, and the DMA advances only with the processor. Or its DMA advances while the processor waits.
   bool follows() const {
     if (status == ChipStatus::running) return watches() || dma_acts_on_others();
     return status == ChipStatus::waiting && chip.dma_busy() && !dma_awaits_answer();
@@ -146,7 +146,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   // Implements Scheduler::Processor.
   Time next() const override;
   void act(Time now) override;
-  /// A chip in a loop goes on in its turn alone: before each turn it is known whether the network has ended.
+  /// A chip in a loop continues in its turn alone: before each turn it is known whether the network has ended.
   bool runs() const override { return status == ChipStatus::running && !patience.loop; }
   void run_ahead(Time until) override;
   Time horizon() const override;
@@ -200,11 +200,11 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   /// When its devices next act by themselves with an effect on a pin. Stored, because it is used often.
   Time next_device_event() const { return device_event; }
   void note_device_event();
-  bool devices_go_on() const;
+  bool devices_continue() const;
   /// The last cycle in which it may begin an instruction before devices of other chips could act on it.
   c40::Cycles last_before_devices() const;
   bool has_ended() const;
-  bool awaits_dma_for_ever() const;
+  bool awaits_dma_forever() const;
   /// Nothing will happen here, except a loop that repeats.
   bool is_still() const {
     return patience.loop ||
@@ -212,7 +212,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   }
 
  private:
-  void go_on_with_others(Time now);
+  void continue_with_others(Time now);
   bool only_drives_unheard() const;
   void run_freely(Time until);
   void pass_to(c40::Cycles limit, c40::Cycles known);
@@ -227,7 +227,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   std::optional<Span> span() override;
   std::optional<Span> span_of_runner();
   bool at_limit() override;
-  bool asks_anew() override;
+  bool asks_again() override;
   bool at_breakpoint() override;
   std::optional<ChipStatus> rest() const;
   std::optional<ChipStatus> rest_in_idle() const;
@@ -246,7 +246,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   }
 
   /// While the processor waits: the DMA has not come to the end of the present span.
-  bool dma_goes_on() const { return chip.dma_busy() && chip.settled() < span_.known; }
+  bool dma_continues() const { return chip.dma_busy() && chip.settled() < span_.known; }
 
   // For the present call of run_to or pass_to.
   bool passing_ = false;          ///< it sleeps, and stays asleep

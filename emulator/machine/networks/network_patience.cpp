@@ -17,7 +17,7 @@ bool Network::Node::is_shared(Address address) const {
 void Network::Node::begin_patience() {
   Patience& p = patience;
   p.loop.reset();
-  p.since = first_cycle(network.happened_), p.length = Patience::first, p.happenings = network.happenings_;
+  p.since = first_cycle(network.happened_), p.length = Patience::first, p.news = network.news_;
   if (!p.looking) return;
   p.looking.reset();
   chip.set_trace(trace);
@@ -28,7 +28,7 @@ void Network::Node::look_for_loop() {
   Patience& p = patience;
   if (p.is_private) return;
   const auto alone = [&] { return status == ChipStatus::running || (status == ChipStatus::waiting && is_ready()); };
-  if (p.happenings != network.happenings_ || !alone()) {
+  if (p.news != network.news_ || !alone()) {
     begin_patience();
   } else if (!p.loop && chip.cycle() >= p.next_look()) {
     if (!p.looking) {
@@ -37,7 +37,7 @@ void Network::Node::look_for_loop() {
     } else {
       if (!chip.dma_busy() && chip.next_event() == never_cycle) p.loop = p.looking->loop();
       const auto at_device = [&](Address a) { return devices != nullptr && devices->has(a); };
-      if (p.loop && devices != nullptr && devices->goes_on() && std::ranges::any_of(p.loop->reads, at_device))
+      if (p.loop && devices != nullptr && devices->continues() && std::ranges::any_of(p.loop->reads, at_device))
         p.loop.reset();
       p.found = clock.at(chip.cycle());
       p.is_private = p.loop && !follows() &&

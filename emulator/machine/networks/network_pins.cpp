@@ -20,7 +20,7 @@ bool Network::Node::reacts_to_pins() const {
 
 Time Network::Node::drives_from() const {
   if (status == ChipStatus::running && !patience.is_private) return now();
-  if (dma_awaits_answer()) return network.scheduler_.earliest();  // its timers, too, go on only after the answer
+  if (dma_awaits_answer()) return network.scheduler_.earliest();  // its timers, too, continue only after the answer
   const bool over = has_ended() && nets_in.empty();
   return over ? next_pin_event() : std::min(next_pin_event(), network.scheduler_.earliest());
 }

@@ -84,7 +84,7 @@ bool Network::Node::sleeps_for_interrupt() const {
                                                       (chip.register_value(isa::Register::IIE) & ports) != 0));
 }
 
-bool Network::Node::awaits_dma_for_ever() const {
+bool Network::Node::awaits_dma_forever() const {
   return status == ChipStatus::sleeping && dma_waits() && sleeps_for_interrupt() && awaits_dma(chip);
 }
 

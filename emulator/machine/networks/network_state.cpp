@@ -95,7 +95,7 @@ void Network::Node::list_state(state::Visitor& list) {
   list("dma_answered", dma_answered);
   list("patience_since", patience.since);
   list("patience_length", patience.length);
-  list("patience_happenings", patience.happenings);
+  list("patience_news", patience.news);
   bool looks = patience.looking.has_value();
   list("looks", looks);
   if (list.loads()) {
@@ -120,7 +120,7 @@ void Network::list_state(state::Visitor& list) {
   list("actions", actions_);
   list("events", events_);
   list("net_events", net_events_);
-  list("happenings", happenings_);
+  list("news", news_);
   list("happened", happened_);
   list("changed", changed_);
 }

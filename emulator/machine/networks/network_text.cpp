@@ -195,7 +195,7 @@ std::string Network::describe(std::size_t n) const {
       return fmt::format("{}, at {}{}", describe_wait(node), where(node),
                          node.dma_waits() ? "; " + describe_dma(node) : "");
     case ChipStatus::sleeping:
-      if (node.awaits_dma_for_ever())
+      if (node.awaits_dma_forever())
         return fmt::format("{}; the processor sleeps at {}", describe_dma(node), where(node));
       if (node.has_ended())
         return fmt::format("{} {}; {}", node.chip.idle() ? "is in IDLE before" : "branches to itself at", where(node),

@@ -90,7 +90,7 @@ void Network::Node::act(Time now) {
   if (status == ChipStatus::sleeping)
     bring_to(now, false);
   else if (!on_its_own)
-    go_on_with_others(now);
+    continue_with_others(now);
   if (next_pin_event() <= now) drive_on(now);
   look_for_loop();
   if (on_its_own || (status == ChipStatus::running && !follows())) run_freely(horizon_on_its_own());
@@ -98,7 +98,7 @@ void Network::Node::act(Time now) {
 }
 
 /// It waits, or follows its ports: as far as they are known, or its access.
-void Network::Node::go_on_with_others(Time now) {
+void Network::Node::continue_with_others(Time now) {
   if (status != ChipStatus::waiting || (chip.dma_active() && !dma_awaits_answer())) {
     const auto stands = std::tuple{chip.settled(), chip.cycle(), status};
     if (own_event() == now || (chip.dma_active() && next_pin_event() == now))
@@ -134,8 +134,8 @@ void Network::Node::tell_changes() {
 
 // Nothing outside can do anything to it before it stops by itself, so a loop that it is found in can be left alone.
 void Network::Node::run_freely(Time until) {
-  const auto may_go_on = [&] { return status == ChipStatus::running && !follows() && !patience.is_private; };
-  while (may_go_on()) {
+  const auto may_continue = [&] { return status == ChipStatus::running && !follows() && !patience.is_private; };
+  while (may_continue()) {
     run_to(std::min(until, next_look()));
     look_for_loop();
     if (clock.at(chip.cycle()) >= until) return;  // its DMA may still be behind

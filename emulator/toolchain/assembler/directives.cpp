@@ -1,87 +1,11 @@
-// The directives of the assembler's reader.
+// What the directives for sections, symbols, files and messages do.
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
 
-#include "io/nearest.hpp"
 #include "toolchain/assembler/reader.hpp"
 
 namespace toolchain {
-
-const std::map<std::string, Reader::Directive, std::less<>>& Reader::directives() {
-  static const std::map<std::string, Directive, std::less<>> table{
-      // Sections
-      {".text", {&Reader::directive_section_text}},
-      {".data", {&Reader::directive_section_data}},
-      {".const", {&Reader::directive_section_const}},
-      {".bss", {&Reader::directive_bss}},
-      {".sect", {&Reader::directive_sect}},
-      {".section", {&Reader::directive_sect}},
-      {".usect", {&Reader::directive_usect}},
-      {".align", {&Reader::directive_align}},
-      // Contents
-      {".word", {&Reader::directive_word}},
-      {".int", {&Reader::directive_word}},
-      {".long", {&Reader::directive_word}},
-      {".byte", {&Reader::directive_byte}},
-      {".hword", {&Reader::directive_half_word}},
-      {".short", {&Reader::directive_half_word}},
-      {".field", {&Reader::directive_field}},
-      {".float", {&Reader::directive_float}},
-      {".single", {&Reader::directive_float}},
-      {".double", {&Reader::directive_float}},
-      {".ldouble", {&Reader::directive_long_double}},
-      {".ieee", {&Reader::directive_ieee}},
-      {".string", {&Reader::directive_string}},
-      {".ascii", {&Reader::directive_string}},
-      {".asciz", {&Reader::directive_asciz}},
-      {".cstring", {&Reader::directive_asciz}},
-      {".space", {&Reader::directive_space}},
-      {".block", {&Reader::directive_space}},
-      {".bes", {&Reader::directive_space_end}},
-      // Symbols and files
-      {".set", {&Reader::directive_set}},
-      {".equ", {&Reader::directive_set}},
-      {".label", {&Reader::directive_label, true}},
-      {".newblock", {&Reader::directive_newblock, true}},
-      {".struct", {&Reader::start_structure}},
-      {".union", {&Reader::start_structure}},
-      {".endstruct", {&Reader::end_structure}},
-      {".endunion", {&Reader::end_structure}},
-      {".tag", {&Reader::tag}},
-      {".asg", {&Reader::assign_text, true}},
-      {".eval", {&Reader::assign_number, true}},
-      {".var", {&Reader::declare_variables, true}},
-      {".unasg", {&Reader::forget_text, true}},
-      {".include", {&Reader::directive_include, true}},
-      {".copy", {&Reader::directive_include, true}},
-      {".global", {&Reader::directive_global, true}},
-      {".globl", {&Reader::directive_global, true}},
-      {".xdef", {&Reader::directive_global, true}},
-      {".ref", {&Reader::directive_global, true}},
-      {".def", {&Reader::directive_def, true}},
-      {".version", {&Reader::directive_version, true}},
-      {".dialect", {&Reader::directive_dialect, true}},
-      {".end", {&Reader::directive_end, true}},
-      // Macros and repeats
-      {".macro", {&Reader::start_macro}},
-      {".mexit", {&Reader::leave_macro, true}},
-      {".exitm", {&Reader::leave_macro, true}},
-      {".endm", {&Reader::directive_stray}},
-      {".rept", {&Reader::start_repeat, true}},
-      {".loop", {&Reader::start_repeat, true}},
-      {".break", {&Reader::leave_repeat, true}},
-      {".endr", {&Reader::directive_stray}},
-      {".endloop", {&Reader::directive_stray}},
-      // Messages
-      {".emsg", {&Reader::directive_error, true}},
-      {".error", {&Reader::directive_error, true}},
-      {".wmsg", {&Reader::directive_warning, true}},
-      {".warning", {&Reader::directive_warning, true}},
-  };
-  return table;
-}
 
 namespace {
 
@@ -99,29 +23,7 @@ std::optional<std::filesystem::path> in_any_case(const std::filesystem::path& pa
   return *std::min_element(found.begin(), found.end());
 }
 
-/// Directives for listings, debuggers and section hints of TI's tools, without effect on the program.
-bool is_ignored(std::string_view directive) {
-  static const std::set<std::string_view> ignored{
-      ".title",   ".page",   ".list",     ".nolist", ".length",   ".width",  ".option",   ".tab",     ".mlist",
-      ".mnolist", ".fclist", ".fcnolist", ".sslist", ".ssnolist", ".drlist", ".drnolist", ".mmsg",    ".mlib",
-      ".clink",   ".sblock", ".file",     ".ident",  ".line",     ".ln",     ".func",     ".endfunc", ".sym",
-      ".stag",    ".etag",   ".utag",     ".member", ".eos",      ".blockb", ".endblock", ".regalias"};
-  return ignored.contains(directive);
-}
-
 }  // namespace
-
-Reader::Directive Reader::directive_named(const std::string& name) {
-  if (is_ignored(name)) return {&Reader::directive_nothing, true};
-  const auto found = directives().find(name);
-  return found == directives().end() ? Directive{} : found->second;
-}
-
-std::string Reader::directive_near(const std::string& name) {
-  std::vector<std::string_view> names;
-  for (const auto& [known, unused] : directives()) names.push_back(known);
-  return io::suggestion(io::nearest(name, names, io::most_wrong(name)), '\'');
-}
 
 std::int64_t Reader::known_number(Parser& parser, std::string_view what) {
   parser.skip_blanks();

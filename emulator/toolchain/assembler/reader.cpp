@@ -18,10 +18,6 @@ constexpr std::int64_t lines_between_looks = 4096;  // whether the assembly is t
 constexpr std::size_t longest_line = 1 << 16;
 constexpr std::int64_t most_lines = 1'000'000;  // Only macros that call themselves have more.
 
-/// The first word of a line that is a directive, without its label.
-bool opens_collection(std::string_view operation) {
-  return operation == ".macro" || operation == ".rept" || operation == ".loop";
-}
 SourceLinePtr with_text(const SourceLinePtr& line, std::string text) {
   return std::make_shared<const SourceLine>(SourceLine{line->file, line->number, std::move(text), line->expanded_from});
 }
@@ -36,15 +32,6 @@ std::string form_problem(std::string_view text) {
       text.find_first_not_of('\r', end) != std::string_view::npos)
     return "the lines end in a carriage return alone; a line feed is expected at each end, or both";
   return io::wide_form_problem(text);
-}
-
-bool closes_collection(std::string_view operation) {
-  return operation == ".endm" || operation == ".endr" || operation == ".endloop";
-}
-
-/// What usually closes it.
-std::string_view closing_of(std::string_view opening) {
-  return opening == ".macro" ? ".endm" : opening == ".loop" ? ".endloop" : ".endr";
 }
 
 }  // namespace
@@ -146,18 +133,23 @@ void Reader::read_text(std::string_view text, const std::string& name, const std
 
 void Reader::end_of_source(std::size_t outer_conditionals) {
   if (collector_) {
-    const std::string opening = lower(take_apart(collector_->opening).operation);
-    report(*collector_->opening, {0, fmt::format("{} has no {}", opening, closing_of(opening))});
+    report_open(collector_->opening);
     collector_.reset();
   }
   if (structure_ && open_files_.size() <= 1 && expansion_depth_ == 0) {
-    report(*structure_->opening, {0, structure_->is_union ? ".union has no .endunion" : ".struct has no .endstruct"});
+    report_open(structure_->opening);
     structure_.reset();
   }
   while (conditionals_.size() > outer_conditionals) {
-    report(*conditionals_.back().opening, {0, ".if has no .endif"});
+    report_open(conditionals_.back().opening);
     conditionals_.pop_back();
   }
+}
+
+/// What the line opens was not closed.
+void Reader::report_open(const SourceLinePtr& opening) {
+  const std::string name = lower(take_apart(opening).operation);
+  report(*opening, {0, fmt::format("{} has no {}", name, directive_named(name)->closing)});
 }
 
 Reader::Statement Reader::take_apart(const SourceLinePtr& line) const {
@@ -210,7 +202,9 @@ bool Reader::collect(const SourceLinePtr& line) {
     // An error in the line is reported when the line is expanded.
   }
   std::vector<Substitutes>& scopes = collector_->scopes;
-  if (closes_collection(operation)) scopes.pop_back();
+  const Directive* const directive = directive_named(operation);
+  const bool opens = directive != nullptr && directive->sort == Sort::collects;
+  if (directive != nullptr && directive->sort == Sort::closes) scopes.pop_back();
   if (scopes.empty()) {
     if (!label.empty())
       report(*line, {at, fmt::format("'{}' takes no label; a line of its own before it is expected", operation)});
@@ -219,8 +213,8 @@ bool Reader::collect(const SourceLinePtr& line) {
   }
   const bool repeat = collector_->kind == Collector::Kind::repeat;
   if (!repeat && line->text.starts_with('!')) return true;  // a comment of the definition
-  if (opens_collection(operation)) scopes.push_back(scopes.back());
-  const Substitutes& outer = opens_collection(operation) ? *std::prev(scopes.end(), 2) : scopes.back();
+  if (opens) scopes.push_back(scopes.back());
+  const Substitutes& outer = opens ? *std::prev(scopes.end(), 2) : scopes.back();
   if (repeat || outer.empty()) {
     collector_->macro.body.push_back(line);
     return true;
@@ -254,39 +248,44 @@ void Reader::finish_collecting() {
   if (leaving_ == Leaving::repeat) leaving_ = Leaving::nothing;
 }
 
-void Reader::open_conditional(bool condition, const SourceLinePtr& line) {
-  const bool parent = is_active();
-  conditionals_.push_back({parent && condition, condition, parent, false, line});
+/// Of `.if NUMBER`, `.elseif NUMBER`, `.ifdef SYMBOL` or `.ifndef SYMBOL`.
+bool Reader::condition(Statement& s) {
+  const std::string operation = lower(s.operation);
+  if (operation != ".ifdef" && operation != ".ifndef") return known_number(s.parser, "the condition") != 0;
+  return program_.is_defined(s.parser.required_identifier("a symbol")) == (operation == ".ifdef");
 }
 
-bool Reader::conditional(Statement& s) {
-  const std::string operation = lower(s.operation);
-  Parser& p = s.parser;
-  if (operation == ".if" || operation == ".ifdef" || operation == ".ifndef") {
-    bool condition = false;
-    try {
-      if (is_active()) {
-        place_label(s);
-        if (operation == ".if")
-          condition = known_number(p, "the condition") != 0;
-        else
-          condition = program_.is_defined(p.required_identifier("a symbol")) == (operation == ".ifdef");
-        p.expect_end();
-      }
-    } catch (const LineError& error) {
-      report(*s.line, error);
+/// After an error the part is open, too: its .endif comes.
+void Reader::open_conditional(Statement& s) {
+  const bool parent = is_active();
+  bool holds = false;
+  try {
+    if (parent) {
+      place_label(s);
+      holds = condition(s);
+      s.parser.expect_end();
     }
-    open_conditional(condition, s.line);
-    return true;
+  } catch (const LineError& error) {
+    report(*s.line, error);
   }
-  if (operation != ".else" && operation != ".elseif" && operation != ".endif") return false;
-  if (conditionals_.empty()) throw LineError{s.operation_offset, fmt::format("'{}' without .if", operation)};
-  Conditional& c = conditionals_.back();
-  if (operation == ".endif") {
-    conditionals_.pop_back();
-    if (is_active()) place_label(s);
-    return true;
-  }
+  conditionals_.push_back({holds, holds, parent, false, s.line});
+}
+
+Reader::Conditional& Reader::open_one(const Statement& s) {
+  if (conditionals_.empty()) throw LineError{s.operation_offset, fmt::format("'{}' without .if", lower(s.operation))};
+  return conditionals_.back();
+}
+
+void Reader::close_conditional(Statement& s) {
+  open_one(s);
+  conditionals_.pop_back();
+  if (is_active()) place_label(s);
+}
+
+/// .elseif or .else
+void Reader::next_branch(Statement& s) {
+  const std::string operation = lower(s.operation);
+  Conditional& c = open_one(s);
   if (c.after_else) throw LineError{s.operation_offset, fmt::format("'{}' after .else", operation)};
   // The line stands at the end of one branch and at the beginning of the next.
   const bool ends_branch = c.active, possible = c.parent && !c.taken;
@@ -294,15 +293,14 @@ bool Reader::conditional(Statement& s) {
   c.active = possible && c.after_else;
   try {
     if (possible && !c.after_else) {
-      c.active = known_number(p, "the condition") != 0;
-      p.expect_end();
+      c.active = condition(s);
+      s.parser.expect_end();
     }
     if (ends_branch || c.active) place_label(s);
   } catch (const LineError& error) {
     report(*s.line, error);
   }
   c.taken = c.taken || c.active;
-  return true;
 }
 
 /// The line in its parts. Most lines are one.
@@ -368,7 +366,8 @@ void Reader::read_line(const SourceLinePtr& raw_line) {
     line = substituted(raw_line);
     parser_warnings_.clear();
     Statement statement = take_apart(line);
-    if (!statement.operation.empty() && conditional(statement)) return;
+    const Directive* const directive = directive_named(lower(statement.operation));
+    if (directive != nullptr && directive->sort == Sort::conditional) return (this->*directive->read)(statement);
     if (is_active()) read_active_line(statement);
     for (const LineError& warning : std::exchange(parser_warnings_, {}))
       program_.warn(line, warning.offset, warning.message);
@@ -411,13 +410,13 @@ void Reader::read_active_line(Statement& s) {
   const std::string operation = lower(s.operation);
   if (structure_ && (operation.empty() || operation[0] == '.')) return member(s);
   if (!operation.empty() && operation[0] == '.') {
-    const Directive directive = directive_named(operation);
-    if (directive.read == nullptr)
+    const Directive* const directive = directive_named(operation);
+    if (directive == nullptr)
       throw LineError{s.operation_offset,
                       fmt::format("there is no directive '{}'{}", s.operation, directive_near(operation))};
     program_.end_instruction();
-    if (directive.label_is_here) place_label(s);
-    return (this->*directive.read)(s);
+    if (directive->label_is_here) place_label(s);
+    return (this->*directive->read)(s);
   }
   if (is_undotted_set(operation) && !s.label.empty() && !macros_.contains(s.operation)) return directive_set(s);
   place_label(s);

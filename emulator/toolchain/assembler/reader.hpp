@@ -90,9 +90,17 @@ class Reader {
     bool said = false;      ///< by .dialect
     bool has_code = false;  ///< an instruction has been read: the dialect cannot change any more
   };
+  enum class Sort : std::uint8_t {
+    ordinary,
+    conditional,  ///< It is read in parts that are not assembled, too.
+    collects,     ///< The lines up to the one that closes it are collected.
+    closes,       ///< It closes collected lines.
+  };
   struct Directive {
     void (Reader::*read)(Statement&) = nullptr;
     bool label_is_here = false;  ///< The directive has no use for a label, which names the place where it stands.
+    Sort sort = Sort::ordinary;
+    std::string_view closing{};  ///< The directive that usually closes it; empty if it opens nothing.
   };
 
   // reader.cpp
@@ -104,12 +112,17 @@ class Reader {
   bool is_operation(std::string_view word) const;
   bool collect(const SourceLinePtr& line);
   void finish_collecting();
-  bool conditional(Statement& statement);
-  void open_conditional(bool condition, const SourceLinePtr& line);
+  bool condition(Statement& statement);
+  void open_conditional(Statement& statement);
+  void next_branch(Statement& statement);
+  void close_conditional(Statement& statement);
+  Conditional& open_one(const Statement& statement);
+  void report_open(const SourceLinePtr& opening);
   bool stopped() const { return ended_ || given_up_ || leaving_ != Leaving::nothing; }
   bool is_active() const { return conditionals_.empty() || conditionals_.back().active; }
   void place_label(const Statement& statement);
   void define_label(const Statement& statement);
+  void gcc_mark(const Statement& statement);
   void instruction(Statement& statement);
   void report(const SourceLine& line, const LineError& error);
   ParseContext context() const;
@@ -139,11 +152,14 @@ class Reader {
   const Structure& structure_named(Parser& parser);
   void count_member(const std::string& name, std::size_t offset);
 
-  // directives.cpp
+  // directive_table.cpp
   static const std::map<std::string, Directive, std::less<>>& directives();
-  static Directive directive_named(const std::string& name);
+  /// In lower case, with its dot. Null if there is none.
+  static const Directive* directive_named(std::string_view name);
   /// "; did you mean '.word'?" or nothing.
-  static std::string directive_near(const std::string& name);
+  static std::string directive_near(std::string_view name);
+
+  // directives.cpp
   std::int64_t known_number(Parser& parser, std::string_view what);
   Address alignment_of_reserved(Parser& parser, int section);
   Address known_size(Parser& parser, std::string_view what);
@@ -154,6 +170,22 @@ class Reader {
   void directive_bss(Statement&);
   void directive_sect(Statement&);
   void directive_usect(Statement&);
+  void directive_label(Statement&);
+  void directive_version(Statement&);
+  void directive_dialect(Statement&);
+  void directive_warning(Statement&);
+  void directive_align(Statement&);
+  void directive_set(Statement&);
+  void directive_include(Statement&);
+  void directive_global(Statement&);
+  void directive_def(Statement&);
+  void directive_end(Statement&);
+  void directive_error(Statement&);
+  void directive_nothing(Statement&);
+  void directive_stray(Statement&);
+  void select_section(Statement& statement, const std::string& name, Program::Load load, std::size_t offset);
+
+  // data_directives.cpp
   void directive_word(Statement&);
   void directive_byte(Statement&);
   void directive_half_word(Statement&);
@@ -165,23 +197,8 @@ class Reader {
   void directive_asciz(Statement&);
   void directive_space(Statement&);
   void directive_space_end(Statement&);
-  void directive_label(Statement&);
-  void directive_version(Statement&);
-  void directive_dialect(Statement&);
-  void gcc_mark(const Statement&);
-  void directive_warning(Statement&);
-  void directive_align(Statement&);
-  void directive_set(Statement&);
-  void directive_include(Statement&);
-  void directive_global(Statement&);
-  void directive_def(Statement&);
-  void directive_end(Statement&);
-  void directive_error(Statement&);
-  void directive_nothing(Statement&);
-  void directive_stray(Statement&);
   void packed_strings(Statement& statement, bool terminated);
   void floats(Statement& statement, FloatItem::Format format);
-  void select_section(Statement& statement, const std::string& name, Program::Load load, std::size_t offset);
   WordItem numbers(Statement& statement, unsigned bits);
 
   Program& program_;

@@ -25,8 +25,7 @@ inline constexpr std::uint32_t block = 0x1000;
 inline constexpr unsigned alignment_shift = 8;  ///< Position of the exponent of the alignment, 4 bits.
 
 // Storage class and section number of symbols.
-inline constexpr std::uint8_t class_external = 2, class_static = 3, class_label = 6, class_function = 101,
-                              class_file = 103;
+inline constexpr std::uint8_t class_external = 2, class_static = 3, class_function = 101, class_file = 103;
 inline constexpr std::int16_t debug_section = -2, absolute_section = -1, undefined_section = 0;
 
 }  // namespace toolchain::coff

@@ -2,10 +2,6 @@ from typing import Any
 
 from cmrc._core.toolchain import Image
 
-event_header: str
-instruction_header: str
-labelled_header: str
-
 class Labels:
     def __init__(self, image: Image) -> None: ...
     @staticmethod

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 import math
 import os
 import re
@@ -12,7 +11,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
-from cmrc import files, signals
+from cmrc import _core, files, signals
 from cmrc.commands import streams
 from cmrc.extras import needed
 from cmrc.simulation import ConfigError, Setting
@@ -29,8 +28,8 @@ class Parser(argparse.ArgumentParser):
         if left:
             option = left[0].partition("=")[0]
             known = [name for action in self._actions for name in action.option_strings]
-            near = difflib.get_close_matches(option, known, 1) if option.startswith("-") else []
-            self.error(f"{left[0]} was not expected{f'; did you mean {near[0]}?' if near else ''}")
+            meant = _core.io.did_you_mean(option, known) if option.startswith("-") else ""
+            self.error(f"{left[0]} was not expected{meant}")
         return found, left
 
     def error(self, message: str) -> NoReturn:

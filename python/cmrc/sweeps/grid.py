@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import itertools
 import math
 import os
@@ -13,7 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from cmrc import files
+from cmrc import _core, files
 from cmrc.extras import needed
 from cmrc.simulation import Setting
 from cmrc.sweeps.ranges import MOST_RUNS, GridError, scalar, schema, seeds_of, values_of
@@ -125,10 +124,8 @@ def full_name(key: str, where: str) -> str:
         return found[0]
     if found:
         raise GridError(f"{where}: several settings have this name; one of {', '.join(found)} is expected")
-    near = difflib.get_close_matches(key, [*schema(), *_shorts(), *APART], 1)
-    raise GridError(
-        f"{where}: there is no such setting" + (f"; {near[0]} is one" if near else " (docs/configuration.md)")
-    )
+    right = _core.io.did_you_mean(key, [name for name in APART if name != key]) or f"; {_core.cmrc.right_key(key)}"
+    raise GridError(f"{where}: no such key{right}")
 
 
 def axis_name(key: str, where: str) -> str:
@@ -146,11 +143,8 @@ class _Reader:
             raise GridError(f"the grid is empty; at least one of {', '.join(TABLES)} is expected")
         for table in self.tables:
             if table not in TABLES:
-                near = difflib.get_close_matches(table, TABLES, 1)
-                raise GridError(
-                    f"{table}: unknown table; "
-                    + (f"is [{near[0]}] meant?" if near else f"{', '.join(TABLES)} are known")
-                )
+                right = _core.io.did_you_mean(table, [*TABLES]) or f"; {', '.join(TABLES)} are known"
+                raise GridError(f"{table}: no such table{right}")
         fixed = self._fixed()
         axes = [*self._axes(), *self._together()]
         events, futures = self._events("events", self.tables.get("events", [])), self._futures()

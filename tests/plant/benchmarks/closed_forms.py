@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 from cmrc._core import plant
+from cmrc_test import plant as parts
 
 G = 9.81
 S, PSI, PHI, L, ALPHA, BETA, KAPPA = range(7)
@@ -34,14 +35,14 @@ def crane(**changes) -> plant.CraneParameters:
 
 
 def motion(p, q, qd=(0,) * 7, free=(ALPHA, BETA), mass=MASS, **given):
-    inputs = plant.CraneInputs()
+    inputs = parts.CraneInputs()
     inputs.payload = (mass, 2e5)
     inputs.locked = sum(1 << k for k in range(7) if k not in free)
     for name, value in given.items():
         setattr(inputs, name, list(value))
     state = plant.CraneState()
     state.q, state.qd = list(q), list(qd)
-    return plant.CraneMotion(p, 1e-11), state, inputs
+    return parts.CraneMotion(p, 1e-11), state, inputs
 
 
 def vector(coordinate: int, value: float) -> list[float]:
@@ -182,7 +183,7 @@ def vehicle_in_a_steady_curve() -> tuple[float, float]:
 
 def settling_on_corner_springs() -> tuple[float, float]:
     mass, k, d, h = 30.48e3, 4e7, 6e5, 2.5e-4
-    rows = np.array(plant.drop_box(mass, [12.0, 2.4, 2.6], 0.0, 0.0, 0.0, h, 400))
+    rows = np.array(parts.drop_box(mass, [12.0, 2.4, 2.6], 0.0, 0.0, 0.0, h, 400))
     w0 = math.sqrt(k / mass)
     z = d / (2 * math.sqrt(k * mass))
     wd = w0 * math.sqrt(1 - z * z)
@@ -192,7 +193,7 @@ def settling_on_corner_springs() -> tuple[float, float]:
 
 def sliding_down_a_slope() -> tuple[float, float]:
     slope, h, steps = math.radians(30), 2.5e-4, 4000
-    rows = np.array(plant.drop_box(30e3, [12.0, 2.4, 2.6], -30e3 * G * math.cos(slope) / 4e7, 0.0, slope, h, steps))
+    rows = np.array(parts.drop_box(30e3, [12.0, 2.4, 2.6], -30e3 * G * math.cos(slope) / 4e7, 0.0, slope, h, steps))
     a = G * (math.sin(slope) - 0.4 * math.cos(slope))
     middle, end = steps // 2, steps - 1
     measured = (rows[end, 3] - 2 * rows[middle, 3] + rows[2 * middle - end, 3]) / ((end - middle) * h) ** 2

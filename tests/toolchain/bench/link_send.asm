@@ -1,4 +1,4 @@
-; For scripts/host_costs: sends words at communication port 0 for ever.
+; For scripts/host_costs: sends words at communication port 0 forever.
                 .text
 start:          ldhi    0010h, ar0
                 or      0040h, ar0

@@ -1,16 +1,40 @@
-// ODE alone, for tests: a crane of rigid bodies, and a box-shaped body that falls on the ground.
+// Parts of the plant without a dock: a crane that is integrated alone, and by ODE as rigid bodies; a box that falls on
+// the ground.
 #include <pybind11/stl.h>
 
 #include <cmath>
+#include <memory>
 
+#include "plant/crane/crane_motion.hpp"
 #include "plant/crane/ode_crane.hpp"
 #include "plant/landing/contact.hpp"
 #include "plant/numerics/math.hpp"
-#include "python/bindings/plant.hpp"
+#include "plant/parameters/config.hpp"
+#include "tests/bindings/bindings.hpp"
 
 using namespace plant;
 
-void bind_plant_contact(py::module_& m) {
+void bind_plant(py::module_& test) {
+  py::module_ m = test.def_submodule("plant", "Parts of the plant without a dock.");
+  py::class_<CraneInputs>(m, "CraneInputs")
+      .def(py::init<>())
+      .def_readwrite("command", &CraneInputs::command)
+      .def_readwrite("braked", &CraneInputs::braked)
+      .def_readwrite("locked", &CraneInputs::locked)
+      .def_readwrite("external", &CraneInputs::external)
+      .def_property(
+          "payload", [](const CraneInputs& i) { return std::pair{i.payload.mass, i.payload.inertia}; },
+          [](CraneInputs& i, std::pair<double, double> p) { i.payload = {p.first, p.second}; });
+  py::class_<CraneMotion>(m, "CraneMotion", "The crane with drives and friction, integrated by SUNDIALS.")
+      .def(py::init([](const CraneParameters& crane, double tolerance, int order, Method method) {
+             return std::make_unique<CraneMotion>(crane, Integrator::Settings{method, order, tolerance});
+           }),
+           py::arg("crane"), py::arg("tolerance") = 1e-8, py::arg("order") = 4, py::arg("method") = Method::erk)
+      .def("advance", &CraneMotion::advance, py::arg("state"), py::arg("inputs"), py::arg("seconds"))
+      .def("advance_fixed", &CraneMotion::advance_fixed, py::arg("state"), py::arg("inputs"), py::arg("seconds"),
+           py::arg("step"))
+      .def("acceleration", &CraneMotion::acceleration, py::arg("state"), py::arg("inputs"))
+      .def("holding_force", &CraneMotion::holding_force, py::arg("state"), py::arg("inputs"));
   m.def("swing_in_ode", &swing_in_ode, py::arg("crane"), py::arg("mass"), py::arg("q"), py::arg("qd"), py::arg("force"),
         py::arg("step"), py::arg("steps"));
   m.def(
@@ -42,4 +66,5 @@ void bind_plant_contact(py::module_& m) {
       },
       py::arg("mass"), py::arg("size"), py::arg("gap"), py::arg("speed"), py::arg("slope"), py::arg("step"),
       py::arg("steps"), "rows of (height of the underside, vertical speed, normal force, x)");
+  m.def("drive_channels", &drive_channels, py::arg("machine"), "the joint behind each drive channel of the bus");
 }
