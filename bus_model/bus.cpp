@@ -132,15 +132,21 @@ inline Access Bus::access_of(const Port& port, Clocks clock) const {
   return {attempt_.master, clock, port.agent, attempt_.command};
 }
 
+// Books the idle clocks before `clock` that are not booked yet, of a bus on which no attempt runs.
+inline void Bus::count_idle(BusStatistics& statistics, Clocks clock) const {
+  const Clocks from = std::max(free_, counted_);
+  if (clock <= from) return;
+  const Clocks asked = clock - std::clamp(earliest_request(nobody), from, clock);
+  statistics.idle_requested += asked;
+  statistics.idle += clock - from - asked;
+}
+
 void Bus::start(unsigned master, Clocks granted, Clocks frame) {
   Port& port = ports_[master];
-  if (frame < free_) {
+  if (frame < free_)
     statistics_.turnaround += frame - free_;  // fast back-to-back
-  } else {
-    const Clocks asked = std::clamp(frame - requests_[master], Clocks{0}, frame - free_);
-    statistics_.idle_requested += asked;
-    statistics_.idle += frame - free_ - asked;
-  }
+  else
+    count_idle(statistics_, frame);
   attempt_ = Attempt{.master = static_cast<std::uint16_t>(master),
                      .write = port.transaction.write,
                      .command = port.transaction.command,
@@ -395,6 +401,7 @@ unsigned Bus::withdraw(unsigned master, Clocks now) {
   if (!port.active) return 0;
   now_ = std::max(now_, now);
   port.active = false;
+  if (!running_) count_idle(statistics_, now_), counted_ = now_;
   ask_no_more(master);
   Transaction& transaction = port.transaction;
   transaction.result = Result::withdrawn;
@@ -449,6 +456,7 @@ void Bus::list_state(state::Visitor& list) {
   list("was stalled", was_stalled_);
   list("now", now_);
   list("free", free_);
+  list("counted", counted_);
   list("stalled", stalled_);
   list("next", next_);
   list("started", started_);
@@ -460,13 +468,10 @@ std::uint64_t Bus::words_moved() const { return static_cast<std::uint64_t>(stati
 BusStatistics Bus::statistics(Clocks clock) const {
   BusStatistics result = statistics_;
   if (!running_) {
-    if (clock < free_) {
+    if (clock < free_)
       result.turnaround -= free_ - clock;
-    } else {
-      const Clocks asked = std::clamp(clock - std::min(earliest_request(nobody), clock), Clocks{0}, clock - free_);
-      result.idle_requested += asked;
-      result.idle += clock - free_ - asked;
-    }
+    else
+      count_idle(result, clock);
     return result;
   }
   if (clock <= attempt_.frame) {

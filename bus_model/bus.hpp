@@ -255,6 +255,7 @@ class Bus {
   unsigned winner(Clocks latest) const;
   int window_of(Address address, int last) const;
   void account(Clocks words, Clocks length);
+  void count_idle(BusStatistics& statistics, Clocks clock) const;
 
   BusConfig config_;
   Arbiter arbiter_;
@@ -274,6 +275,7 @@ class Bus {
   bool was_stalled_ = false;
   Clocks now_ = 0;
   Clocks free_ = 0;     // first clock after the last turnaround
+  Clocks counted_ = 0;  // idle clocks before this one are in the statistics
   Clocks stalled_ = 0;  // no FRAME# before this clock
   Clocks next_ = never;
   std::uint64_t started_ = 0;

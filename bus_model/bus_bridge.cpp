@@ -39,10 +39,17 @@ class BusBridge::Direction {
     near_.add_target(target, windows_.emplace_back(*this, base, words), base, words);
   }
   std::size_t posted() const { return fifo_.size(); }
+  // A read that is running ends on the far bus, and one that is taken ends on the near bus: for another bridge.
+  void forget(unsigned agent) {
+    std::erase_if(reads_, [&](const Read& read) {
+      return read.agent == agent && (read.state == Read::State::waiting || read.state == Read::State::answered);
+    });
+    for (Read& read : reads_) read.unwanted = read.unwanted || read.agent == agent;
+  }
   void append_state(std::vector<std::uint64_t>& words) const {
     for (const Forwarded& word : fifo_) words.insert(words.end(), {word.address, word.value, word.agent});
     for (const Read& read : reads_) {
-      words.insert(words.end(), {read.address, read.agent, static_cast<std::uint64_t>(read.state)});
+      words.insert(words.end(), {read.address, read.agent, static_cast<std::uint64_t>(read.state), read.unwanted});
       words.insert(words.end(), read.words.begin(), read.words.end());
     }
   }
@@ -72,6 +79,7 @@ class BusBridge::Direction {
     Clocks since = 0;
     Result result = Result::done;
     std::vector<Word> words;
+    bool unwanted = false;  // its agent has left: no answer to a later read
   };
 
   struct Window final : Target {
@@ -165,6 +173,10 @@ class BusBridge::Direction {
 
   void fetched(const Transaction& transaction, std::span<const Word> words) {
     const auto read = std::ranges::find(reads_, Read::State::running, &Read::state);
+    if (read->unwanted) {
+      reads_.erase(read);
+      return fetch(transaction.ended);
+    }
     read->state = Read::State::answered;
     read->since = transaction.ended;
     read->result = transaction.result;
@@ -178,8 +190,9 @@ class BusBridge::Direction {
       return read.state == Read::State::taken ||
              (read.state == Read::State::answered && access.clock > read.since + discard_clocks);
     });
-    const auto known = std::ranges::find_if(
-        reads_, [&](const Read& read) { return read.address == address && read.agent == access.agent; });
+    const auto known = std::ranges::find_if(reads_, [&](const Read& read) {
+      return read.address == address && read.agent == access.agent && !read.unwanted;
+    });
     if (known == reads_.end()) {
       if (reads_.size() < config_.delayed_reads) {
         reads_.push_back({.address = address,
@@ -250,6 +263,11 @@ void BusBridge::claim(Bus& near, const std::string& name, Address base, std::uin
   if (&near != &there_->near() && &near != &back_->near())
     throw std::invalid_argument{"pci::BusBridge::claim: a bus that the bridge is not on"};
   (&near == &there_->near() ? there_ : back_)->claim(name, base, words);
+}
+
+void BusBridge::forget(unsigned agent) {
+  there_->forget(agent);
+  back_->forget(agent);
 }
 
 std::size_t BusBridge::posted() const { return there_->posted() + back_->posted(); }

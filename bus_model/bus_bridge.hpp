@@ -8,7 +8,8 @@
 // each other.
 //
 // Both buses must count the same clock. Inaccuracies: the posted writes and the reads of one direction have a REQ#
-// each. The agent that wants a transaction travels with it, as a sideband. No I/O or configuration cycles, no LOCK#.
+// each. The agent that wants a transaction travels with it, as a sideband; so does an agent's reset. No I/O or
+// configuration cycles, no LOCK#.
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -38,6 +39,9 @@ class BusBridge {
 
   /// Claims [base, base + words) on `near`, one of the bridge's two buses; the target is on the other bus or behind it.
   void claim(Bus& near, const std::string& name, Address base, std::uint64_t words);
+  /// The agent has left its bus, and starts anew: what has been or is being read for it is no answer to its later
+  /// reads. Words that it has posted go on. Call it after the agent's withdrawal from its bus.
+  void forget(unsigned agent);
   /// Number of posted words under way, in both directions.
   std::size_t posted() const;
   void append_state(std::vector<std::uint64_t>& words) const;

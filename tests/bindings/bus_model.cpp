@@ -149,6 +149,9 @@ class PyBuses final : public BusBridge::Client {
     for (Ended& one : buses[earliest].take_ended()) all.emplace_back(earliest, std::move(one));
     return all;
   }
+  void forget(unsigned agent) {
+    for (BusBridge& bridge : bridges) bridge.forget(agent);
+  }
   void delivered(const Bus&, unsigned agent, Address address, Word value, Clocks clock, Result) override {
     deliveries.emplace_back(agent, address, value, clock);
   }
@@ -248,6 +251,7 @@ void bind_bus_model(py::module_& test) {
           py::return_value_policy::reference_internal)
       .def("join", &PyBuses::join, py::arg("first"), py::arg("second"), py::arg("config") = BusBridgeConfig{})
       .def("claim", &PyBuses::claim, py::arg("bridge"), py::arg("near"), py::arg("base"), py::arg("words"))
+      .def("forget", &PyBuses::forget, py::arg("agent"))
       .def("next_event", &PyBuses::next_event)
       .def("step", &PyBuses::step)
       .def_readonly("deliveries", &PyBuses::deliveries,

@@ -255,6 +255,32 @@ def test_the_count_of_clocks_holds_in_the_middle_of_everything() -> None:
         assert bus.statistics(clock).total() == clock
 
 
+def test_clocks_of_a_stall_are_requested_from_the_first_request_on() -> None:
+    """Whoever starts after the stall, and whoever has left the bus during the stall."""
+
+    def idle(left: int | None, until: int) -> tuple[int, int]:
+        bus = pci.Bus(config(pci.BusConfig, arbitration=pci.Arbitration.fixed))
+        for _ in range(2):
+            bus.add_master(config(pci.MasterConfig))
+        bus.add_memory(config(pci.TargetConfig), 0, 0x1000)
+        bus.stall(0, 100)
+        bus.read(1, 0, 1, 20)  # master 0 comes first, but requests last
+        if left is not None:
+            bus.advance_to(left)
+            bus.withdraw(1, left)
+        bus.read(0, 0, 1, 60)
+        bus.advance_to(until)
+        assert bus.audit(until) == []
+        counts = bus.statistics(until)
+        bus.advance_to(200)
+        assert bus.attempts[0].master == 0 and bus.attempts[0].frame == 100
+        return counts.idle, counts.idle_requested
+
+    assert idle(None, 99) == (20, 79) and idle(None, 102) == (20, 80)
+    # From 20 to 50, and from 60 on.
+    assert idle(50, 99) == (30, 69) and idle(50, 102) == (30, 70)
+
+
 def test_a_delayed_read_is_fetched_while_the_bus_is_free() -> None:
     bus = pci.Bus()
     bus.add_master()

@@ -205,6 +205,35 @@ def test_a_flag_never_arrives_before_its_data(seed: int) -> None:
         assert all(word >= 1000 * flag + i for i, word in enumerate(data)), (flag, data)
 
 
+@pytest.mark.parametrize("count", [2, 3])
+@pytest.mark.parametrize("words", [1, 8])
+def test_an_agent_that_starts_anew_is_given_no_words_that_were_read_before(count: int, words: int) -> None:
+    """It leaves its bus at any clock of a read over one bridge or two, and soon makes the same read again."""
+    address = (count - 1) * 0x1000
+    for leaves in range(1, 100):
+        buses, memories = chain(count)
+        master = buses[0].add_master(agent(7))
+        buses[0].read(master, address, words, 0)
+        ended = []
+        while (event := buses.next_event()) is not None and event <= leaves:
+            ended += buses.step()
+        if any((bus, read.master) == (0, master) for bus, read in ended):
+            break  # the read has its answer
+        buses[0].withdraw(master, leaves)
+        buses.forget(7)
+        for i in range(SIZE):
+            memories[-1][i] = 1000 + i
+        buses[0].read(master, address, words, leaves + 5)
+        ended = []
+        while buses.next_event() is not None:
+            ended += [read.words for bus, read in buses.step() if (bus, read.master) == (0, master)]
+        assert ended == [list(range(1000, 1000 + words))], leaves
+        assert all(buses[i].audit(buses[i].now()) == [] for i in range(count))
+    else:
+        raise AssertionError("no read had its answer")
+    assert leaves > 10
+
+
 def test_impossible_bridges_are_refused() -> None:
     buses = pci.Buses(2)
     config = pci.BusBridgeConfig()

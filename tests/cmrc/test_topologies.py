@@ -95,6 +95,19 @@ def test_boards_come_and_go_over_a_bridge() -> None:
     assert len(result.report["dsps"][0]["boots"]) == 2 and result.report["dsps"][0]["boots"][1]["boot_s"] is not None
 
 
+@pytest.mark.parametrize("at_s", [0.02000985, 0.02001022, 0.02003094, 0.02003131, 0.02003168])
+@pytest.mark.parametrize("action", ["reset", "unplug"])
+def test_a_new_program_reads_no_words_that_the_bridge_has_read_for_the_old_one(action: str, at_s: float) -> None:
+    """DSP 0 ends in a claim, when the bridge has words of the list for it. Within 2^15 clocks of the bus its next
+    program reads the same words."""
+    events: list[dict[str, Any]] = [{"at_s": at_s, "action": action, "dsp": 0}]
+    if action == "unplug":
+        events.append({"at_s": at_s + 0.0003, "action": "plug", "dsp": 0})
+    result = run(layout=ACROSS["DSPs behind a bridge"], events=events, duration_s=0.0235, boot="preloaded")
+    assert result.report["audit"]["violations"] == []
+    assert result.report["tasks"]["identify"]["released"] == 1
+
+
 @pytest.mark.parametrize("arbiter", ["fixed", "two_level", "host_fair"])
 def test_arbiters_timers_and_cards_are_keys(arbiter: str) -> None:
     settings = {

@@ -93,6 +93,31 @@ hangs:  br      hangs
     assert [dsp["resets"] for dsp in report["dsps"]] == [0, 0]
 
 
+@pytest.mark.parametrize("minimum_refreshes", [16, 20])
+@pytest.mark.parametrize("action", ["reset", "unplug"])
+def test_a_dsp_that_boots_is_not_reset_for_the_block_of_before(action: str, minimum_refreshes: int) -> None:
+    """Its block is put back while it boots, or just after."""
+    events: list[dict[str, Any]] = [{"at_s": 0.02304, "action": action, "dsp": 0}]
+    if action == "unplug":
+        events.append({"at_s": 0.02305, "action": "plug", "dsp": 0})
+    report = run(events, duration_s=0.034, dsps=3, minimum_refreshes=minimum_refreshes)
+    [(_, dsp, message)] = noticed(report)
+    assert dsp is None and "of kind torque_compensation" in message
+    assert report["dsps"][0]["resets"] == 0
+    *_, boot = report["dsps"][0]["boots"]
+    assert boot["boot_s"] is not None and boot["boot_s"] < 0.0026
+
+
+@pytest.mark.parametrize("at_s", [0.020028, 0.0200282, 0.0200284])
+def test_a_claim_that_breaks_off_costs_one_reset_and_one_block(at_s: float) -> None:
+    """DSP 0 stops between two words of its claim. It is reset once, then runs a block of avoidance to its end."""
+    events = [{"at_s": at_s, "action": "freeze", "dsp": 0}]
+    avoidance = {"load.parked": True, "kernels.avoidance": "dynamic_window"}
+    report = run(events, duration_s=0.05, dsps=2, agvs=8, boot="preloaded", **avoidance)
+    assert report["dsps"][0]["resets"] == 1 and report["host"]["recomputed"] <= 1
+    assert report["tasks"]["obstacle_avoidance"]["response_ps"]["worst"] < 14.5e9
+
+
 @pytest.mark.parametrize("limit", [20, 30])
 def test_a_block_is_taken_away_at_the_refresh_of_its_limit(limit: int) -> None:
     """The limit is watchdog.minimum_refreshes, where that is more than the factor times the longest gap."""

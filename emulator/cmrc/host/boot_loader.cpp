@@ -67,6 +67,7 @@ bool BootLoader::answer(Word word, Time now, machine::HostPort& port) {
 
 void BootLoader::begin(Word slots, Time now, machine::HostPort& port) {
   port.write(words_.link_request, slots);
+  without_program_ |= slots;
   for (unsigned slot = 0; slot < machine::most_slots; ++slot) {
     if ((slots >> slot & 1) == 0) continue;
     std::erase_if(boots_, [&](const Boot& boot) { return boot.slot == slot; });
@@ -85,6 +86,7 @@ bool BootLoader::look(Word status, Time now, machine::HostPort& port) {
   const std::size_t count = std::min(room, boot.stream.size() - boot.sent);
   if (count > 0) {
     port.write(at(words_.link_data), std::span(boot.stream).subspan(boot.sent, count));
+    without_program_ |= Word{1} << boot.slot;
     boot.sent += count;
     boot.progress = now;
   } else if (now - boot.progress > limit_) {
@@ -109,6 +111,7 @@ void BootLoader::list_state(state::Visitor& list) {
   list("asked", asked_);
   list("boots", boots_);
   list("ended", ended_);
+  list("without_program", without_program_);
 }
 
 }  // namespace cmrc

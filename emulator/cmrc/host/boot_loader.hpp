@@ -10,6 +10,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cmrc/tasks/words.hpp"
@@ -46,6 +47,9 @@ class BootLoader {
     unsigned slot;
     std::string failure;  ///< empty: its program runs
   };
+  /// Slots that since the last call have requested their program or have been sent a part of it (bit n: slot n): until
+  /// then they have been without one.
+  Word take_without_program() { return std::exchange(without_program_, 0); }
   /// The boots that have ended since the last call.
   std::vector<Ended> take_ended();
   void list_state(state::Visitor& list);
@@ -72,6 +76,7 @@ class BootLoader {
   Asked asked_ = Asked::request;
   std::deque<Boot> boots_;  // the one whose turn it is comes first
   std::vector<Ended> ended_;
+  Word without_program_ = 0;
 };
 
 }  // namespace cmrc

@@ -1,6 +1,7 @@
 #include "cmrc/host/host.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <iterator>
 #include <stdexcept>
@@ -123,7 +124,7 @@ void Host::read_done(std::uint32_t, std::span<const machine::Word> words, Time n
     case Step::held: held_read(words[0]); break;
     case Step::holder: holder_read(words[0]); break;
     case Step::locked_flags:
-      if (words[0] != words_.flag_waiting) taken_at_last(flags_.front());
+      if (words[0] != words_.flag_waiting) taken_in_doubt(flags_.front());
       flags_.pop_front();
       if (flags_.empty())
         relink();
@@ -150,6 +151,8 @@ void Host::boot_requested(Time now) {
 
 void Host::rest() {
   step_ = Step::resting;
+  for (Word slots = boots_.take_without_program(); slots != 0; slots &= slots - 1)
+    renewed_.at(static_cast<unsigned>(std::countr_zero(slots))) = ++resets_;
   for (const BootLoader::Ended& ended : boots_.take_ended())
     if (!ended.failure.empty()) {
       listener_.failure({now_, ended.slot, "boot", ended.failure});
@@ -217,6 +220,7 @@ void Host::flag_read(Word flag) {
   }
   TaskBlock& block = list_[index];
   if (block.seen < 0) block.seen = tick_;
+  if (block.resets < 0) block.resets = resets_;
   if (gaps_.contains(job_of(index))) {
     step_ = Step::alive;
     port_->read(words_.block(index) + words_.alive, 1, 0);
@@ -326,6 +330,7 @@ void Host::try_again() {
 
 void Host::relink() {
   pointer_in_doubt_ = false;
+  holder_.reset();
   list_.sort();
   linked_.clear();
   own_linked_ = false;

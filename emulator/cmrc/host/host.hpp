@@ -228,6 +228,7 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   bool look_past(Step step);
   bool passed_read(Word flag);
   void taken_at_last(std::size_t index);
+  void taken_in_doubt(std::size_t index);
   bool waits(std::size_t index) const { return list_[index].in_use && list_[index].flag == Flag::waiting; }
   std::optional<unsigned> own_slot(std::size_t index) const { return user_tasks_.own_slot(list_[index].task); }
   void relink();
@@ -286,9 +287,10 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   std::uint32_t dither_ = 1;  // state of the generator that varies the pause before the next try
   std::uint64_t eligible_ = 0;
   Word fence_ = 0xFFFFFFFF;
-  std::array<std::int64_t, machine::most_slots> renewed_{};  // refresh of the host's last reset of a slot
+  std::int64_t resets_ = 0;  // number of times that the host has reset a slot, or found it without a program
+  std::array<std::int64_t, machine::most_slots> renewed_{};  // the last one of a slot, in this count; 0: none
   std::optional<unsigned> suspect_;                          // owner of the block whose flag is being read again
-  std::optional<unsigned> holder_;  // owner of the list, fenced off, from which the host takes it
+  std::optional<unsigned> holder_;  // owner of the list, fenced off, from which the host takes or has taken it
   Liveness liveness_;
   BootLoader boots_;
   Time pid_ended_{};  // when a block of PID was last found finished

@@ -69,6 +69,13 @@ void Host::taken_at_last(std::size_t index) {
   list_.pass_through(index);
 }
 
+// The pointer may be wrong, but the block's flag has been read. If the host has taken the list from its holder, it has
+// reset the holder just now, and nobody has claimed a block since.
+void Host::taken_in_doubt(std::size_t index) {
+  taken_at_last(index);
+  list_[index].resets = holder_ ? resets_ - 1 : resets_;
+}
+
 // Chooses one idle DSP for each eligible block, by falling J: for a block for one DSP alone that DSP; for another block
 // the lowest for which no block of its own waits, or else the lowest. So a DSP stays free for its own work if another
 // one can do the blocks before it: a DSP that is rung later comes to the list later.

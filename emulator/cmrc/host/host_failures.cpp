@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "cmrc/host/host.hpp"
 
@@ -19,9 +18,10 @@ std::int64_t Host::watchdog_limit(JobKind job) const {
                   static_cast<std::int64_t>(std::ceil(config_.watchdog.factor * longest)));
 }
 
-// Refreshes since the last sign of life of a claimed block: since its present heartbeat was first read, or since it was
-// first seen claimed. So a block that was claimed while the host was paused has age 0, whatever its t. Else t is one
-// more: t + 1 follows in the same refresh (ruling 20). An age that reaches the limit is a t above it.
+// Ticks since the last sign of life of a claimed block, also those without a refresh: since its present heartbeat was
+// first read, or since it was first seen claimed. So a block that was claimed while the host was paused has age 0,
+// whatever its t. Else t is one more: t + 1 follows in the same refresh (ruling 20). An age that reaches the limit is a
+// t above it.
 std::int64_t Host::age(const TaskBlock& block) const {
   return tick_ - (block.beat_seen < 0 ? block.seen : block.beat_seen);
 }
@@ -51,15 +51,15 @@ void Host::judge() {
 }
 
 // A read comes after all writes before it: the flag that it returns is the last word of a DSP that is fenced off. A DSP
-// that was reset after its block had been seen claimed works on another block, and is left alone. A block first seen
-// claimed at the refresh after the reset may have been claimed before or after it. Then the reset is repeated, because
-// a DSP left alone might continue with a block that has another owner now.
+// that was reset after its block had been seen claimed works on another block, and is left alone; so is one that was
+// without a program since. A block first seen claimed after that may have been claimed before or after the reset. Then
+// the reset is repeated, because a DSP left alone might continue with a block that has another owner now.
 void Host::owner_read(Word owner) {
   const std::size_t index = flags_.front();
   suspect_.reset();
   if (owner >= 1 && owner <= renewed_.size()) {
     const unsigned slot = owner - 1;
-    if (renewed_[slot] < list_[index].seen || renewed_[slot] == 0) suspect_ = slot;
+    if (renewed_[slot] <= list_[index].resets) suspect_ = slot;
   }
   if (suspect_) fence_off(*suspect_);
   step_ = Step::verdict;
@@ -164,7 +164,7 @@ void Host::renew(unsigned slot) {
   listener_.reset_by_watchdog(slot);
   fence_ |= Word{1} << slot;
   port_->write(words_.fence_mask, fence_);
-  renewed_[slot] = tick_;
+  renewed_[slot] = ++resets_;
   liveness_.renewed(slot, looks());
 }
 
@@ -189,9 +189,9 @@ void Host::holder_read(Word owner) {
 }
 
 void Host::take_from_holder(bool taken) {
-  const unsigned slot = *std::exchange(holder_, std::nullopt);
+  const unsigned slot = *holder_;
   renew(slot);
-  if (!taken) return;
+  if (!taken) return holder_.reset();
   ++counts_.semaphores_freed;
   pointer_in_doubt_ = true;
   note(EventKind::semaphore, {0, 2, slot + 1, 0, 0});

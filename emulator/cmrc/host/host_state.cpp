@@ -44,6 +44,7 @@ void Host::list_state(state::Visitor& list) {
   list("dither", dither_);
   list("eligible", eligible_);
   list("fence", fence_);
+  list("resets", resets_);
   list("renewed", renewed_);
   list("suspect", suspect_);
   list("holder", holder_);

@@ -41,7 +41,7 @@ void TaskList::take(std::size_t index) {
   TaskBlock& block = blocks_[index];
   block.flag = Flag::taken;
   block.t = 0;
-  block.seen = block.running = block.beat_seen = -1;
+  block.seen = block.running = block.beat_seen = block.resets = -1;
 }
 
 void TaskList::put_back(std::size_t index, std::uint32_t x) {

@@ -45,6 +45,7 @@ struct TaskBlock {
   std::int64_t running = -1;
   std::uint32_t beat = 0;  ///< TB_ALIVE as last read, and the refresh at which this value was first read; -1: never
   std::int64_t beat_seen = -1;
+  std::int64_t resets = -1;  ///< number of the host's resets before the block is known to be taken; -1: not known
   bool in_use = false;
   bool fresh = false;           ///< its words are not in shared memory yet
   bool passed_through = false;  ///< see TaskList::pass_through

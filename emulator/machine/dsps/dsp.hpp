@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "bus_model/bridge.hpp"
+#include "bus_model/bus_bridge.hpp"
 #include "c40/chip/chip.hpp"
 #include "machine/bus_agents/devices.hpp"
 #include "machine/bus_agents/shared_memory.hpp"
@@ -38,6 +39,7 @@ struct DspContext {
   std::vector<Clock> chip_clocks;  ///< by slot
   std::vector<Clock> bus_clocks;   ///< by bus
   std::deque<pci::Bus>& buses;
+  std::deque<pci::BusBridge>& bridges;
   std::vector<BusRoute> window_a;  // the route of every DSP board
   std::vector<BusRoute> window_b;
   const SharedRegisters& registers;
@@ -238,6 +240,7 @@ class Dsp final : public Scheduler::Processor,
   void deliver_edge(Time now);
   bool caught_up(Time now);
   void go_astray();
+  void leave_buses(Time now);
   void hold_in_reset(Time now);
   void leave_reset(Time now);
   void load();

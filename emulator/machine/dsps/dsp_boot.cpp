@@ -60,10 +60,16 @@ void Dsp::link_event(const c40::LinkEvent& event) {
 
 // ---- the slot, reset, boot ----
 
+// Its accesses break off, and nothing on the way to it is kept for the program that follows.
+void Dsp::leave_buses(Time now) {
+  for (Side& side : sides_) side.bridge.clear(context_.bus_clocks[side.bus].tick_at_or_after(now));
+  for (pci::BusBridge& bridge : context_.bridges) bridge.forget(slot_ + 1);
+  if (context_.guard != nullptr) context_.guard->forget(slot_);
+}
+
 void Dsp::unplug(Time now) {
   if (state_ == State::out) return;
-  for (Side& side : sides_) side.bridge.clear(context_.bus_clocks[side.bus].tick_at_or_after(now));
-  if (context_.guard != nullptr) context_.guard->forget(slot_);
+  leave_buses(now);
   stand_still(now);
   state_ = State::out;
   context_.adapter.reset(slot_, now);
@@ -85,8 +91,7 @@ void Dsp::plug(Time now) {
 
 void Dsp::reset(Time now) {
   if (state_ == State::out || broken_) return;
-  for (Side& side : sides_) side.bridge.clear(context_.bus_clocks[side.bus].tick_at_or_after(now));
-  if (context_.guard != nullptr) context_.guard->forget(slot_);
+  leave_buses(now);
   stand_still(now);
   hold_in_reset(now);
   edge_ = reset_ = never;

@@ -188,6 +188,7 @@ Machine::Parts::Parts(Config given, const toolchain::Image& image, plant::Dock* 
                             .chip_clocks = clocks_of_chips(config),
                             .bus_clocks = bus_clocks,
                             .buses = buses,
+                            .bridges = bridges,
                             .window_a = routes(config.topology.dsps, Window::a, 0),
                             .window_b = routes(config.topology.dsps, Window::b, 0),
                             .registers = registers,
