@@ -39,8 +39,8 @@ class BusBridge {
 
   /// Claims [base, base + words) on `near`, one of the bridge's two buses; the target is on the other bus or behind it.
   void claim(Bus& near, const std::string& name, Address base, std::uint64_t words);
-  /// The agent has left its bus, and starts anew: what has been or is being read for it is no answer to its later
-  /// reads. Words that it has posted go on. Call it after the agent's withdrawal from its bus.
+  /// The agent has left its bus, and starts again: what has been or is being read for it is no answer to its later
+  /// reads. Words that it has posted continue. Call it after the agent's withdrawal from its bus.
   void forget(unsigned agent);
   /// Number of posted words under way, in both directions.
   std::size_t posted() const;

@@ -207,7 +207,7 @@ def test_a_flag_never_arrives_before_its_data(seed: int) -> None:
 
 @pytest.mark.parametrize("count", [2, 3])
 @pytest.mark.parametrize("words", [1, 8])
-def test_an_agent_that_starts_anew_is_given_no_words_that_were_read_before(count: int, words: int) -> None:
+def test_an_agent_that_starts_again_is_given_no_words_that_were_read_before(count: int, words: int) -> None:
     """It leaves its bus at any clock of a read over one bridge or two, and soon makes the same read again."""
     address = (count - 1) * 0x1000
     for leaves in range(1, 100):

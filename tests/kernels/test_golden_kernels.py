@@ -171,7 +171,7 @@ def kernel_trace(kernel: str, prepare: Callable[[], Dsp], argument: int, tick: i
             lines.append(_core.trace.line(record, labels=labels))
     assert dsp.chip.cycle - start == cycles
     text = condensed(lines, 0, lambda cycle: cycle < FULL_TEXT_CYCLES, CYCLES_PER_HASH)
-    return "\n".join([_core.trace.labelled_header, f"# kernel_{kernel}: {cycles} cycles", *text]) + "\n"
+    return "\n".join(["# cmrc labelled instruction trace 1", f"# kernel_{kernel}: {cycles} cycles", *text]) + "\n"
 
 
 @pytest.mark.golden
