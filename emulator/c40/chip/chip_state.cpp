@@ -58,6 +58,7 @@ void Core::list_state(state::Visitor& list) {
 void Pipeline::list_state(state::Visitor& list) {
   list("fetch_ready", fetch_ready_);
   list("read_entered", read_entered_);
+  list("waited_for", waited_for_);
   list("ready", ready_);
   list("ports", ports_);
   list("buses", buses_);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 namespace c40 {
 namespace {
@@ -63,7 +64,7 @@ int Pipeline::place_fetch(const Access& fetch, int from) const {
 
 int Pipeline::decode_at(const Footprint& footprint, int from) const {
   int at = from;
-  each_register(footprint.address_uses, [&](std::size_t i) { at = std::max(at, int{ready_[i]}); });
+  each_register(footprint.address_uses & waited_for_, [&](std::size_t i) { at = std::max(at, int{ready_[i]}); });
   return at;
 }
 
@@ -213,16 +214,20 @@ void Pipeline::charge(const Demand& demand, const Placed& at, StepTiming& out) {
 
 /// From when on the instruction after this one can use the address registers, relative to the new T.
 void Pipeline::move_readiness(const Footprint& footprint, const Placed& at) {
-  for (std::int8_t& ready : ready_) ready = clamp8(ready - at.next, ready_long_ago);
+  const int decoded = std::max(fetch_ready_ + 1, int{read_entered_});  // not before, whatever it waits for
+  const auto before = std::exchange(ready_, {});
+  const std::uint32_t waited_before = std::exchange(waited_for_, 0);
   const auto set = [&](std::size_t i, int when) {
-    ready_[i] = std::max(ready_[i], clamp8(when - at.next, ready_long_ago));
+    if (when - at.next <= decoded) return;
+    const std::uint32_t bit = 1u << (i + first_address_register);
+    const auto ready = static_cast<std::int8_t>(when - at.next);
+    ready_[i] = (waited_for_ & bit) != 0 ? std::max(ready_[i], ready) : ready;
+    waited_for_ |= bit;
   };
+  each_register(waited_before, [&](std::size_t i) { set(i, before[i]); });
   each_register(footprint.operand_reads, [&](std::size_t i) { set(i, at.decode + 2); });
   each_register(footprint.early_writes, [&](std::size_t i) { set(i, at.read + at.read_cycles); });
   each_register(footprint.late_writes, [&](std::size_t i) { set(i, at.execute + 1); });
-  // Decode of the next instruction is later than these anyway.
-  for (std::int8_t& ready : ready_)
-    if (ready <= std::max(fetch_ready_ + 1, int{read_entered_})) ready = ready_long_ago;
 }
 
 // Makes all times relative to the new T.
@@ -232,8 +237,8 @@ void Pipeline::move_on(const Demand& demand, const Placed& at) {
   if (demand.flush_cost != 0) fetch_ready_ = -3, read_entered_ = -2;
   move_readiness(demand.footprint, at);
   for (std::size_t b = 0; b < block_count; ++b) {
-    ports_[b].add(at.read - t, at.block_reads[b]);
-    ports_[b].add(at.execute - t, at.block_writes[b]);
+    if (at.block_reads[b] != 0) ports_[b].add(at.read - t, at.block_reads[b]);
+    if (at.block_writes[b] != 0) ports_[b].add(at.execute - t, at.block_writes[b]);
   }
   for (std::size_t i = 0; i < at.taken_count; ++i)
     for (int cycle = at.taken[i].from; cycle < at.taken[i].to; ++cycle) buses_[at.taken[i].bus].busy.put(cycle - t);
@@ -277,7 +282,8 @@ void Pipeline::flush(int cycles) {
     bus.read_strobe1 &= bus.read_end != -2;
   }
   settle(cycles, -3 + cycles, -2 + cycles);
-  ready_.fill(ready_long_ago);
+  waited_for_ = 0;
+  ready_ = {};
   forget_before(fetch_ready_);
 }
 
@@ -310,8 +316,9 @@ void Pipeline::make_again(const Access& access, int from, int to) {
 
 void Pipeline::hold(int cycles) {
   settle(cycles, fetch_ready_, read_entered_);
-  for (std::int8_t& ready : ready_)
-    if (ready < -1) ready = clamp8(ready - cycles, ready_long_ago);
+  each_register(waited_for_, [&](std::size_t i) {
+    if (ready_[i] < -1) ready_[i] = clamp8(ready_[i] - cycles, -depth);
+  });
   for (auto& bus : buses_) {
     bus.free = clamp8(bus.free - cycles, -1);
     bus.write_end = clamp8(bus.write_end - cycles, -2);
@@ -350,13 +357,11 @@ std::uint64_t Pipeline::hash() const {
     h *= 0xFF51AFD7ED558CCDu;
     h ^= h >> 32;
   };
-  const auto mix_bytes = [&](const auto& bytes) {
-    std::uint64_t word = 0;
-    for (const std::int8_t byte : bytes) word = std::rotl(word, 8) ^ static_cast<std::uint8_t>(byte);
-    mix(word);
+  const auto byte = [](std::int8_t value, int place) {
+    return std::uint64_t{static_cast<std::uint8_t>(value)} << 8 * place;
   };
-  mix_bytes(std::array{fetch_ready_, read_entered_});
-  mix_bytes(ready_);
+  mix(byte(fetch_ready_, 0) | byte(read_entered_, 1) | std::uint64_t{waited_for_} << 16);
+  each_register(waited_for_, [&](std::size_t i) { mix(byte(ready_[i], 0)); });
   std::uint64_t set = 0;
   const auto mix_cycles = [&](const CycleSet& cycles) {
     ++set;
@@ -368,7 +373,7 @@ std::uint64_t Pipeline::hash() const {
     for (const CycleSet& bits : ports.bits) mix_cycles(bits);
   for (const Bus& bus : buses_) {
     mix_cycles(bus.busy);
-    mix_bytes(std::array{bus.free, bus.write_end, bus.read_end, std::int8_t{bus.read_strobe1}});
+    mix(byte(bus.free, 0) | byte(bus.write_end, 1) | byte(bus.read_end, 2) | std::uint64_t{bus.read_strobe1} << 24);
   }
   return h;
 }

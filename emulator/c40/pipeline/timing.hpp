@@ -119,7 +119,6 @@ class Pipeline {
   };
   static constexpr std::size_t block_count = 3, bus_count = 3;  ///< RAM 0, RAM 1, ROM; local, global, peripheral
   static constexpr std::size_t address_register_count = 13;     ///< AR0 to AR7, DP, IR0, IR1, BK, SP
-  static constexpr std::int8_t ready_long_ago = -128;
 
   int port_use(std::size_t block, int cycle) const;
   void mark(Resource resource, int from, int to, int change);
@@ -138,12 +137,8 @@ class Pipeline {
 
   std::int8_t fetch_ready_ = -3;   ///< earliest fetch of the next instruction
   std::int8_t read_entered_ = -2;  ///< the cycle in which the last instruction left decode
-  /// The first cycle in which the next instruction can use an address register in decode.
-  std::array<std::int8_t, address_register_count> ready_ = [] {
-    std::array<std::int8_t, address_register_count> never{};
-    never.fill(ready_long_ago);
-    return never;
-  }();
+  std::uint32_t waited_for_ = 0;   ///< address registers for which the next instruction may wait in decode
+  std::array<std::int8_t, address_register_count> ready_{};  ///< the first cycle in which it can use each of them
   std::array<Ports, block_count> ports_{};
   std::array<Bus, bus_count> buses_{};
 };
