@@ -124,10 +124,11 @@ void bind_toolchain(py::module_& core) {
       "Assembles a text to a relocatable object. Raises AssemblyError.");
   m.def(
       "link",
-      [](std::vector<toolchain::Object> objects, std::vector<toolchain::Object> library, const std::string& map) {
+      [](std::vector<toolchain::Object> objects, const std::vector<toolchain::Object>& library,
+         const std::string& map) {
         const auto memory_map =
             map.empty() ? toolchain::MemoryMap::standard() : toolchain::parse_memory_map(map, "<map>");
-        auto linked = toolchain::link(std::move(objects), std::move(library), memory_map);
+        auto linked = toolchain::link(std::move(objects), library, memory_map);
         return std::pair(std::move(linked.image), std::move(linked.map));
       },
       py::arg("objects"), py::arg("library") = std::vector<toolchain::Object>(), py::arg("map") = "",
