@@ -18,7 +18,10 @@ struct CycleSet {
     std::uint64_t& word = words[word_of(cycle)];
     word = in ? word | bit_of(cycle) : word & ~bit_of(cycle);
   }
-  bool empty() const { return (words[0] | words[1] | words[2]) == 0; }
+  bool empty() const {
+    static_assert(before + from == 3 * word_bits);
+    return (words[0] | words[1] | words[2]) == 0;
+  }
   /// T advances by `cycles`, which is not negative.
   void advance(int cycles) {
     if (empty()) return;  // as most are
