@@ -71,7 +71,7 @@ bool against_recording(const Op& op, bool taken) { return op.direction != 2 && t
 template <bool relative>
 Outcome call(Core& core, const Op* op) {
   const bool taken = holds(core, static_cast<Condition>(op->selector));
-  if (against_recording(*op, taken)) return {op, Exit::miss};
+  if (against_recording(*op, taken)) return {op, Exit::other_way};
   if (!taken) {
     core.pc = op->pc + 1;
     return leave(op, false);
@@ -100,7 +100,7 @@ Outcome link_and_jump(Core& core, const Op* op) {
 template <bool from_interrupt, bool delayed>
 Outcome return_from(Core& core, const Op* op) {
   const bool taken = holds(core, static_cast<Condition>(op->selector));
-  if (against_recording(*op, taken)) return {op, Exit::miss};
+  if (against_recording(*op, taken)) return {op, Exit::other_way};
   if (!taken) {
     if constexpr (delayed) {
       delay(core, false, 0, op->pc + 4);
@@ -130,7 +130,7 @@ Outcome return_from(Core& core, const Op* op) {
 
 Outcome trap(Core& core, const Op* op) {
   const bool taken = holds(core, static_cast<Condition>(op->selector));
-  if (against_recording(*op, taken)) return {op, Exit::miss};
+  if (against_recording(*op, taken)) return {op, Exit::other_way};
   if (!taken) {
     core.pc = op->pc + 1;
     return leave(op, false);
@@ -153,7 +153,7 @@ Outcome trap(Core& core, const Op* op) {
 
 Outcome late_trap(Core& core, const Op* op) {
   const bool taken = holds(core, static_cast<Condition>(op->selector));
-  if (against_recording(*op, taken)) return {op, Exit::miss};
+  if (against_recording(*op, taken)) return {op, Exit::other_way};
   Place<Kind::direct, 0> vector;
   vector.formed.address = (core.tvtp & choices::vector_table_mask) + op->immediate;
   if (taken && !vector.met(*op)) [[unlikely]]

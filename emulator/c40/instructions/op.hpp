@@ -21,6 +21,7 @@ enum class Exit : std::uint64_t {
   not_taken,   ///< the end of the block without a branch (or with a branch not taken)
   taken,       ///< the end of the block, at a branch's target
   miss,        ///< an access failed its guard: nothing of `at` was done
+  other_way,   ///< a condition is not as it was recorded: nothing of `at` was done, and no access is known
   left_after,  ///< `at` was done; the next instruction must be looked up again
   trap_out,    ///< SWI: nothing of `at` was done
   cut          ///< the budget does not cover `at`: nothing of it was done
