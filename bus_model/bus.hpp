@@ -15,7 +15,6 @@
 // of their data phases, so windows whose reads have effects need max_burst 1. No parity, no LOCK#, no I/O or
 // configuration cycles.
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 

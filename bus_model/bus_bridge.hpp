@@ -11,7 +11,6 @@
 // each. The agent that wants a transaction travels with it, as a sideband; so does an agent's reset. No I/O or
 // configuration cycles, no LOCK#.
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <string>
 #include <vector>

@@ -1,7 +1,6 @@
 #pragma once
 // What a bus counts about itself.
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>

@@ -2,7 +2,6 @@
 /// The debugger as a console with one command per line: for a terminal and for scripts.
 #include <functional>
 #include <map>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>

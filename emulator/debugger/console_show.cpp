@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "debugger/console.hpp"
 #include "debugger/console_words.hpp"

@@ -1,6 +1,5 @@
 #pragma once
 /// Serves clients: on standard input and output, or on a port of this machine.
-#include <optional>
 
 #include "debugger/dap_session.hpp"
 

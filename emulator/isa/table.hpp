@@ -1,7 +1,6 @@
 #pragma once
 // The instruction table: one row per encoding of the TMS320C4x, and of the TMS320C3x. Decoder, disassembler, assembler,
 // the Python metadata and the documentation's table all come from these rows (c40-isa.md 3 and 6).
-#include <array>
 #include <cstdint>
 #include <span>
 #include <string_view>

@@ -1,7 +1,5 @@
 #include "report/task_account.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <stdexcept>
 

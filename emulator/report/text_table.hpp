@@ -1,6 +1,5 @@
 #pragma once
 // Columns of text for a terminal: the first aligned left, the others right.
-#include <cstdint>
 #include <string>
 #include <vector>
 

@@ -1,9 +1,8 @@
 // COFF files: a file that is read can be shown, and writing it again keeps its meaning.
-#include <algorithm>
 
+#include "toolchain/objects/coff.hpp"
 #include "fuzz/target.hpp"
 #include "toolchain/disassembler/disassembly.hpp"
-#include "toolchain/objects/coff.hpp"
 
 namespace {
 

@@ -8,7 +8,6 @@
 //
 // Inaccuracies: docs/plant.md, last section.
 #include <array>
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>

@@ -1,5 +1,4 @@
 // The latch's part of the AGVs: motion, collisions, range sensors, the warehouse.
-#include <algorithm>
 #include <cmath>
 #include <limits>
 

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "plant/parameters/config.hpp"
 #include "state/enumerators.hpp"
 

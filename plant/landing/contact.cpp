@@ -3,7 +3,6 @@
 #include <ode/ode.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "plant/numerics/math.hpp"
 #include "plant/numerics/ode_start.hpp"

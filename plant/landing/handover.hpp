@@ -2,8 +2,6 @@
 // The hand-over of a container (plant-and-bus.md 1.5): FREE, ALIGN, LANDED, LOCK, TENSION, LIFT; an empty spreader
 // takes a container, a loaded one sets it down. A landing without four closed corners is a missed attempt, and the next
 // touch a retry.
-#include <array>
-#include <cstdint>
 
 #include "plant/dock/dock_values.hpp"
 

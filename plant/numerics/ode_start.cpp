@@ -4,7 +4,6 @@
 #include <ode/ode.h>
 
 #include <cstdarg>
-#include <cstdio>
 #include <mutex>
 #include <stdexcept>
 

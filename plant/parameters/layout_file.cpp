@@ -4,10 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
-#include <filesystem>
 #include <functional>
 #include <map>
-#include <numbers>
 
 #include "io/input_file.hpp"
 #include "io/toml.hpp"

@@ -4,7 +4,6 @@
 // Python classes (python/bindings/plant_parameters.cpp) follow from the rows. The defaults are in
 // plant/parameters/config.hpp.
 #include <cstdint>
-#include <numbers>
 #include <span>
 #include <string_view>
 

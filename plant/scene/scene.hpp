@@ -1,6 +1,5 @@
 #pragma once
 // The objects on the dock, and the surface below a point: containers in any place, AGV decks, the ship, the ground.
-#include <array>
 #include <functional>
 #include <vector>
 

@@ -2,7 +2,6 @@
 // Devices written in Python behind windows of a board, and Python's view of the other devices (cmrc/devices.py).
 #include <pybind11/stl.h>
 
-#include <algorithm>
 #include <string>
 #include <vector>
 

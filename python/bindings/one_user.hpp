@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <stdexcept>
-#include <string>
 #include <thread>
 
 /// The thread that is in a long call of an object. Callers have the GIL, which separates short calls from each other;

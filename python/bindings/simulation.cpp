@@ -88,13 +88,15 @@ class Run {
     return work(run_);
   }
 
-  void run(const py::object& on_progress, double slice_s) {
+  /// \param at_end makes what is returned, before another thread may use the run
+  py::object run(const py::object& on_progress, double slice_s, const py::object& at_end) {
     const report::Time slice = to_time("slice_s", slice_s);
     if (slice == report::Time{}) throw py::value_error("slice_s: 0 s; a time greater than 0 is expected");
     OnProgress callback(on_progress);
     const OneUser::Long use(user_, "run", false);
     interruptible_without_gil([&] { run_.run(callback.call(), slice); });
     callback.raise();
+    return at_end.is_none() ? at_end : at_end();
   }
 
   /// Runs in slices. Ctrl-C ends the call between two slices; the caller may then call it again.
@@ -216,8 +218,9 @@ void bind_simulation(py::module_& m) {
           "reference", [](Run& r) { return r.waiting("reference", [](const Simulation& s) { return s.reference(); }); },
           "The ideal run that this run was measured against; None before the end of the run and without a reference.")
       .def("run", &Run::run, py::arg("on_progress") = py::none(), py::arg("slice_s") = 0.02,
-           "Runs to the end; on_progress(simulated_s, duration_s) may return False to stop. Ctrl-C stops cleanly and "
-           "raises KeyboardInterrupt.")
+           py::arg("at_end") = py::none(),
+           "Runs to the end; on_progress(simulated_s, duration_s) may return False to stop. Returns what at_end() "
+           "returns; no other thread may use the run before that. Ctrl-C stops cleanly and raises KeyboardInterrupt.")
       .def("run_until", &Run::run_until, py::arg("time_s"))
       .def("record", &Run::record, py::arg("stretches") = page::stretches_max, "Keeps from now on what a page shows.")
       .def(

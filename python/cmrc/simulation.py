@@ -209,8 +209,8 @@ class Simulation:
         Ctrl-C stops the run and raises KeyboardInterrupt; then ``result()`` is the result so far, and ``run``
         continues.
         """
-        self._core.run(on_progress)
-        return self.result()
+        result: Result = self._core.run(on_progress, at_end=self.result)
+        return result
 
     def run_until(self, time_s: float) -> None:
         """Runs until that instant of virtual time, or the end of the duration. Raises ValueError for an instant in the

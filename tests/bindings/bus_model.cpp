@@ -4,9 +4,7 @@
 #include <pybind11/stl.h>
 
 #include <deque>
-#include <memory>
 #include <optional>
-#include <random>
 #include <stdexcept>
 
 #include "bus_model/audit.hpp"

@@ -2,7 +2,6 @@
 // the ground.
 #include <pybind11/stl.h>
 
-#include <cmath>
 #include <memory>
 
 #include "plant/crane/crane_motion.hpp"

@@ -86,6 +86,25 @@ def test_a_run_without_callback_refuses_another_thread_too() -> None:
     assert simulation.result().hash == cmrc.run(**{**SHORT, "duration_s": 2.0}).hash
 
 
+def test_no_other_thread_comes_between_a_run_and_its_result() -> None:
+    refused: list[str] = []
+
+    class Asked(cmrc.Simulation):
+        def other(self) -> None:
+            with pytest.raises(RuntimeError) as found:
+                super().result()
+            refused.append(str(found.value))
+
+        def result(self) -> cmrc.Result:
+            thread = threading.Thread(target=self.other)
+            thread.start()
+            thread.join()
+            return super().result()
+
+    assert Asked(**SHORT).run().hash == plain_hash()
+    assert len(refused) == 1 and "another thread is in Simulation.run" in refused[0]
+
+
 @pytest.mark.parametrize("name", READS)
 def test_a_callback_may_read(name: str) -> None:
     simulation = cmrc.Simulation(**SHORT)

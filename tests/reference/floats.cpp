@@ -1,4 +1,6 @@
 // Floats: value = m * 2^(e - 31), m = 0 or 31 bits below the leading one.
+#include <array>
+
 #include "parts.hpp"
 
 namespace reference {

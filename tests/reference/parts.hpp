@@ -1,6 +1,5 @@
 #pragma once
 // What the parts of the reference share: bits, words and flags.
-#include <array>
 
 #include "reference.hpp"
 

@@ -1,4 +1,6 @@
 // Conditions and address updates, and the list of all operations.
+#include <array>
+
 #include "parts.hpp"
 
 namespace reference {

@@ -2,7 +2,6 @@
 // under the thread sanitizer.
 #include <array>
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
 #include <string>
 #include <thread>

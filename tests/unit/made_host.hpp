@@ -2,7 +2,6 @@
 // A host that notes what the processes ask of it, and words that are distinct.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <optional>

@@ -1,6 +1,5 @@
 #pragma once
 /// The surroundings of a chip: regions of memory, windows to the outside, tied pins. c40::Memory has the contents.
-#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>

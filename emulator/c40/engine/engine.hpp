@@ -5,7 +5,6 @@
 ///
 /// The engine has the state and the loop that orders its parts. Whatever lasts beyond one step belongs to a part. The
 /// parts do not know the engine.
-#include <memory>
 #include <set>
 #include <vector>
 

@@ -1,9 +1,6 @@
 // The exact engine: executes one instruction at a time, with fetch, accesses and the pipeline model.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <utility>
-
 #include "c40/engine/engine.hpp"
 #include "c40/instructions/addressing.hpp"
 #include "c40/instructions/handler_tables.hpp"

@@ -1,9 +1,7 @@
 #pragma once
 /// The unanswered access of the instruction at PC, to a window or to a communication port; the outside answers it.
 #include <algorithm>
-#include <array>
 #include <cstddef>
-#include <utility>
 
 #include "c40/chip/chip.hpp"
 #include "c40/chip/state.hpp"

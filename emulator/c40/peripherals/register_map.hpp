@@ -1,7 +1,6 @@
 #pragma once
 /// Every memory-mapped register of the chip (c40-hardware.md 1.3): address, name, fields, reset value. Messages, the
 /// inspection by name and docs/peripherals.md are made from this list.
-#include <optional>
 #include <span>
 #include <string>
 

@@ -3,7 +3,6 @@
 /// accumulated.
 #include <chrono>
 #include <cstdint>
-#include <limits>
 #include <numeric>
 #include <ratio>
 #include <stdexcept>

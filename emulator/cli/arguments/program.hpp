@@ -1,6 +1,5 @@
 #pragma once
 // Programs and numbers as arguments of a command line.
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>

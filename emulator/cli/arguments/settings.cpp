@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <filesystem>
-
 #include "cmrc/programs/dsp_image.hpp"
 #include "isa/ascii.hpp"
 #include "report/event.hpp"

@@ -2,7 +2,6 @@
 // One line of a file of single-step vectors: a state, instructions, and the state after these instructions
 // (docs/cli.md).
 #include <cstdint>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>

@@ -1,5 +1,4 @@
 // emulator config: prints the configuration of a run.
-#include <fmt/format.h>
 
 #include "cli/arguments/options.hpp"
 #include "cli/arguments/settings.hpp"

@@ -1,5 +1,4 @@
 // emulator exec: a program on one chip.
-#include <fmt/format.h>
 
 #include <utility>
 

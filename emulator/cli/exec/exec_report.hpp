@@ -1,7 +1,6 @@
 #pragma once
 // The result of exec for one chip, after the run.
 #include <optional>
-#include <span>
 #include <utility>
 #include <vector>
 

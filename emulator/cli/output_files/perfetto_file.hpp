@@ -1,6 +1,5 @@
 #pragma once
 // --perfetto: the file, and the recorder that writes the file during the run.
-#include <memory>
 #include <optional>
 
 #include "cli/arguments/options.hpp"

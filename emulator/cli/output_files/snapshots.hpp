@@ -2,7 +2,6 @@
 // --snapshot-at and --resume: files of a run's state, and a run that continues from one (docs/snapshots.md).
 #include <functional>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>

@@ -6,9 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <map>
-#include <sstream>
 
 #include "cmrc/configuration/config_invariants.hpp"
 #include "cmrc/configuration/process_rows.hpp"

@@ -7,9 +7,7 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "cmrc/configuration/job_places.hpp"
 #include "plant/dock/dock.hpp"

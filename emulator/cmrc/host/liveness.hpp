@@ -9,7 +9,6 @@
 // board was plugged in.
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "machine/system/bus_topology.hpp"

@@ -70,7 +70,8 @@ ChainTimes::ChainTimes(std::vector<std::string> chip_causes, machine::Clock chip
 }
 
 std::vector<std::int64_t> ChainTimes::of(const CauseTimes& cycles, std::int64_t whole, bool ended) const {
-  std::vector<std::int64_t> times = ended ? with_clock(cycles, whole, chip_clock_) : in_picoseconds(cycles, whole);
+  std::vector<std::int64_t> times;
+  if (!cycles.empty()) times = ended ? with_clock(cycles, whole, chip_clock_) : in_picoseconds(cycles, whole);
   times.resize(causes_.size(), 0);
   times.back() += whole - sum_of(times);
   return times;

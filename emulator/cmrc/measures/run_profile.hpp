@@ -5,7 +5,6 @@
 // that writes FFh: the same two instants between which the ledger counts a job's cycles. The cycles between jobs are
 // the executive's.
 #include <deque>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>

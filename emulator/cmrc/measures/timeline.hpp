@@ -4,8 +4,6 @@
 //
 // At any instant a block that may be claimed waits for one thing (docs/report.md, Why late): for a free DSP to wake up,
 // for a free DSP to do its claim, or for the blocks that all working DSPs run.
-#include <array>
-#include <cstdint>
 #include <deque>
 #include <optional>
 #include <vector>

@@ -2,7 +2,6 @@
 // The chains of causes of missed jobs (report/why_late.hpp), from the ledger's record of a job and the timeline of its
 // DSPs.
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>

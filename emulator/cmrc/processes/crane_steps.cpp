@@ -1,6 +1,5 @@
 #include "cmrc/processes/crane_steps.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>

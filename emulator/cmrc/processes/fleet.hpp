@@ -4,7 +4,6 @@
 // One-way traffic: the loading spot under the crane is slot 0, slots 1.. are the queue behind it. The step "queue" ends
 // in the loading spot; an AGV in a slot moves up as slots become free, as part of this step.
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "cmrc/configuration/process_table.hpp"

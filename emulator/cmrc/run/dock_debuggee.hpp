@@ -1,6 +1,5 @@
 #pragma once
 // The dock in a debugger: its DSPs, shared memory, the events of the run, and the plant's signals as values.
-#include <array>
 #include <functional>
 #include <map>
 #include <string>

@@ -1,7 +1,5 @@
 #include "cmrc/run/job_causes.hpp"
 
-#include <optional>
-
 #include "c40/chip/chip.hpp"
 #include "cmrc/configuration/config.hpp"
 #include "machine/system/machine.hpp"

@@ -4,7 +4,6 @@
 #include <sys/mman.h>
 
 #include <atomic>
-#include <cmath>
 #include <new>
 #include <stdexcept>
 #include <utility>

@@ -2,7 +2,6 @@
 // A run: machine, dock and host are made from a configuration and run in virtual time; then the report is made.
 #include <functional>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 

@@ -2,7 +2,6 @@
 // The words that the host and the DSP programs share, by their names in c40_programs/include/*.inc: offsets on bus A,
 // bits, kinds.
 #include <array>
-#include <cstdint>
 #include <functional>
 #include <string_view>
 

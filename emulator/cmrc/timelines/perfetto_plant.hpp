@@ -1,9 +1,7 @@
 #pragma once
 // The plant's signals in the Perfetto trace of a run: counters of joints, sway, load and vehicles, fifty times per
 // second.
-#include <cstdint>
 #include <limits>
-#include <string>
 #include <vector>
 
 #include "plant/dock/dock.hpp"

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
 
 #include "machine/boards/board_device.hpp"
 #include "machine/boards/board_fifo.hpp"

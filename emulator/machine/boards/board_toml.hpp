@@ -1,6 +1,5 @@
 #pragma once
 // What the readers of a board file share (docs/boards.md).
-#include <string>
 
 #include "io/toml_reader.hpp"
 #include "machine/boards/board_file.hpp"

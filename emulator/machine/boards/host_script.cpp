@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 
 #include "isa/ascii.hpp"
 #include "toolchain/objects/written_integer.hpp"

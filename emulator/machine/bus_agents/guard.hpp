@@ -10,7 +10,6 @@
 // already ended on bus A). A task that takes the list's semaphore for itself can destroy the list until the host
 // releases the semaphore.
 #include <array>
-#include <cstdint>
 #include <deque>
 #include <optional>
 #include <vector>

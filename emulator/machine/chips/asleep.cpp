@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "c40/peripherals/timer.hpp"
 #include "c40/values/float40.hpp"

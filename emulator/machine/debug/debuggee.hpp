@@ -2,7 +2,6 @@
 /// What a debugger controls: chips in one virtual time that can be saved, loaded and run to any instant. A single chip,
 /// a network, or the dock.
 #include <algorithm>
-#include <cstdint>
 #include <map>
 #include <optional>
 #include <set>

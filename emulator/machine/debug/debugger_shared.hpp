@@ -1,6 +1,5 @@
 #pragma once
 // What the sources of the debugger share: the manner of a search, and the trigger of a step.
-#include <chrono>
 #include <cstddef>
 #include <optional>
 #include <string>

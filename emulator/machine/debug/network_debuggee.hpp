@@ -1,6 +1,5 @@
 #pragma once
 /// A network of chips in a debugger, or one chip as a network of one.
-#include <memory>
 
 #include "machine/debug/debuggee.hpp"
 #include "machine/networks/network.hpp"

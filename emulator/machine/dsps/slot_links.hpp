@@ -6,8 +6,6 @@
 // When both programs run, both ports are reset and the wires are connected; words in the ports are discarded. Lost and
 // discarded words are counted.
 #include <cstdint>
-#include <deque>
-#include <optional>
 #include <string>
 #include <vector>
 

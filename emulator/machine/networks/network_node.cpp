@@ -1,6 +1,5 @@
 // The runs of a chip of a network, and why each ends.
 #include <algorithm>
-#include <stdexcept>
 #include <utility>
 
 #include "isa/program_end.hpp"

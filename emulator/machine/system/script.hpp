@@ -2,7 +2,6 @@
 // The machine's script: its events by time, as an actor of the scheduler.
 #include <deque>
 #include <functional>
-#include <optional>
 #include <vector>
 
 #include "machine/system/scripted_events.hpp"

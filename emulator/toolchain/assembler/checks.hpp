@@ -1,6 +1,5 @@
 #pragma once
 // Code that assembles, but that a C40 does not run as written (c40-isa.md 8.2 to 8.4).
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>

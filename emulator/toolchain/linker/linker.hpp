@@ -1,10 +1,8 @@
 #pragma once
 // Links objects and libraries to a program with assigned addresses (docs/assembler.md, "The linker").
-#include <cstddef>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "toolchain/linker/memory_map.hpp"

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <charconv>
 
 #include "isa/ascii.hpp"
 #include "toolchain/syntax/diagnostics.hpp"
