@@ -133,6 +133,23 @@ def test_a_board_is_plugged_into_the_empty_slot_and_a_clock_slows() -> None:
     assert (m.cycle(0) - before[0], m.cycle(1) - before[1]) == (pytest.approx(2500, abs=20), pytest.approx(625, abs=20))
 
 
+@pytest.mark.parametrize("slot", [1, 2])
+@pytest.mark.parametrize("when_out", [False, True])
+def test_a_board_that_is_plugged_in_has_its_own_clock(slot: int, when_out: bool) -> None:
+    """It is not as slow as the board before it; an empty slot has no clock."""
+    m = at_work()
+    if when_out:
+        m.act(Action.unplug, slot)
+    m.act(Action.pace, slot, 250_000)
+    m.act(Action.unplug, slot)
+    m.run_until(120 * US)
+    m.act(Action.plug, slot)
+    m.run_until(150 * US)  # behind its reset
+    before = m.cycle(slot)
+    m.run_until(200 * US)
+    assert m.cycle(slot) - before == pytest.approx(1250, abs=20)
+
+
 def test_the_bus_that_stalls_is_the_one_that_was_named() -> None:
     """The DSPs write to bus A without end."""
     for bus, rests in ((0, True), (1, False)):

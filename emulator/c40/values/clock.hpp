@@ -101,6 +101,8 @@ class PacedClock {
   constexpr Time at(Ticks tick) const { return clock_.at(tick - first_); }
   constexpr Ticks tick_at_or_before(Time time) const { return first_ + clock_.tick_at_or_before(time); }
   constexpr Ticks tick_at_or_after(Time time) const { return first_ + clock_.tick_at_or_after(time); }
+  /// The present frequency.
+  constexpr double hertz() const { return clock_.hertz(); }
   /// Whole ticks in a span of time, at the present frequency.
   constexpr Ticks ticks_in(Time span) const { return clock_.tick_at_or_before(clock_.at(0) + span); }
   /// From tick `first` on, num/den hertz. Afterwards, earlier ticks may not be asked for.

@@ -306,6 +306,7 @@ void Dsp::freeze(Time now) {
 
 // The present cycle, or the access before which the chip stopped, is the last one of the old clock.
 void Dsp::pace(Time now, std::int64_t parts_per_million) {
+  if (state_ == State::out) return;
   require_not_run_past(now);
   settle(now);
   Ticks reached = std::max(clock_.tick_at_or_after(now), chip_.cycle());

@@ -89,7 +89,7 @@ class Dsp final : public Scheduler::Processor,
   /// A link at one of its ports has advanced to `now`.
   void link_moved(Time now);
   void link_event(const c40::LinkEvent& event);
-  /// From now on its clock has this fraction of its nominal frequency.
+  /// From now on its clock has this fraction of its nominal frequency, until another board is plugged in.
   void pace(Time now, std::int64_t parts_per_million);
   void plug(Time now);
   void reset(Time now);

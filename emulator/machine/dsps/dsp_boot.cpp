@@ -84,6 +84,8 @@ void Dsp::plug(Time now) {
   if (state_ != State::out) return;
   broken_ = false;
   state_ = State::dead;
+  // The board has an oscillator of its own.
+  if (clock_.hertz() != context_.chip_clocks[slot_].hertz()) pace(now, 1'000'000);
   context_.adapter.set_plugged(slot_, true, now);
   if (context_.observer != nullptr) context_.observer->slot(slot_, SlotChange::plugged, now);
   reset(now);
