@@ -1,4 +1,5 @@
 #include "python/bindings/bindings.hpp"
+#include "python/bindings/without_gil.hpp"
 
 namespace {
 
@@ -57,4 +58,5 @@ PYBIND11_MODULE(_core, core) {
   bind_why_late(core);
   bind_trace(core);
   refuse_objects_without_init(core);
+  await_threads_at_the_end_of_python();
 }

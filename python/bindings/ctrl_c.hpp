@@ -1,6 +1,7 @@
 #pragma once
 // Ctrl-C in long calls: KeyboardInterrupt, or whatever else the program's handler raises, and nothing else.
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -8,24 +9,19 @@
 #include "io/stop.hpp"
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/float_environment.hpp"
+#include "python/bindings/without_gil.hpp"
 
-/// While it lives, Python's signals are looked at whenever this thread's work asks io::stop_asked(). Python does so in
-/// its main thread only.
+/// During its lifetime, Python's signals are looked at whenever this thread's work asks io::stop_asked(): in Python's
+/// main thread, the only one that gets them. In any other thread the end of Python stops the work.
 class CtrlC {
  public:
   CtrlC()
-      : asker_([this] {
-          const auto now = Clock::now();
-          if (raised_ || now - looked_ < often_enough) return raised_.has_value();
-          looked_ = now;
-          const py::gil_scoped_acquire gil;
-          if (PyErr_CheckSignals() != 0) raised_.emplace();
-          return raised_.has_value();
-        }) {}
-  /// With the GIL. \throws what the handler has raised
+      : asker_(in_main_thread_ ? std::function<bool()>([this] { return signal_raised(); })
+                               : std::function<bool()>(python_ends)) {}
+  /// With the GIL. \throws what the handler has raised, or SystemExit
   void raise() {
-    if (!raised_) return;
-    throw py::error_already_set(*std::exchange(raised_, std::nullopt));
+    if (raised_) throw py::error_already_set(*std::exchange(raised_, std::nullopt));
+    if (!in_main_thread_ && python_ends()) end_thread();
   }
 
  private:
@@ -33,6 +29,16 @@ class CtrlC {
   // Looking for signals needs the GIL; other threads may have it for a while.
   static constexpr std::chrono::milliseconds often_enough{50};
 
+  bool signal_raised() {
+    const auto now = Clock::now();
+    if (raised_ || now - looked_ < often_enough) return raised_.has_value();
+    looked_ = now;
+    const py::gil_scoped_acquire gil;
+    if (PyErr_CheckSignals() != 0) raised_.emplace();
+    return raised_.has_value();
+  }
+
+  const bool in_main_thread_ = in_main_thread();
   Clock::time_point looked_ = Clock::now();
   std::optional<py::error_already_set> raised_;
   io::StopAsker asker_;
@@ -63,7 +69,7 @@ auto interruptible(Work work) {
 template <class Work>
 auto interruptible_without_gil(Work work) {
   return interruptible([&] {
-    const py::gil_scoped_release released;
+    const WithoutGil released;
     return work();
   });
 }

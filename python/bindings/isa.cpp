@@ -9,6 +9,7 @@
 #include "isa/table.hpp"
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/cpu.hpp"
+#include "python/bindings/without_gil.hpp"
 
 namespace {
 
@@ -134,7 +135,7 @@ py::list row_dicts(const std::string& cpu) {
 
 /// Sweeps the decoder.
 std::uint64_t count_instructions(isa::Word first, std::uint64_t count, isa::Word step) {
-  py::gil_scoped_release release;
+  const WithoutGil released;
   std::uint64_t legal = 0;
   isa::Word word = first;
   for (std::uint64_t i = 0; i < count; ++i, word += step)

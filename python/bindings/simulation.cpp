@@ -26,6 +26,7 @@
 #include "python/bindings/on_progress.hpp"
 #include "python/bindings/one_user.hpp"
 #include "python/bindings/state.hpp"
+#include "python/bindings/without_gil.hpp"
 #include "report/event.hpp"
 #include "report/trace_text.hpp"
 #include "toolchain/objects/image.hpp"
@@ -84,7 +85,7 @@ class Run {
   template <class Work>
   auto moment(const char* call, Work work) {
     const OneUser::Long use(user_, call, false);
-    const py::gil_scoped_release released;
+    const WithoutGil released;
     return work(run_);
   }
 

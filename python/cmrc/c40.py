@@ -19,6 +19,7 @@ from cmrc.debug import Debugger
 from cmrc.devices import Device, Front, OneRun, attached, copied
 from cmrc.floats import extended_to_float, float_to_extended, float_to_single, single_to_float
 from cmrc.instructions import decode, disassemble, encodings
+from cmrc.one_state import OneState
 from cmrc.programs import (
     AssemblyError,
     CoffError,
@@ -77,7 +78,7 @@ class Diagnostic:
     count: int
 
 
-class Processor(ChipState, AccessesToNothing, Front, OneRun):
+class Processor(ChipState, AccessesToNothing, Front, OneRun, OneState):
     """One TMS320C40 with its board: ``default`` (the CMRC board's map), ``flat`` (zero-wait RAM everywhere, and the
     chip's own registers), or the path of a TOML file.
 
@@ -138,7 +139,8 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun):
         self._core.boot()
 
     def run(self, max_cycles: int = 100_000_000, *, until: int | str | None = None) -> Stop:
-        """Runs whole instructions for ``max_cycles`` cycles, or until PC is at ``until`` (an address or a symbol)."""
+        """Runs whole instructions for ``max_cycles`` cycles, or until PC is at ``until`` (an address or a symbol). Holds
+        the GIL: other threads wait, so a long run beside them is one of many short ones."""
         target = None if until is None else self.address(until)
         with self._run("run"):
             stop = _stop(self._core.run(_cycles(max_cycles), target))

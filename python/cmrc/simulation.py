@@ -7,7 +7,7 @@ import operator
 import os
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, cached_property
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from cmrc.chip_state import ChipState
 from cmrc.debug import Debugger
 from cmrc.keywords import listed
 from cmrc.keywords import settings as settings_by_keyword
+from cmrc.one_state import OneState
 from cmrc.programs import Program
 from cmrc.result import Profile, Result
 from cmrc.snapshots import SnapshotError
@@ -142,7 +143,7 @@ class Dsp(ChipState):
         return bool(self._core.booted)
 
 
-class Simulation:
+class Simulation(OneState):
     """One run that can be stopped, inspected, and continued.
 
     Every setting of docs/configuration.md may be given: in ``settings`` with its dotted name, or as a keyword with its
@@ -278,9 +279,6 @@ class Simulation:
         for how, on in collects.items():
             if on:
                 raise RuntimeError(f"{call}: not {how}: {_NO_WAY_BACK}")
-
-    def __copy__(self) -> NoReturn:
-        raise TypeError("a Simulation is not copied, since both would change one run; fork() makes a second run")
 
     def fork(self) -> Simulation:
         """Another run with the same past. Later changes of one (``at``, ``dsp``) do not affect the other. It is neither

@@ -111,6 +111,19 @@ def test_traces_are_of_their_window_and_in_order(run, tmp_path: Path) -> None:
     assert {path.name for path in tmp_path.iterdir()} == {"t", "t.dsp0"}
 
 
+def test_a_window_of_a_slowed_dsp_is_one_of_simulated_time(run, tmp_path: Path) -> None:
+    slow = '[[events]]\nat_s = 0.021\naction = "slow"\ndsp = 0\nfactor = 0.1\n'
+    (tmp_path / "c.toml").write_text(slow)
+    done = run("--config", "c.toml", "--dsps", 1, "--duration", 0.03, "--quiet", "--trace", "t", "--trace-window",
+               "0.025:0.026", "--trace-instructions", 0)  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    cycles = [int(line.split()[0]) for line in (tmp_path / "t.dsp0").read_text().splitlines()[1:]]
+    before_slow, hertz = 525_000, 2.5e6
+    assert cycles
+    assert all(before_slow + 0.004 * hertz - 2 <= cycle < before_slow + 0.005 * hertz + 2 for cycle in cycles)
+    assert cycles[-1] - cycles[0] > 0.9 * 0.001 * hertz
+
+
 def test_the_terminal_report(run) -> None:
     result = run("--duration", SHORT, "--dsps", 2)
     assert (result.returncode, result.stderr) == (0, "")

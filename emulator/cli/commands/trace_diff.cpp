@@ -80,7 +80,8 @@ void regenerate(const report::TraceDifference& difference, const TraceDiffOption
         executed += instruction + '\n';
         hashed += report::without_operands(instruction) + '\n';
       },
-      from, from + cycles_per_hash, machine::Labels::of_dock(simulation.image()));
+      [from](c40::Cycles cycle) { return from <= cycle && cycle < from + cycles_per_hash; },
+      machine::Labels::of_dock(simulation.image()));
   simulation.trace(*slot, text);
   simulation.run_until(simulation.machine().chip_clock().at(from + cycles_per_hash));
   const std::string hash = state::sha256(hashed).substr(0, digits_of_hash);

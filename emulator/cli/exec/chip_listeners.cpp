@@ -78,8 +78,7 @@ ChipListeners::ChipListeners(const c40::Chip& chip, const Image& image, const Ex
     p.file->stream() << (options.trace_labels ? report::labelled_trace_header : report::instruction_trace_header)
                      << '\n';
     p.first = &p.trace.emplace(
-        number, [&p](const std::string& line) { p.file->stream() << line << '\n'; }, c40::Cycles{0},
-        std::numeric_limits<c40::Cycles>::max(),
+        number, [&p](const std::string& line) { p.file->stream() << line << '\n'; }, machine::InstructionText::Wanted{},
         options.trace_labels ? std::optional(machine::Labels::of_program(image)) : std::nullopt);
   }
   if (options.check) p.first = &p.check.emplace(chip, p.first);

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <limits>
 #include <ostream>
 
 #include "c40/values/types.hpp"
@@ -97,16 +96,15 @@ RunOutputs::RunOutputs(const RunOptions& options, const cmrc::Config& config)
 void RunOutputs::attach(cmrc::Simulation& simulation) {
   if (trace_) simulation.listen(events_.emplace(trace_->stream(), trace_window_));
   if (options_.profile) simulation.profile();
-  const machine::Clock& clock = simulation.machine().chip_clock();
-  const c40::Cycles from = clock.tick_at_or_after(trace_window_.from);
-  const c40::Cycles to = trace_window_.to == Time::max() ? std::numeric_limits<c40::Cycles>::max()
-                                                         : clock.tick_at_or_after(trace_window_.to);
   for (std::size_t i = 0; i < instructions_.size(); ++i) {
     std::ostream& out = instructions_[i]->stream();
     out << (options_.trace_labels ? report::labelled_trace_header : report::instruction_trace_header) << '\n';
     const unsigned slot = options_.trace_instructions[i];
     instruction_texts_.push_back(std::make_unique<machine::InstructionText>(
-        slot, [&out](const std::string& line) { out << line << '\n'; }, from, to,
+        slot, [&out](const std::string& line) { out << line << '\n'; },
+        [&machine = simulation.machine(), slot, window = trace_window_](c40::Cycles cycle) {
+          return window.contains(machine.time_of(slot, cycle));
+        },
         options_.trace_labels ? std::optional(machine::Labels::of_dock(simulation.image())) : std::nullopt));
     simulation.trace(slot, *instruction_texts_.back());
   }

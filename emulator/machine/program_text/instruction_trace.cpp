@@ -63,16 +63,15 @@ std::string to_text(const c40::TraceRecord& record, unsigned slot, const Labels&
   return line_of(record, slot, &labels);
 }
 
-InstructionText::InstructionText(unsigned slot, Line line, c40::Cycles from, c40::Cycles to,
-                                 std::optional<Labels> labels)
-    : slot_(slot), line_(std::move(line)), from_(from), to_(to), labels_(std::move(labels)) {}
+InstructionText::InstructionText(unsigned slot, Line line, Wanted wanted, std::optional<Labels> labels)
+    : slot_(slot), line_(std::move(line)), wanted_(std::move(wanted)), labels_(std::move(labels)) {}
 
 void InstructionText::instruction(const c40::TraceRecord& record) {
-  if (from_ <= record.cycle && record.cycle < to_) line_(line_of(record, slot_, labels_ ? &*labels_ : nullptr));
+  if (!wanted_ || wanted_(record.cycle)) line_(line_of(record, slot_, labels_ ? &*labels_ : nullptr));
 }
 
 void InstructionText::interrupt(c40::Word vector, c40::Cycles cycle) {
-  if (from_ <= cycle && cycle < to_)
+  if (!wanted_ || wanted_(cycle))
     line_(line_start(cycle, slot_) + fmt::format("-------- --------  interrupt  ; vector={}", vector));
 }
 

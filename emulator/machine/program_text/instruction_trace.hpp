@@ -1,7 +1,6 @@
 #pragma once
 // A chip's instructions as lines of docs/trace.md.
 #include <functional>
-#include <limits>
 #include <optional>
 #include <string>
 
@@ -31,20 +30,20 @@ struct Labels {
 /// words, and no instruction word.
 std::string to_text(const c40::TraceRecord& record, unsigned slot, const Labels& labels);
 
-/// Writes each instruction that begins in [from, to) cycles.
+/// Writes the instructions of a chip, or those that begin in some of its cycles.
 class InstructionText final : public c40::TraceSink {
  public:
   using Line = std::function<void(const std::string& line)>;
-  /// With labels if given.
-  InstructionText(unsigned slot, Line line, c40::Cycles from = 0,
-                  c40::Cycles to = std::numeric_limits<c40::Cycles>::max(), std::optional<Labels> labels = {});
+  using Wanted = std::function<bool(c40::Cycles cycle)>;
+  /// With labels if given. \param wanted empty for all cycles
+  InstructionText(unsigned slot, Line line, Wanted wanted = {}, std::optional<Labels> labels = {});
   void instruction(const c40::TraceRecord& record) override;
   void interrupt(c40::Word vector, c40::Cycles cycle) override;
 
  private:
   unsigned slot_;
   Line line_;
-  c40::Cycles from_, to_;
+  Wanted wanted_;
   std::optional<Labels> labels_;
 };
 

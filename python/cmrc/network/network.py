@@ -12,6 +12,7 @@ from cmrc.debug import Debugger
 from cmrc.devices import Attached, Device, Front, OneRun, attached, copied, refuse_call_that_acts
 from cmrc.network import description
 from cmrc.network.records import Event, Link, Net, NetworkStop, PeripheralEvent, SharedMemory, Traffic
+from cmrc.one_state import OneState
 from cmrc.programs import Path, Program
 from cmrc.snapshots import ChipSnapshot
 
@@ -50,7 +51,7 @@ class Chip(ChipState, AccessesToNothing, Front):
         return None if number is None else int(number)
 
 
-class Network(OneRun):
+class Network(OneRun, OneState):
     """Up to 64 chips. ``programs`` is one for all chips of a ``topology``, or one for each; sources, COFF files or
     assembled programs.
 
@@ -138,7 +139,8 @@ class Network(OneRun):
 
     def run(self, *, until_us: float | None = None, max_cycles: int = 100_000_000) -> NetworkStop:
         """Executes everything before an instant (from the start of the network, in microseconds), or before
-        ``max_cycles`` of chip 0, also from the start. Raises ValueError for an instant in the past."""
+        ``max_cycles`` of chip 0, also from the start. Holds the GIL: other threads wait, so a long run beside them is
+        one of many short ones. Raises ValueError for an instant in the past."""
         if until_us is None:
             limit = (
                 arguments.whole("max_cycles", max_cycles, f"a number of cycles, 0 to {MOST_CYCLES},", 0, MOST_CYCLES)

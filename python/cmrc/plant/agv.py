@@ -8,6 +8,7 @@ from typing import Any
 
 from cmrc import _core
 from cmrc.arguments import instance, mapping, number
+from cmrc.one_state import OneState
 from cmrc.plant.arguments import assign, numbers
 from cmrc.plant.parts import AgvDrive, AgvParameters, AgvSnapshot, Pose
 
@@ -30,7 +31,7 @@ class AgvStatus:
     standing: bool
 
 
-class Agv:
+class Agv(OneState):
     """A single AGV: single track with both axles steered, or ``drive="differential"`` (plant-and-bus.md 1.5), with its
     drive's speed loop.
 
@@ -39,6 +40,8 @@ class Agv:
     name or an impossible vehicle. With differential drive the state's front and rear are the speeds of the left and the
     right wheel, m/s.
     """
+
+    _second = "restore() gives the state in snapshot() to another one"
 
     def __init__(self, config: Mapping[str, object] | None = None, **keywords: object) -> None:
         given: dict[str, Any] = {**mapping("config", config, "a dictionary of parameters"), **keywords}

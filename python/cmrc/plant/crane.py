@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cmrc import _core
 from cmrc.arguments import flag, instance, mapping, number
+from cmrc.one_state import OneState
 from cmrc.plant.arguments import assign, numbers
 from cmrc.plant.parts import CraneSnapshot
 
@@ -112,7 +113,7 @@ class Linearization:
     output_units: tuple[str, ...]
 
 
-class Crane:
+class Crane(OneState):
     """The slewing, luffing crane with its drives, at level L1 (``model="sway"``) or L0 (``"rigid"``).
 
     ``machine="gantry"`` is the ship-to-shore gantry: psi stays at pi/2, phi is its trolley's place in m, the second
@@ -123,6 +124,8 @@ class Crane:
     side_area, end_area, spreader_area, seed}: m/s, rad, m2), ``drives`` ({joint: {parameter: value}}). Raises
     ValueError for an unknown name or an impossible crane.
     """
+
+    _second = "restore() gives the state in snapshot() to another one"
 
     def __init__(self, config: Mapping[str, object] | None = None, **keywords: object) -> None:
         given: dict[str, Any] = {**mapping("config", config, "a dictionary of parameters"), **keywords}

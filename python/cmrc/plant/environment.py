@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from cmrc.arguments import mapping, number
+from cmrc.one_state import OneState
 from cmrc.plant.arguments import numbers
 from cmrc.plant.crane import ACTUATED, Array, Crane
 
@@ -46,7 +47,7 @@ _Environment: Any = object if gymnasium is None else gymnasium.Env
 _Box: Any = _PlainBox if gymnasium is None else gymnasium.spaces.Box
 
 
-class CraneEnv(_Environment):  # type: ignore[misc]
+class CraneEnv(OneState, _Environment):  # type: ignore[misc]
     """A crane as an environment of gymnasium (a ``gymnasium.Env`` if that package is installed; it works in the same
     way without).
 
@@ -56,6 +57,8 @@ class CraneEnv(_Environment):  # type: ignore[misc]
     truncated after ``duration`` seconds. The same actions after ``reset`` with the same seed give the same numbers, bit
     for bit.
     """
+
+    _second = "another one that is reset with the same seed takes the same steps"
 
     metadata: dict[str, list[str]] = {"render_modes": []}  # noqa: RUF012 (gymnasium's own form)
     render_mode: str | None = None

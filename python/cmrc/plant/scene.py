@@ -8,6 +8,7 @@ import numpy as np
 
 from cmrc import _core
 from cmrc.arguments import flag, instance, number, shown, whole
+from cmrc.one_state import OneState
 from cmrc.plant.arguments import device_code, numbers
 from cmrc.plant.crane import JOINTS, Array
 from cmrc.plant.parts import (
@@ -23,13 +24,15 @@ from cmrc.plant.parts import (
 )
 
 
-class Scene:
+class Scene(OneState):
     """The whole dock: crane, 0 to 16 AGVs, containers, landing. A controller's devices are its inputs; ``step``
     advances time.
 
     ``config`` is a ``DockConfig`` (``cmrc.plant.default_dock``), by default that of docs/plant.md with ``agvs``
     vehicles.
     """
+
+    _second = "restore() gives the state in snapshot() to another one"
 
     def __init__(self, config: DockConfig | None = None, agvs: int = 1) -> None:
         if config is None:
