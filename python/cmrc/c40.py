@@ -139,8 +139,8 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun, OneState):
         self._core.boot()
 
     def run(self, max_cycles: int = 100_000_000, *, until: int | str | None = None) -> Stop:
-        """Runs whole instructions for ``max_cycles`` cycles, or until PC is at ``until`` (an address or a symbol). Holds
-        the GIL: other threads wait, so a long run beside them is one of many short ones."""
+        """Runs whole instructions for ``max_cycles`` cycles, or until PC is at ``until`` (an address or a symbol).
+        Holds the GIL: other threads wait, so a long run beside them is one of many short ones."""
         target = None if until is None else self.address(until)
         with self._run("run"):
             stop = _stop(self._core.run(_cycles(max_cycles), target))
