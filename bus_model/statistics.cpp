@@ -1,6 +1,7 @@
 #include "bus_model/statistics.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 

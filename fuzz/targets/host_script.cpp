@@ -2,6 +2,7 @@
 // timer, which a program touches in any order and at any time.
 #include "machine/boards/host_script.hpp"
 
+#include <algorithm>
 #include <string>
 #include <vector>
 

@@ -1,5 +1,6 @@
 #include "plant/crane/crane.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <type_traits>
 #include <utility>

@@ -1,6 +1,7 @@
 // Checks of everything on the dock at the start: in reach, not overlapping, standing on something, clear of the lanes.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>

@@ -13,7 +13,7 @@ INCLUDE = re.compile(r"^#include <([\w./]+)>$", re.MULTILINE)
 NO_CODE = re.compile(r'"(?:\\.|[^"\\\n])*"|//[^\n]*|^#include[^\n]*', re.MULTILINE)
 
 NAMES_OF_STD = {
-    "algorithm": "(ranges::)?(all_of|any_of|none_of|for_each|find|count|equal|search|copy|move|move_backward|transform"
+    "algorithm": "(ranges::)?(all_of|any_of|none_of|for_each|find|count|equal|search|copy|move_backward|transform"
     "|replace|fill|generate|remove|unique|reverse|rotate|partition|sort|stable_sort|nth_element|lower_bound"
     "|upper_bound|equal_range|binary_search|merge|includes|set_union|set_difference|set_intersection|min|max|minmax"
     "|min_element|max_element|minmax_element|clamp|lexicographical_compare|adjacent_find|mismatch|is_sorted|swap_ranges"
@@ -23,7 +23,7 @@ NAMES_OF_STD = {
     "bit": r"bit_\w+|count[lr]_\w+|popcount|rot[lr]|has_single_bit|endian",
     "charconv": "from_chars|to_chars|chars_format",
     "chrono": r"chrono|\w*chrono_literals",
-    "cmath": r"abs|fabs|sqrt|cbrt|hypot|pow|exp\w*|log\w*|a?(sin|cos|tan)h?|atan2|floor|ceil|l?l?round|l?l?rint|trunc"
+    "cmath": r"abs|fabs|sqrt|cbrt|hypot|pow|exp(2|m1)?|log(10|2|1p|b)?|a?(sin|cos|tan)h?|atan2|floor|ceil|l?l?round|l?l?rint|trunc"
     r"|fmod|remainder|fma|fmin|fmax|is(finite|nan|inf|normal)|signbit|copysign|ldexp|frexp|scalbn|ilogb|nextafter|modf"
     "|nan|lerp",
     "compare": r"(strong|weak|partial)_ordering",

@@ -1,6 +1,8 @@
 // Integers: true results in 64 bits; shifts one place at a time; part-words byte by byte.
 #include "parts.hpp"
 
+#include <array>
+
 namespace reference {
 namespace {
 

@@ -6,6 +6,7 @@
 //                                               class <tab> count <tab> first word <tab> ours <tab> GNU's
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <charconv>
