@@ -216,9 +216,9 @@ def test_range_sensors_scan_at_their_rate_though_it_is_no_whole_number_of_millis
     config.sensors.range_rate = rate
     d = plant.Dock(config)
     first = d.range_scan(0, 0)
-    scans = [(d.range_scan(0, ms * MS) - first) % 2**32 for ms in range(10_001)]
+    scans = [(d.range_scan(0, ms * MS) - first) % 2**32 for ms in range(3001)]
     # The scan of tick n is that of the first step of 1 ms at or after n / rate.
-    assert scans == [math.floor(ms * Fraction(str(rate)) / 1000) for ms in range(10_001)]
+    assert scans == [math.floor(ms * Fraction(str(rate)) / 1000) for ms in range(3001)]
 
 
 @pytest.mark.parametrize("rate", [-1.0, 1e-9, 0.0009, 1000.1, math.inf, math.nan])
