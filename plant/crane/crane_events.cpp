@@ -8,6 +8,7 @@ namespace plant {
 namespace {
 
 constexpr int most_events = 64;  // in one interval; more are chatter, which the next grid point ends
+constexpr int most_passes = 64;  // of settle(); two or three are usual
 
 struct Candidate {
   CraneRoot root;
@@ -30,7 +31,7 @@ class Interval {
   void advance(double seconds) {
     double at = 0.0;
     for (int i = 0; i < most_events; ++i) {
-      if (p_.stiction) settle();
+      if (p_.stiction) settle(at);
       CraneState trial = c_;
       Work done{};
       if (work_ != nullptr)
@@ -60,8 +61,9 @@ class Interval {
   bool locked(std::size_t k) const { return (in_.locked >> k & 1U) != 0; }
 
   void consider(const CraneState& trial, const Candidate& candidate) {
-    const double now = motion_.value(candidate.root, c_, in_);
     const double then = motion_.value(candidate.root, trial, in_);
+    if (candidate.kind == CraneEvent::Kind::slipped && then < 0.0) return;  // now it is not positive, says settle()
+    const double now = motion_.value(candidate.root, c_, in_);
     if (now != 0.0 && now * then <= 0.0 && found_.size() < CraneMotion::most_roots) found_.push_back(candidate);
   }
 
@@ -78,9 +80,7 @@ class Interval {
           consider(trial, {{Kind::position, k, p_.upper[j]}, CraneEvent::Kind::limit, j});
         if (in_.sliding[j] != 0) consider(trial, {{Kind::speed, k, 0.0}, CraneEvent::Kind::stuck, j});
       } else if ((modes_.stuck >> j & 1U) != 0) {
-        consider(
-            trial,
-            {{Kind::sticking, j, motion_.crane().static_friction(static_cast<int>(j))}, CraneEvent::Kind::slipped, j});
+        consider(trial, {{Kind::sticking, j, static_friction(j)}, CraneEvent::Kind::slipped, j});
       }
     }
     if (locked(Q_ALPHA)) return;
@@ -107,7 +107,7 @@ class Interval {
         c_.qd[what.root.index] = 0.0;
         if (!stick(what.joint)) return;
         break;
-      case CraneEvent::Kind::slipped: break_away(what.joint); break;
+      case CraneEvent::Kind::slipped: break_away(what.joint, motion_.sticking_force(c_, in_, what.joint)); break;
       case CraneEvent::Kind::slack: joint = -1; break;
       case CraneEvent::Kind::swung_out: break;
     }
@@ -121,32 +121,80 @@ class Interval {
   }
 
   // ---- dry friction: a joint at rest sticks if friction can hold it there, else it slides in the direction of the
-  // force
-  void settle() {
+  // force. The force may have jumped since the last instant: wind, load, falls, brakes, another joint's friction.
+  void settle(double at) {
+    const std::uint32_t stuck_before = modes_.stuck;
+    std::uint32_t resting = 0;  // sliding, but not yet moving
     for (std::size_t j = 0; j < joint_count; ++j) {
       const std::size_t k = coordinate_of(j);
       if (in_.braked[j]) in_.sliding[j] = 0;
       if (in_.braked[j] || locked(k)) continue;
-      const double speed = c_.qd[k];
-      if (speed != 0.0)
-        in_.sliding[j] = speed > 0.0 ? 1 : -1;
-      else if (in_.sliding[j] == 0)
-        stick(j);
+      if (c_.qd[k] != 0.0)
+        in_.sliding[j] = c_.qd[k] > 0.0 ? 1 : -1;
+      else if (in_.sliding[j] != 0)
+        resting |= 1U << j;
+      else
+        hold(j);
+    }
+    const std::uint32_t held_first = modes_.stuck & ~stuck_before;  // at rest from the beginning: no event
+    // A joint that sticks or breaks away changes what the others must hold. The lowest joint that disagrees with its
+    // force goes first: then the joints agree after a few passes (Murty's pivoting, for a positive definite matrix).
+    for (int pass = 0; pass < most_passes && correct_first(resting); ++pass) {
+    }
+    for (std::size_t j = 0; j < joint_count; ++j) {
+      const std::uint32_t bit = 1U << j;
+      if (((stuck_before ^ modes_.stuck) & ~held_first & bit) == 0) continue;
+      const bool slipped = (stuck_before & bit) != 0;
+      events_.push_back({slipped ? CraneEvent::Kind::slipped : CraneEvent::Kind::stuck, static_cast<int>(j), at});
     }
   }
 
-  bool stick(std::size_t j) {
-    in_.locked |= 1U << coordinate_of(j);
-    in_.sliding[j] = 0;
-    modes_.stuck |= 1U << j;
-    const double force = motion_.sticking_force(c_, in_, j);
-    if (std::fabs(force) <= motion_.crane().static_friction(static_cast<int>(j))) return true;
-    break_away(j);
+  // Changes the first joint at rest that sticks or slides against its force; false if there is none.
+  bool correct_first(std::uint32_t& resting) {
+    if ((modes_.stuck | resting) == 0) return false;
+    CraneVector holding{};
+    if (modes_.stuck != 0) holding = motion_.holding_force(c_, in_);
+    for (std::size_t j = 0; j < joint_count; ++j) {
+      const std::uint32_t bit = 1U << j;
+      if ((modes_.stuck & bit) != 0) {
+        const double force = motion_.sticking_force(holding, c_, j);
+        if (std::fabs(force) <= static_friction(j)) continue;
+        break_away(j, force);
+        resting |= bit;
+        return true;
+      }
+      if ((resting & bit) == 0) continue;
+      // A joint that has just broken away is exactly at its limit: rounding must not hold it again at once.
+      constexpr double at_limit = 1.0 - 1e-9;
+      const std::int8_t direction = in_.sliding[j];
+      hold(j);
+      const double force = motion_.sticking_force(c_, in_, j);
+      if (-direction * force < at_limit * static_friction(j)) {
+        resting &= ~bit;
+        return true;
+      }
+      break_away(j, force);
+    }
     return false;
   }
 
-  void break_away(std::size_t j) {
+  double static_friction(std::size_t j) const { return motion_.crane().static_friction(static_cast<int>(j)); }
+
+  void hold(std::size_t j) {
+    in_.locked |= 1U << coordinate_of(j);
+    in_.sliding[j] = 0;
+    modes_.stuck |= 1U << j;
+  }
+
+  bool stick(std::size_t j) {
+    hold(j);
     const double force = motion_.sticking_force(c_, in_, j);
+    if (std::fabs(force) <= static_friction(j)) return true;
+    break_away(j, force);
+    return false;
+  }
+
+  void break_away(std::size_t j, double force) {
     in_.locked &= ~(1U << coordinate_of(j));
     in_.sliding[j] = force > 0.0 ? -1 : 1;
     modes_.stuck &= ~(1U << j);

@@ -3,8 +3,8 @@
 // load swings out. The integrator finds each event as a root; the rest of the interval is integrated from there. An
 // interval without a change of sign between its ends costs nothing more.
 //
-// Inaccuracies: a double change of sign within one interval (125 us in the dock, 1 ms in CraneAlone) is not seen. A
-// joint that rests in its end stop is put back on it at each grid point, not held there by a constraint.
+// Inaccuracies: a double change of sign within one interval (125 us in the dock, 1 or 10 ms in CraneAlone) is not seen.
+// A joint that rests in its end stop is put back on it at each grid point, not held there by a constraint.
 #include <cstdint>
 #include <vector>
 

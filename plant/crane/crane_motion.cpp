@@ -243,7 +243,11 @@ CraneVector CraneMotion::holding_force(const CraneState& state, const CraneInput
 }
 
 double CraneMotion::sticking_force(const CraneState& state, const CraneInputs& in, std::size_t joint) const {
-  return holding_force(state, in)[coordinate_of(joint)] - crane_.gear_force(joint, state.torque[joint], 0.0);
+  return sticking_force(holding_force(state, in), state, joint);
+}
+
+double CraneMotion::sticking_force(const CraneVector& holding, const CraneState& state, std::size_t joint) const {
+  return holding[coordinate_of(joint)] - crane_.gear_force(joint, state.torque[joint], 0.0);
 }
 
 void CraneMotion::stop(CraneState& state, const CraneInputs& inputs, std::size_t k) const {

@@ -70,6 +70,7 @@ class CraneMotion {
 
   // The dry friction that keeps a locked joint at rest against its own motor and all other forces.
   double sticking_force(const CraneState&, const CraneInputs&, std::size_t joint) const;
+  double sticking_force(const CraneVector& holding_force, const CraneState&, std::size_t joint) const;
 
   double value(const CraneRoot&, const CraneState&, const CraneInputs&) const;
   // Stops at the first root; returns the elapsed seconds, and in `which` the root or -1.

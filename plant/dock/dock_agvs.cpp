@@ -22,12 +22,10 @@ void DockCore::move_agvs() {
   }
   for (std::size_t i = 0; i < state.agvs.size(); ++i) {
     AgvState& agv = state.agvs[i];
-    const auto ticks = [&](const SampleClock& clock, std::int64_t period) {
-      return ticks_until(clock, state.latch, period) > ticks_until(clock, state.latch - agv_latches, period);
-    };
-    if (ticks(range_clock(i), range_latches(config.sensors))) look(i);
+    if (!state.scans.empty() && range_ticks(i, state.latch) > range_ticks(i, state.latch - agv_latches)) look(i);
     if (AgvMotion::take_set_point(agv, now())) report(EventKind::agv_dry, static_cast<int>(i));
-    if (ticks(unit_clock(i), tick_latches)) {
+    const SampleClock clock = unit_clock(i);
+    if (ticks_until(clock, state.latch, tick_latches) > ticks_until(clock, state.latch - agv_latches, tick_latches)) {
       const double allowed =
           config.agv.protective_field ? traffic.allowed_speed(agv, scan(i)) : std::numeric_limits<double>::infinity();
       agv_motion.drive_tick(agv, allowed);
@@ -36,10 +34,13 @@ void DockCore::move_agvs() {
   }
 }
 
+std::int64_t DockCore::range_ticks(std::size_t agv, std::int64_t latch) const {
+  return range_ticks_until(config.sensors, range_clock(agv), latch);
+}
+
 // The scan is of the last step.
 std::uint32_t DockCore::scan_number(std::size_t agv) const {
-  return static_cast<std::uint32_t>(
-      ticks_until(range_clock(agv), state.latch - state.latch % agv_latches, range_latches(config.sensors)));
+  return static_cast<std::uint32_t>(range_ticks(agv, state.latch - state.latch % agv_latches));
 }
 
 const Geometry::Scan& DockCore::scan(std::size_t agv) {
@@ -55,10 +56,9 @@ const Geometry::Scan& DockCore::scan(std::size_t agv) {
 
 // Takes a sample of a range sensor with its own rate; some rays have no echo.
 void DockCore::look(std::size_t agv) {
-  if (state.scans.empty()) return;
   collect_solids(config, state, state.agvs[agv].container, solids_);
   Geometry::Scan codes = traffic.scan(state.agvs[agv], agv, solids_);
-  const std::int64_t number = ticks_until(range_clock(agv), state.latch, range_latches(config.sensors));
+  const std::int64_t number = range_ticks(agv, state.latch);
   for (std::size_t ray = 0; ray < codes.size(); ++ray)
     if (drops(config.sensors, agv, number * range_rays + static_cast<std::int64_t>(ray))) codes[ray] = 0;
   state.scans[agv] = codes;

@@ -87,6 +87,7 @@ class DockCore {
   SampleClock range_clock(std::size_t agv) const {
     return agv < config.sensors.range_clocks.size() ? config.sensors.range_clocks[agv] : SampleClock{};
   }
+  std::int64_t range_ticks(std::size_t agv, std::int64_t latch) const;  // scans of its range sensor until then
   void serve_warehouse(std::size_t agv);
   void sample_sway();
   void sample_instruments(std::int64_t sample);  // with the first sway sensor's

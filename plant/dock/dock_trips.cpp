@@ -22,7 +22,7 @@ void DockCore::protect_drives() {
   ProtectionState& p = state.protection;
   const std::uint32_t switched_on = state.shadow_enable & ~p.asked;
   p.asked = state.shadow_enable;
-  for (std::uint32_t& cause : p.causes) cause &= ~switched_on;
+  for (std::uint32_t& cause : p.causes) cause &= ~switched_on | p.tripped;
   for (std::size_t j = 0; j < joint_count; ++j) {
     const DriveParameters& drive = config.crane.drives[j];
     const bool on = bit(state.enabled, j);
@@ -39,7 +39,8 @@ void DockCore::protect_drives() {
     if (p.fast[j] > 0 && p.fast[j] >= latches(drive.overspeed_time)) trip(j, Trip::overspeed);
     if (hunts || (p.saturated[j] > 0 && p.saturated[j] >= latches(drive.saturation_time))) trip(j, Trip::saturation);
     if (on && p.heat[j] > drive.thermal_trip) trip(j, Trip::heat);
-    if (bit(p.tripped, j) && !bit(state.shadow_enable, j) && p.heat[j] <= 1.0) p.tripped &= ~(1U << j);
+    const bool too_hot = bit(p.causes[static_cast<std::size_t>(Trip::heat)], j) && p.heat[j] > 1.0;
+    if (bit(p.tripped, j) && !bit(state.shadow_enable, j) && !too_hot) p.tripped &= ~(1U << j);
   }
 }
 

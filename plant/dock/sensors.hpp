@@ -15,7 +15,9 @@ std::int32_t sway_code(double angle, const SensorParameters&, Stream noise, std:
 bool drops(const SensorParameters&, std::size_t agv, std::int64_t ray);
 // Ticks of a sampling clock up to a latch: it ticks each `period` latches, the first time at its phase.
 std::int64_t ticks_until(const SampleClock&, std::int64_t latch, std::int64_t period);
-// Latches between two scans of the range sensors.
-std::int64_t range_latches(const SensorParameters&);
+// The rate of the range sensors' scans, mHz: a scan at each of the AGVs' steps, if they have no rate of their own.
+std::int64_t range_millihertz(const SensorParameters&);
+// Ticks of a range sensor's clock up to a latch, at exactly this rate.
+std::int64_t range_ticks_until(const SensorParameters&, const SampleClock&, std::int64_t latch);
 
 }  // namespace plant

@@ -157,7 +157,8 @@ void check(const WindParameters& p) {
 void check(const SensorParameters& p) {
   require_positive({{"sway_range", p.sway_range}});
   require_not_negative({{"sway_noise", p.sway_noise}});
-  refuse(!(p.range_rate >= 0.0 && p.range_rate <= 1000.0), "range_rate must be 0 to 1000 Hz", p.range_rate);
+  refuse(p.range_rate != 0.0 && !(p.range_rate >= 0.001 && p.range_rate <= 1000.0),
+         "range_rate must be 0 (a scan at each step of the AGVs), or 0.001 to 1000 Hz", p.range_rate);
   refuse(!(p.range_dropout >= 0.0 && p.range_dropout <= 1.0), "range_dropout must be 0 to 1", p.range_dropout);
 }
 

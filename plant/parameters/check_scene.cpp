@@ -41,8 +41,9 @@ std::vector<Thing> things(const DockConfig& c) {
   }
   for (std::size_t i = 0; i < c.layout.movers.size(); ++i) {
     const Mover& m = c.layout.movers[i];
-    all.push_back({fmt::format("mover {}", i), make_solid(Solid::Kind::mover, -1, m.path.front().x, m.path.front().y,
-                                                          0.0, m.radius, m.radius, 0.0, m.height)});
+    const MoverPlace at = place_of(m, 0.0);
+    all.push_back({fmt::format("mover {}", i),
+                   make_solid(Solid::Kind::mover, -1, at.x, at.y, 0.0, m.radius, m.radius, 0.0, m.height)});
   }
   for (int i = 0; i < c.agv_count; ++i) {
     const Pose at = start_of_agv(c.layout, i);
@@ -75,9 +76,13 @@ void check_lanes(const DockConfig& c) {
 
 void check_apart(const DockConfig& c) {
   constexpr double play = 1e-3;  // m, by which neighbours may overlap because a layout has rounded numbers
-  const std::vector<Thing> all = things(c);
+  std::vector<Thing> all = things(c);
+  all.push_back({"the ship", solid_of(Solid::Kind::ship, c.layout.ship)});
   for (std::size_t i = 0; i < all.size(); ++i)
     for (std::size_t j = i + 1; j < all.size(); ++j) {
+      // A box may be a part of the ship, and check_standing() looks below the containers.
+      const bool aboard = all[i].solid.kind == Solid::Kind::fixed || all[i].solid.kind == Solid::Kind::container;
+      if (all[j].solid.kind == Solid::Kind::ship && aboard) continue;
       const Solid& a = all[i].solid;
       const Solid& b = all[j].solid;
       if (std::min(a.top, b.top) - std::max(a.bottom, b.bottom) <= play || !overlaps(a, b, -play)) continue;

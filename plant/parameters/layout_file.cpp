@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <numbers>
 
 #include "io/input_file.hpp"
 #include "io/toml.hpp"
@@ -149,7 +150,8 @@ class Reader {
     if (lane_table != nullptr) lanes_of(*lane_table, lanes);
     const bool moved = old_spot.heading != layout_.spot.heading || old_spot.x != layout_.spot.x ||
                        old_spot.y != layout_.spot.y || old_warehouse.x != layout_.warehouse.x ||
-                       old_warehouse.y != layout_.warehouse.y || spacing != layout_.slot_spacing;
+                       old_warehouse.y != layout_.warehouse.y || old_warehouse.heading != layout_.warehouse.heading ||
+                       spacing != layout_.slot_spacing;
     if (!lanes[0].empty() || !lanes[1].empty())
       layout_.legs = {lanes[0], lanes[1], lanes[1]};
     else if (moved)
@@ -324,6 +326,14 @@ class Reader {
       ::plant::refuse(
           root.source(), file_,
           "the default loop needs a spot with heading 0 and a warehouse 24 m nearer the land; give [lanes]");
+    if (std::fabs(wrap_angle(layout_.warehouse.heading - std::numbers::pi)) > 1e-9) {
+      const toml::node* heading = root["warehouse"]["heading_deg"].node();
+      ::plant::refuse(
+          heading == nullptr ? root.source() : heading->source(), file_,
+          fmt::format("heading_deg of the warehouse is {:g}, but the default loop arrives there with a heading of "
+                      "180 degrees; expected is 180, no heading_deg, or your own [lanes]",
+                      layout_.warehouse.heading / degree));
+    }
     layout_.legs = default_loop(layout_, c_.agv_count);
   }
 

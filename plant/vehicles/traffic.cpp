@@ -9,8 +9,6 @@
 namespace plant {
 namespace {
 
-constexpr double felt = 0.01;  // m/s, closing speed below which two bodies only lean on each other
-
 // A vehicle at the point of contact: its velocity along the normal, and the change of this velocity by an impulse of 1
 // N s.
 struct Side {
@@ -80,7 +78,7 @@ bool Traffic::impact(AgvState& agv, AgvState* other, const Solid& obstacle, cons
     other->y[A_X] -= share * t.depth * t.nx;
     other->y[A_Y] -= share * t.depth * t.ny;
   }
-  return first && speed > felt;
+  return first && speed > 0.0;
 }
 
 void Traffic::collide(std::vector<AgvState>& agvs, const std::vector<Solid>& solids, const Hear& hear) {

@@ -117,6 +117,50 @@ def test_a_queue_that_does_not_lie_on_its_lane_is_refused(tmp_path: Path, drivin
         dock(tmp_path, ROUND, **{"dock.agvs": 3, "load.driving": driving})
 
 
+def tight(radius: float) -> str:
+    """A round of half turns with this radius."""
+    turn = f"[{np.pi * radius}, {-1 / radius}, 3]"
+    return (
+        f"[portal]\nleg_m = 0\n[warehouse]\nx_m = 14\ny_m = {8 - 2 * radius}\n[lanes]\n"
+        f"to_warehouse = [[20, 0, 5], {turn}, [28, 0, 5]]\nto_spot = [[36, 0, 5], {turn}, [44, 0, 5]]\n"
+    )
+
+
+def test_a_lane_that_no_vehicle_can_steer_is_refused(tmp_path: Path) -> None:
+    """With 30 degrees on both axles, 9 m apart, the least radius is 4.5 m / tan 30 degrees = 7.79 m; a tenth more is
+    needed."""
+    dock(tmp_path, tight(8.6))
+    for radius in (6, 7.8, 8.5):
+        what = (
+            rf"layout.toml: \[lanes\] to_warehouse: piece 1, from \(42.00, 8.00\) m, has a curvature of "
+            rf"{-1 / radius:.4g} 1/m .*agv.steer_limit_deg = 30 and 9 m between its axles .*at most 0.1166 1/m "
+            rf"\(8.57 m; .*expected are a wider bend, or an agv.steer_limit_deg of "
+            rf"{np.ceil(10 * np.degrees(np.arctan(4.5 * 1.1 / radius))) / 10:.1f} or more"
+        )
+        with pytest.raises(cmrc.ConfigError, match=what):
+            dock(tmp_path, tight(radius))
+    dock(tmp_path, tight(6), **{"agv.steer_limit_deg": 45})
+    dock(tmp_path, "[agv]\ndrive = 'differential'\n" + tight(6))  # it can turn on the spot
+
+
+@pytest.mark.parametrize("crane", ["slewing", "gantry"])
+def test_default_lanes_need_vehicles_that_can_steer_them(crane: str) -> None:
+    settings = {"dock.crane": crane, "dock.agvs": 4}
+    run_setup.dock_of(core.config(settings={**settings, "agv.steer_limit_deg": 22.5}))
+    what = r"to_warehouse: piece 1, .* agv.steer_limit_deg = 15 .* expected are .* agv.steer_limit_deg of 22.5 or more"
+    with pytest.raises(cmrc.ConfigError, match=what):
+        run_setup.dock_of(core.config(settings={**settings, "agv.steer_limit_deg": 15}))
+
+
+@pytest.mark.parametrize("radius", [0.0005, 0.149, 0.15])
+def test_a_warehouse_that_an_agv_may_miss_is_refused(tmp_path: Path, radius: float) -> None:
+    if radius >= 0.15:
+        dock(tmp_path, f"[warehouse]\nradius_m = {radius}\n")
+        return
+    with pytest.raises(cmrc.ConfigError, match=rf"\[warehouse\] radius_m is {radius} m, .* expected is 0.15 m or"):
+        dock(tmp_path, f"[warehouse]\nradius_m = {radius}\n")
+
+
 @pytest.mark.parametrize("heading", [90, 2, 0.2])
 def test_a_lane_that_ends_across_its_place_is_refused(tmp_path: Path, heading: float) -> None:
     layout = f"[spot]\nheading_deg = {heading}\n" + ROUND

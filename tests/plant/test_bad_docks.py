@@ -31,6 +31,10 @@ def boxes(config, *where):
     config.layout.no_go = [box(*at) for at in where]
 
 
+def movers(config, *path):
+    config.layout.movers = [plant.Mover(1.0, 2.0, [plant.Waypoint(*at) for at in path])]
+
+
 @pytest.mark.parametrize(
     ("change", "says"),
     [
@@ -45,6 +49,16 @@ def boxes(config, *where):
         (lambda c: first_container(c, z=math.inf), "container 0 needs a place"),
         (lambda c: boxes(c, (40, -40), (41.5, -40)), "box 0 and box 1 are inside each other"),
         (lambda c: boxes(c, (22, 8)), "box 0 and AGV 0 are inside each other"),
+        (lambda c: setattr(c.layout, "spot", plant.Pose(22, 19, 0)), "AGV 0 and the ship are inside each other"),
+        (lambda c: movers(c, (0, 0, 28)), "mover 0 and the ship are inside each other"),
+        (
+            lambda c: setattr(c.crane.portal, "waterside", 32.0),
+            r"the crane's leg \d and the ship are inside each other",
+        ),
+        (
+            lambda c: movers(c, (-10, 100, 100), (0, 22, 8), (10, -100, 100)),
+            r"mover 0 and AGV 0 are inside each other, at \(22.00, 8.00\)",
+        ),
         (lambda c: setattr(c.layout, "no_go", [plant.Box(1, 0, 0, 1, 0, 1)]), "box 0 needs min < max"),
         (lambda c: first_container(c, z=12.0), "container 0 must stand on something: its underside is at 12.000 m"),
         (lambda c: first_container(c, z=0.0), "container 0 must stand on something: .* ends at 3.909 m"),
@@ -75,6 +89,12 @@ def test_refused(change, says):
     change(config)
     with pytest.raises(ValueError, match=says):
         plant.Dock(config)
+
+
+def test_a_mover_may_begin_where_a_vehicle_stands_as_long_as_it_has_left_that_place_at_the_start():
+    config = plant.default_dock()
+    movers(config, (-10, 22, 8), (0, 22, -8), (10, 22, -8))
+    plant.Dock(config)
 
 
 def test_slots_too_near_for_the_vehicles():

@@ -151,6 +151,39 @@ def test_a_trip_ends_when_the_drive_is_switched_off_and_has_cooled() -> None:
     assert hot.drive_status(TRAVEL, cool + 2 * MS) == READY | BRAKE
 
 
+def test_a_trip_of_a_warm_drive_that_is_no_overheating_ends_when_the_drive_is_switched_off() -> None:
+    it = dock(SLEW, thermal_time=0.8)
+    it.set_torque_code(SLEW, 2047, 0)
+    it.advance_to(510 * MS)
+    assert [(joint, cause) for _, joint, cause in trips(it)] == [(SLEW, 1)]
+    assert 10_000 < it.drive_heat(SLEW, 510 * MS) < 12_000
+    it.set_torque_code(SLEW, 0, 510 * MS)
+    it.enable_drives(0x1F & ~(1 << SLEW), 510 * MS)
+    assert it.drive_status(SLEW, 511 * MS) == READY | BRAKE
+    assert it.drive_trip(SLEW, 511 * MS) == SATURATION | WARNING
+    it.enable_drives(0x1F, 511 * MS)
+    assert (it.drive_status(SLEW, 512 * MS), it.drive_trip(SLEW, 512 * MS)) == (READY, WARNING)
+
+
+def test_a_drive_that_is_switched_on_while_it_is_too_hot_still_shows_why_it_is_tripped() -> None:
+    it = dock(TRAVEL, thermal_time=0.2, saturation_time=100.0)
+    it.set_torque_code(TRAVEL, 2047, 0)
+    it.advance_to(300 * MS)
+    ((at, *_),) = trips(it)
+    hot = dock(TRAVEL, thermal_time=0.2, saturation_time=100.0)
+    hot.set_torque_code(TRAVEL, 2047, 0)
+    now = int(at * 1e12) + MS
+    for enabled in (0x1E, 0x1F):
+        hot.enable_drives(enabled, now)
+        now += MS
+        hot.advance_to(now)
+    assert hot.drive_status(TRAVEL, now) == FAULT | BRAKE
+    assert hot.drive_trip(TRAVEL, now) == HEAT | WARNING
+    hot.advance_to(now + 200 * MS)  # cool, but not switched off
+    assert hot.drive_status(TRAVEL, now + 200 * MS) == FAULT | BRAKE
+    assert hot.drive_trip(TRAVEL, now + 200 * MS) == HEAT
+
+
 def test_the_rated_torque_can_be_held_forever() -> None:
     """Code 1365 of 2047 is the rated torque at 1.5 times of it: heat comes to 1 and no further."""
     it = dock(TRAVEL, thermal_time=0.05, rated_speed=1e5)

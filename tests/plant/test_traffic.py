@@ -2,6 +2,7 @@
 sensors with a rate."""
 
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -110,6 +111,21 @@ def test_a_mover_hits_a_standing_vehicle_with_its_own_speed_from_any_side(begin,
     assert hit.values[0] == pytest.approx(abs(speed), rel=1e-6) and abs(speed) > 1
 
 
+def test_a_slow_touch_opens_the_bumper_and_is_an_event_too():
+    config = plant.default_dock(1)
+    config.layout.movers = [plant.Mover(0.2, 2.0, [plant.Waypoint(0, 22 + 7.4 + 0.2 + 0.0005, 8)])]
+    d = plant.Dock(config)
+    run(d, 2.0, (0, 5, 0, 0))
+    assert d.agv_status(0, d.time) & 0x80
+    (hit,) = collisions(d)
+    assert hit.index == 0 and 0 < hit.values[0] < 0.006 and hit.values[1] == -1
+    run(d, 1.0, (0, 5, 0, 0))
+    assert len(collisions(d)) == 1
+    d.agv_reset_bumper(0, d.time)
+    run(d, 2.0, (0, 5, 0, 0))  # against the post again
+    assert d.agv_status(0, d.time) & 0x80 and len(collisions(d)) == 2
+
+
 def test_without_collisions_vehicles_go_through_each_other():
     config = plant.default_dock(2)
     config.collisions = False
@@ -192,6 +208,25 @@ def test_range_sensors_with_a_rate_hold_their_scan_and_drop_some_rays():
     other = plant.Dock(config)
     other.restore(state)
     assert [other.agv_range(1, ray, 300 * MS) for ray in range(180)] == later
+
+
+@pytest.mark.parametrize("rate", [0.4, 20.0, 30.0, 300.0, 400.0, 600.0, 700.0, 999.9, 1000.0])
+def test_range_sensors_scan_at_their_rate_though_it_is_no_whole_number_of_milliseconds(rate: float):
+    config = plant.default_dock(1)
+    config.sensors.range_rate = rate
+    d = plant.Dock(config)
+    first = d.range_scan(0, 0)
+    scans = [(d.range_scan(0, ms * MS) - first) % 2**32 for ms in range(3001)]
+    # The scan of tick n is that of the first step of 1 ms at or after n / rate.
+    assert scans == [math.floor(ms * Fraction(str(rate)) / 1000) for ms in range(3001)]
+
+
+@pytest.mark.parametrize("rate", [-1.0, 1e-9, 0.0009, 1000.1, math.inf, math.nan])
+def test_a_rate_that_no_range_sensor_has_is_refused(rate: float):
+    config = plant.default_dock(1)
+    config.sensors.range_rate = rate
+    with pytest.raises(ValueError, match=r"range_rate must be 0 .*, or 0.001 to 1000 Hz \(got"):
+        plant.Dock(config)
 
 
 def test_the_protective_field_stops_before_a_post():
@@ -381,6 +416,15 @@ def test_a_layout_from_toml():
     plant.Dock(config).advance_to(SECOND)
 
 
+def test_the_warehouse_of_the_default_loop_may_say_its_heading():
+    config = plant.default_dock(1)
+    plant.apply_layout(config, "[warehouse]\nheading_deg = -180\nx_m = 8\n")
+    assert config.layout.legs[0][-1].length == 34
+    config.layout.warehouse = plant.Pose(8, -16, math.pi / 2)
+    with pytest.raises(plant.LayoutError, match=r"layout:1:1: heading_deg of the warehouse is 90"):
+        plant.apply_layout(config, "[spot]\nx_m = 20\n")
+
+
 def test_the_deck_of_a_layout_is_where_its_containers_stand():
     config = plant.default_dock(1)
     plant.apply_layout(config, "deck_m = 3.0\n[[containers]]\nx_m = 0\ny_m = 24\n")
@@ -402,6 +446,11 @@ def test_a_folder_is_no_layout(tmp_path):
         ("[[movers]]\npath = [[0, 1]]", r"layout:2:9: path of a mover needs a list of 3 numbers"),
         ("[agv]\ndrive = 'tracks'", r'layout:2:9: drive of agv needs one of "steered", "differential"'),
         ("[spot]\nheading_deg = 90", "default loop"),
+        (
+            "[warehouse]\nheading_deg = 90",
+            r"layout:2:15: heading_deg of the warehouse is 90, .* expected is 180, no head",
+        ),
+        ("[warehouse]\nheading_deg = 0\nx_m = 8", r"layout:2:15: heading_deg of the warehouse is 0, .* \[lanes\]"),
         ("[[containers]]\nx_m = 0\ny_m = 24\ntier = -1", r"layout:1:1: a container's tier is 0, 1, 2"),
         ("boxes = 3", "list of tables"),
         ("x = [", r"layout:1:\d+: "),

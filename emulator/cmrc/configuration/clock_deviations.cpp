@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <stdexcept>
 
@@ -71,7 +70,6 @@ std::vector<Oscillator> Oscillators::all() const {
 
 Oscillators oscillators_of(const Config& config) {
   const Draw draw(config);
-  constexpr std::int64_t latches_per_second = std::chrono::seconds{1} / plant::latch_period;
   const machine::Config machine = nominal_machine_of(config);
   const plant::SensorParameters sensors = nominal_dock_of(config).sensors;
   // Millihertz are fine enough for any typed rate, and keep the timer's clock rational (ruling 1).
@@ -93,8 +91,7 @@ Oscillators oscillators_of(const Config& config) {
   }
   for (std::int64_t agv = 0; agv < config.dock.agvs; ++agv) {
     if (sensors.range_rate > 0) {
-      const std::int64_t latches = plant::range_latches(sensors);
-      all.range.push_back(draw(fmt::format("range sensor {}", agv), latches_per_second, latches));
+      all.range.push_back(draw(fmt::format("range sensor {}", agv), plant::range_millihertz(sensors), 1000));
     }
     all.units.push_back(draw(fmt::format("AGV unit {}", agv), 100));
   }

@@ -113,6 +113,45 @@ void check_place(const plant::DockConfig& dock, const Place& place) {
   }
 }
 
+/// What the steering can do beyond the bends of the lanes, to lead the vehicle back onto its lane.
+constexpr double steering_reserve = 1.1;
+
+void check_bends(const plant::DockConfig& dock) {
+  const plant::AgvParameters& p = dock.agv;
+  if (p.drive != plant::AgvDrive::steered) return;  // wheels on the left and right turn on the spot
+  const double half_base = 0.5 * (p.front + p.rear);
+  const auto [s, c] = plant::sin_cos(p.steer_limit);
+  const double most = s / c / half_base / steering_reserve;  // 1/m
+  for (const auto& [name, leg] : {std::pair{"to_warehouse", 0}, std::pair{"to_spot", 1}}) {
+    const std::vector<plant::LaneSegment>& pieces = dock.layout.legs.at(static_cast<std::size_t>(leg));
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      const double bend = std::abs(pieces[i].curvature);
+      if (bend <= most) continue;
+      throw std::invalid_argument(fmt::format(
+          "[lanes] {}: piece {}, from ({:.2f}, {:.2f}) m, has a curvature of {:.4g} 1/m (a radius of {:.2f} m), but "
+          "with "
+          "agv.steer_limit_deg = {:g} and {:g} m between its axles an AGV follows at most {:.4g} 1/m ({:.2f} m; a "
+          "tenth "
+          "of its steering is kept to lead it back onto its lane); expected are a wider bend, or an "
+          "agv.steer_limit_deg "
+          "of {:.1f} or more",
+          name, i, pieces[i].x, pieces[i].y, pieces[i].curvature, 1 / bend, p.steer_limit * degrees, 2 * half_base,
+          most, 1 / most, std::ceil(plant::atan2(bend * half_base * steering_reserve, 1.0) * degrees * 10) / 10));
+    }
+  }
+}
+
+/// A leg may end 0.1 m beside the warehouse, and an AGV stops within 2 cm of the leg's end.
+constexpr double least_warehouse_radius = 0.15;  // m
+
+void check_warehouse(const plant::Layout& layout) {
+  if (layout.warehouse_radius >= least_warehouse_radius) return;
+  throw std::invalid_argument(
+      fmt::format("[warehouse] radius_m is {:g} m, so an AGV may stop outside of it, and the warehouse takes nothing; "
+                  "expected is {:g} m or more",
+                  layout.warehouse_radius, least_warehouse_radius));
+}
+
 void check_lanes(const plant::DockConfig& dock, const Words& words) {
   const plant::Layout& layout = dock.layout;
   for (const auto& [name, leg] : {std::pair{"to_warehouse", 0}, std::pair{"to_spot", 1}}) {
@@ -153,6 +192,8 @@ void check_job(const plant::DockConfig& dock, const Words& words) {
                     boxes, words.boxes_max));
   check_scanner(dock.layout, static_cast<int>(words.bay_tiers));
   check_lanes(dock, words);
+  check_bends(dock);
+  check_warehouse(dock.layout);
   for (const Place& place : places_of(dock)) check_place(dock, place);
   each_way(places_of(dock), dock, [&](const Place& a, const Place& b) { check_way(dock, a, b); });
 }
