@@ -43,13 +43,14 @@ void RunObserver::attach(plant::Dock& dock, Course* course, double wind_limit) {
     for (std::size_t i = 0; i < event.arguments.size() && i < codes.size(); ++i)
       event.arguments[i] = static_cast<std::uint32_t>(codes[i]);
     log_.add(event);
-    if (const auto found = instability_.latch(time / plant::latch_period, codes); found && servoing_()) {
-      const Time since = found->since * plant::latch_period;
-      const char* joint = plant::joint_names(dock.config().crane.machine).at(found->joint).name;
+    for (const Instability::Found& found : instability_.latch(time / plant::latch_period, codes)) {
+      if (!servoing_()) break;
+      const Time since = found.since * plant::latch_period;
+      const char* joint = plant::joint_names(dock.config().crane.machine).at(found.joint).name;
       failures_.push_back({time, std::nullopt, "unstable",
                            fmt::format("the loop of joint {} is unstable: since {:.3f} s its drive's torque swings "
                                        "between both ends of its range, at {:.1f} Hz",
-                                       joint, static_cast<double>(since.count()) * 1e-12, found->frequency_hz)});
+                                       joint, static_cast<double>(since.count()) * 1e-12, found.frequency_hz)});
     }
     double squares = 0;
     const std::uint32_t on = dock.drives_on();
