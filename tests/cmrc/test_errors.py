@@ -67,6 +67,19 @@ def test_a_load_that_swings_on_after_the_stop_has_moved_most_then() -> None:
     assert most > 1.05 * moved[(time >= error["happened_s"]) & (time <= error["done_s"])].max()
 
 
+def test_a_load_that_swings_on_without_any_dsp_has_moved_most_then() -> None:
+    """The account ends 0.5 s after the last DSP has failed; the run continues for the plant alone."""
+    events = [at(LEG, "fail", dsp=0), at(LEG + 0.5, "fail", dsp=1)]
+    report, simulation = run(LEG + 4, *events, **{"dsps": 2, "report.signal_decimation": 1, "run.after_stop_s": 3.0})
+    error = only(report)
+    time, place = load(simulation)
+    moved = np.linalg.norm(place - place[np.searchsorted(time, error["happened_s"])], axis=1)
+    of_account = moved[(time >= error["happened_s"]) & (time <= report["account_end_s"])].max()
+    assert report["stop_reason"] == "no_dsp_left" and error["stands"] and error["cleared_s"] is None
+    assert error["moved_most_m"] == pytest.approx(moved[time >= error["happened_s"]].max(), rel=1e-3)
+    assert error["moved_most_m"] > 2 * of_account
+
+
 def test_a_repaired_and_cleared_drive_continues_and_the_status_is_0_but_not_with_strict() -> None:
     events = [at(LEG, "fail_drive", joint="luff"), at(6, "repair_drive", joint="luff"), clear(8)]
     report, simulation = run(14, *events)

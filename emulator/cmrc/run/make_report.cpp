@@ -244,7 +244,7 @@ report::RunReport make_report(ReportInputs e) {
   }
   std::ranges::stable_sort(report.timed_events, {}, &report::TimedEventReport::time);
   for (std::string& fault : e.machine.audit()) report.audit.violations.push_back(std::move(fault));
-  report.errors_handled = handled_errors(e.host.errors().entries(), e.config, e.dock, now, e.kind_name);
+  report.errors_handled = handled_errors(e.host.errors().entries(), e.config, e.dock, report.simulated, e.kind_name);
   report.braked = e.dock.braked();
   report.failures = e.observer.failures();
   for (const std::string& violation : report.audit.violations)
