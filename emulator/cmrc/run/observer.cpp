@@ -36,6 +36,7 @@ RunObserver::RunObserver(const Words& words, Ledger& ledger, report::EventLog& l
 
 void RunObserver::attach(plant::Dock& dock, Course* course, double wind_limit) {
   wind_.emplace(dock.config().wind, wind_limit);
+  motion_.emplace(dock);
   dock.on_latch([this, &dock, course](plant::Time time, std::span<const int> codes) {
     if (course != nullptr) course->latch(dock, time);
     if (watcher_ != nullptr) watcher_->latched(dock, time);
@@ -64,6 +65,7 @@ void RunObserver::attach(plant::Dock& dock, Course* course, double wind_limit) {
     effort_until_ = time;
     standstill_.latch(dock.braked(), time);
     wind_->at(time);
+    motion_->latch(dock, time);
   });
   dock.on_event([this, crane = dock.config().crane.machine](const plant::Event& event) { dock_event(event, crane); });
 }
@@ -129,11 +131,7 @@ CauseTimes RunObserver::take_snapshot(unsigned slot, machine::Offset offset, Tim
 
 void RunObserver::pid_error(std::size_t joint, machine::Word value) {
   if (!errors_hold_) return;
-  const double error = from_ti_float(value);
-  auto& sum = pid_error_[joint];
-  sum.squares += error * error;
-  sum.peak = std::max(sum.peak, std::abs(error));
-  ++sum.count;
+  pid_error_[joint].add(from_ti_float(value));
 }
 
 void RunObserver::dsp_write(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value,
@@ -346,6 +344,7 @@ void RunObserver::list_state(state::Visitor& list) {
   list("effort", effort_);
   list("effort_until", effort_until_);
   list("wind", wind_);
+  list("motion", motion_);
 }
 
 }  // namespace cmrc
