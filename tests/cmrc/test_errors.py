@@ -97,6 +97,18 @@ def test_a_repaired_and_cleared_drive_continues_and_the_status_is_0_but_not_with
     assert strict.exit_status == 1
 
 
+def test_an_error_that_is_cleared_before_it_is_decided_is_cleared_with_the_decision() -> None:
+    fails = at(LEG, "fail_drive", joint="slew")
+    first = only(run(LEG + 0.1, fails)[0])
+    noticed, decided = first["noticed_s"], first["decided_s"]
+    repaired = at(noticed, "repair_drive", joint="slew")
+    report, simulation = run(LEG + 14, fails, repaired, clear((noticed + decided) / 2))
+    error = only(report)
+    assert (error["noticed_s"], error["decided_s"]) == (noticed, decided)
+    assert error["cleared_s"] == decided and not error["stands"] and simulation.exit_status == 0
+    assert rates(simulation, LEG + 13)["psi"] > 1e-3
+
+
 def test_what_is_still_broken_stops_the_crane_again() -> None:
     report, simulation = run(8, at(LEG, "fail_drive", joint="luff"), clear(6))
     first, second = report["errors_handled"]
@@ -355,6 +367,20 @@ def test_where_no_dsp_can_run_the_error_block_the_drives_brake(tmp_path: Path) -
     )
     assert report["braked"] and simulation.exit_status == 1
     assert all(rates(simulation, 4.9)[joint] == 0 for joint in ("psi", "phi", "l"))
+
+
+def test_work_that_stopped_without_a_decision_is_resumed_when_that_is_cleared(tmp_path: Path) -> None:
+    programs = Path(programs_with(tmp_path, "grab_path.asm", "kernel_grab_path"))
+    error_task = programs / "kernels" / "error.asm"
+    stuck = "\nkernel_error:\n        br      kernel_error\n"
+    error_task.write_text(error_task.read_text().replace("\nkernel_error:\n", stuck))
+    settings = {"machine.programs": str(programs), "watchdog.long_run_us": 3000, "watchdog.recomputations_max": 0}
+    report, _simulation = run(0.6, clear(0.4), **settings)
+    first, again = report["errors_handled"]
+    assert (first["of"], first["decided_s"], first["stands"]) == (["grab_path"], None, False)
+    assert first["cleared_s"] == pytest.approx(0.4, abs=0.001)
+    assert (again["of"], again["decided_s"], again["stands"]) == (["grab_path"], None, True)
+    assert again["noticed_s"] > 0.4
 
 
 def test_the_order_of_the_chips_changes_nothing() -> None:
