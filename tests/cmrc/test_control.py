@@ -60,6 +60,26 @@ def test_tight_loops_do_not_bear(settings: dict[str, Any], joint: str) -> None:
     assert any(f["kind"] == "plant" and "trip" in f["message"] for f in result.report["failures"])
 
 
+def test_of_two_loops_that_become_unstable_in_one_latch_both_are_reported() -> None:
+    settings = {
+        **EXPERIMENT,
+        "report.signal_decimation": 1,
+        "scheduling.servo_loss_share": 0.8,
+        "control.slew_bandwidth_rad_s": 80.0,
+        "control.hoist_bandwidth_rad_s": 80.0,
+    }
+    result = cmrc.run(dsps=2, duration_s=0.35, settings=settings)
+
+    def sixth_swing(joint: str) -> float:
+        codes, time = result.signals[f"{joint}_code"], result.signals["time_s"]
+        far = np.abs(codes) >= 1638
+        sides = np.sign(codes[far])
+        return float(time[far][1:][np.diff(sides) != 0][5])
+
+    assert sixth_swing("psi") == sixth_swing("l")
+    assert unstable(result) == {"psi", "l"}
+
+
 def test_the_default_loops_bear_what_tight_ones_do_not() -> None:
     result = cmrc.run(dsps=2, duration_s=SECONDS, settings={**EXPERIMENT, "dock.drive_delay_us": 4000.0})
     assert unstable(result) == set()

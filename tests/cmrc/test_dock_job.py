@@ -20,6 +20,19 @@ def dock(tmp_path: Path, layout: str, **settings: Any) -> Any:
     return run_setup.dock_of(core.config(settings={"dock.layout": str(file), **settings}))
 
 
+LENGTH = 12.192  # m, of a container
+
+
+def end_to_end(gap: float, y: float = 24.0, tier: int = 0) -> str:
+    """Two containers on a row; in a higher tier on two that are far enough apart."""
+
+    def pair(gap: float, tier: int) -> str:
+        places = (-LENGTH / 2 - gap / 2, LENGTH / 2 + gap / 2)
+        return "".join(f"[[containers]]\nx_m = {x}\ny_m = {y}\ntier = {tier}\n" for x in places)
+
+    return (pair(0.2, 0) if tier else "") + pair(gap, tier)
+
+
 REFUSED = [
     # What would make the set-point of psi or kappa jump by a whole turn.
     ("slewing", "[home]\nx_m = -16\ny_m = -6\nz_m = 16\n", "from home to .* slew through 180 degrees.*expected"),
@@ -39,6 +52,14 @@ REFUSED = [
         r"x_m from -19.70 to",
     ),
     ("slewing", "[[containers]]\nx_m = 0\ny_m = 24\nyaw_deg = 30\n", "yaw_deg near 0"),
+    # What the bay scanner cannot tell apart.
+    (
+        "slewing",
+        end_to_end(0.02),
+        r"containers 0 and 1 stand end to end on the row y = 24 m, 20 mm apart.*expected is .* at least 78 mm",
+    ),
+    ("gantry", end_to_end(0.07, y=12.6), "containers 0 and 1 .* y = 12.6 m, 70 mm apart"),
+    ("slewing", end_to_end(0.07, tier=1), "containers 2 and 3 .* 70 mm apart"),
     # Ways that pass too near to the column.
     (
         "slewing",
@@ -65,6 +86,8 @@ TAKEN = [
     ("slewing", "[home]\nyaw_deg = 20\n"),
     ("slewing", "[home]\nx_m = -5\ny_m = 22\nz_m = 16\n" + ONE),
     ("slewing", "[[containers]]\nx_m = 19.2\ny_m = 24.3\nyaw_deg = 2\n"),
+    ("slewing", end_to_end(0.078)),
+    ("gantry", end_to_end(0.078, y=12.6)),
     ("gantry", "[home]\nyaw_deg = -80\n"),
     ("gantry", "[home]\nx_m = 4\n"),
     ("gantry", "[home]\nx_m = 4\ngantry_m = 4\n"),

@@ -67,6 +67,19 @@ def test_a_load_that_swings_on_after_the_stop_has_moved_most_then() -> None:
     assert most > 1.05 * moved[(time >= error["happened_s"]) & (time <= error["done_s"])].max()
 
 
+def test_a_load_that_swings_on_without_any_dsp_has_moved_most_then() -> None:
+    """The account ends 0.5 s after the last DSP has failed; the run continues for the plant alone."""
+    events = [at(LEG, "fail", dsp=0), at(LEG + 0.5, "fail", dsp=1)]
+    report, simulation = run(LEG + 4, *events, **{"dsps": 2, "report.signal_decimation": 1, "run.after_stop_s": 3.0})
+    error = only(report)
+    time, place = load(simulation)
+    moved = np.linalg.norm(place - place[np.searchsorted(time, error["happened_s"])], axis=1)
+    of_account = moved[(time >= error["happened_s"]) & (time <= report["account_end_s"])].max()
+    assert report["stop_reason"] == "no_dsp_left" and error["stands"] and error["cleared_s"] is None
+    assert error["moved_most_m"] == pytest.approx(moved[time >= error["happened_s"]].max(), rel=1e-3)
+    assert error["moved_most_m"] > 2 * of_account
+
+
 def test_a_repaired_and_cleared_drive_continues_and_the_status_is_0_but_not_with_strict() -> None:
     events = [at(LEG, "fail_drive", joint="luff"), at(6, "repair_drive", joint="luff"), clear(8)]
     report, simulation = run(14, *events)
@@ -82,6 +95,18 @@ def test_a_repaired_and_cleared_drive_continues_and_the_status_is_0_but_not_with
         8, at(LEG, "fail_drive", joint="luff"), at(3.5, "repair_drive", joint="luff"), clear(7), **{"run.strict": True}
     )
     assert strict.exit_status == 1
+
+
+def test_an_error_that_is_cleared_before_it_is_decided_is_cleared_with_the_decision() -> None:
+    fails = at(LEG, "fail_drive", joint="slew")
+    first = only(run(LEG + 0.1, fails)[0])
+    noticed, decided = first["noticed_s"], first["decided_s"]
+    repaired = at(noticed, "repair_drive", joint="slew")
+    report, simulation = run(LEG + 14, fails, repaired, clear((noticed + decided) / 2))
+    error = only(report)
+    assert (error["noticed_s"], error["decided_s"]) == (noticed, decided)
+    assert error["cleared_s"] == decided and not error["stands"] and simulation.exit_status == 0
+    assert rates(simulation, LEG + 13)["psi"] > 1e-3
 
 
 def test_what_is_still_broken_stops_the_crane_again() -> None:
@@ -342,6 +367,20 @@ def test_where_no_dsp_can_run_the_error_block_the_drives_brake(tmp_path: Path) -
     )
     assert report["braked"] and simulation.exit_status == 1
     assert all(rates(simulation, 4.9)[joint] == 0 for joint in ("psi", "phi", "l"))
+
+
+def test_work_that_stopped_without_a_decision_is_resumed_when_that_is_cleared(tmp_path: Path) -> None:
+    programs = Path(programs_with(tmp_path, "grab_path.asm", "kernel_grab_path"))
+    error_task = programs / "kernels" / "error.asm"
+    stuck = "\nkernel_error:\n        br      kernel_error\n"
+    error_task.write_text(error_task.read_text().replace("\nkernel_error:\n", stuck))
+    settings = {"machine.programs": str(programs), "watchdog.long_run_us": 3000, "watchdog.recomputations_max": 0}
+    report, _simulation = run(0.6, clear(0.4), **settings)
+    first, again = report["errors_handled"]
+    assert (first["of"], first["decided_s"], first["stands"]) == (["grab_path"], None, False)
+    assert first["cleared_s"] == pytest.approx(0.4, abs=0.001)
+    assert (again["of"], again["decided_s"], again["stands"]) == (["grab_path"], None, True)
+    assert again["noticed_s"] > 0.4
 
 
 def test_the_order_of_the_chips_changes_nothing() -> None:

@@ -8,6 +8,7 @@ import cmrc
 import numpy as np
 import pytest
 from locations import BUILD
+from low_rates import AT_ONCE_AND_LOW
 
 SHORT = {"duration_s": 4.0, "machine.dsps": 1, "machine.cycle_time_factor": 9.0}
 
@@ -43,6 +44,27 @@ def test_a_run_with_bounds_that_are_reached_says_the_same() -> None:
         assert coarse == pytest.approx(exact, rel=0.01)
     assert bounded.rates == whole.rates
     assert bounded.errors["lag"] == whole.errors["lag"]
+
+
+def test_sway_and_distances_from_lanes_do_not_depend_on_how_often_signals_are_recorded() -> None:
+    """They are taken each 10 ms (docs/report.md), which is a row of the default signals."""
+
+    def recorded(**settings: int) -> cmrc.Result:
+        of_report = {f"report.{key}": value for key, value in settings.items()}
+        driving = {**AT_ONCE_AND_LOW, "dock.agvs": 1, "load.driving": True, "duration_s": 12.0}
+        return cmrc.run(settings={**driving, **of_report})
+
+    each_10_ms = recorded(signal_decimation=80)
+    for other in (recorded(signal_decimation=7), recorded(signal_decimation=80000), recorded(signal_rows_max=16)):
+        assert other.hash == each_10_ms.hash
+        for key in ("sway", "agvs"):
+            assert other.report[key] == each_10_ms.report[key]
+    signals = each_10_ms.signals
+    for angle in ("alpha", "beta"):
+        sway, said = signals[f"sway_{angle}_rad"], each_10_ms.report["sway"][angle]
+        assert said["rms"] == pytest.approx(np.sqrt(np.mean(sway**2)), rel=1e-9)
+        assert said["peak"] == np.abs(sway).max() > 0
+    assert each_10_ms.report["agvs"]["agv 0 lateral"]["peak"] > 0
 
 
 def peak_kib(*arguments: str) -> int:

@@ -124,6 +124,27 @@ def test_a_container_that_sticks_out_of_the_scan_is_seen_as_far_as_it_goes(bay: 
     assert bay.floats("CR_TARGET", 1)[0] == pytest.approx(seen, abs=EDGES)
 
 
+@pytest.mark.parametrize("share", [0.0, 0.25, 0.5])
+def test_containers_end_to_end_are_told_apart_from_the_gap_on_that_layouts_must_have(bay: Bay, share: float) -> None:
+    """A share of the gap lies in the cell to the left of an edge of cells. The container to the left is the nearer one.
+    At half and half the gap shows least: 10 mm less, and the crane would aim between the two
+    (tests/cmrc/test_dock_job.py: such layouts are refused)."""
+    cells = X0 + DX / 2 + 79 * DX  # an edge between two cells
+
+    def found(gap: float) -> tuple[float, float]:
+        left = cells - share * gap - BOX_LENGTH / 2
+        result, _, _ = bay.look([(24.0, [(left, 1), (left + BOX_LENGTH + gap, 1)])])
+        assert result == 1
+        return bay.floats("CR_TARGET", 1)[0], left
+
+    x, left = found(0.078)
+    assert abs(x - left) < DX / 2
+    if share == 0.5:
+        assert abs(x - left) < EDGES
+        x, left = found(0.068)
+        assert x - left > 6
+
+
 def test_ropes_and_hatch_covers_are_no_containers(bay: Bay) -> None:
     """Steps of half a tier, and boxes of half the length."""
     s = bay.symbols

@@ -46,6 +46,36 @@ Chord chord_of(const plant::ContainerPlace& p, double row) {
   return chord;
 }
 
+/// The scanner shows a container's whole length on a row, but for the cells that its ends cut.
+bool seen_on(const plant::Layout& layout, const Chord& chord) {
+  const double first = layout.scan_x0 - 0.5 * layout.scan_dx;
+  return chord.to - chord.from >= plant::container_length - 0.5 * layout.scan_dx && chord.from >= first &&
+         chord.to <= first + plant::scan_count * layout.scan_dx;
+}
+
+/// Between two containers end to end at least one cell of the scanner must not fit their tier: else the kernel identify
+/// searches for the edges over both. A gap may lie half in one cell and half in the next.
+void check_gaps(const plant::Layout& layout) {
+  constexpr double fits = 0.25;  // m from the tier's height: K_ID_TOLERANCE of identify_constants.asm
+  const double least = 2 * fits / plant::container_height * layout.scan_dx;
+  const auto& all = layout.containers;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (std::size_t j = i + 1; j < all.size(); ++j) {
+      if (std::abs(all[i].z - all[j].z) > fits) continue;
+      for (const double row : layout.rows) {
+        const Chord a = chord_of(all[i], row), b = chord_of(all[j], row);
+        const double gap = std::max(a.from - b.to, b.from - a.to);
+        if (!seen_on(layout, a) || !seen_on(layout, b) || gap >= least) continue;
+        throw std::invalid_argument(
+            fmt::format("containers {} and {} stand end to end on the row y = {:g} m, {:.0f} mm apart; the bay "
+                        "scanner's cells are {:g} m long, so the crane can take the two for one and aim between them; "
+                        "expected is a gap of at least {:.0f} mm",
+                        i, j, row, 1e3 * std::max(gap, 0.0), layout.scan_dx, std::ceil(1e3 * least)));
+      }
+    }
+  }
+}
+
 void check_scanner(const plant::Layout& layout, int tiers) {
   const double first = layout.scan_x0 - 0.5 * layout.scan_dx;
   const double last = first + plant::scan_count * layout.scan_dx;
@@ -56,19 +86,14 @@ void check_scanner(const plant::Layout& layout, int tiers) {
           fmt::format("container {} at ({:g}, {:g}) m stands in tier {:.0f}, but the crane looks for containers in "
                       "tiers 0 to {}",
                       i, p.x, p.y, (p.z - layout.deck) / plant::container_height, tiers - 1));
-    // Its whole length must lie on a row, but for the cells of the scanner that its ends cut.
-    const auto seen = [&](double row) {
-      const Chord chord = chord_of(p, row);
-      return chord.to - chord.from >= plant::container_length - 0.5 * layout.scan_dx && chord.from >= first &&
-             chord.to <= last;
-    };
-    if (std::ranges::any_of(layout.rows, seen)) continue;
+    if (std::ranges::any_of(layout.rows, [&](double row) { return seen_on(layout, chord_of(p, row)); })) continue;
     const double half = 0.5 * plant::container_length;
     throw std::invalid_argument(
         fmt::format("container {} at ({:g}, {:g}) m is out of the bay scanner's sight, so the crane would leave it on "
                     "the ship; expected are a y_m of rows_m ({:g}), an x_m from {:.2f} to {:.2f} and a yaw_deg near 0",
                     i, p.x, p.y, fmt::join(layout.rows, ", "), first + half, last - half));
   }
+  check_gaps(layout);
 }
 
 double psi_at(const plant::DockConfig& dock, double x, double y) {

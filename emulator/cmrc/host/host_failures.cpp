@@ -148,7 +148,7 @@ void Host::give_up(std::size_t index) {
   list_.remove(index);
   ledger_.dropped(index, now_);
   servo_.given_up(index);
-  if (task.kind == words_.program(JobKind::error)) return errors_.undecided(task, now_);
+  if (task.kind == words_.program(JobKind::error)) return errors_.undecided(task, now_, *this);
   const std::int64_t drops = ++drops_[{task.kind, task.robot}];
   errors_.given_up(task, drops <= config_.watchdog.retries_max, now_, *this);
 }

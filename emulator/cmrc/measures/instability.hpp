@@ -4,8 +4,8 @@
 #include <array>
 #include <cstdint>
 #include <deque>
-#include <optional>
 #include <span>
+#include <vector>
 
 #include "plant/dock/dock.hpp"
 #include "state/visitor.hpp"
@@ -21,9 +21,9 @@ class Instability {
   };
 
   /// The codes of a latch. A joint is reported once, when it has begun to swing; and again after a second without a
-  /// swing.
-  std::optional<Found> latch(std::int64_t number, std::span<const int> codes) {
-    std::optional<Found> found;
+  /// swing. Several joints may begin in one latch: PID writes all codes in one tick.
+  std::vector<Found> latch(std::int64_t number, std::span<const int> codes) {
+    std::vector<Found> found;
     for (std::size_t j = 0; j < codes.size() && j < joints_.size(); ++j) {
       Joint& joint = joints_[j];
       if (joint.reported && number - joint.last > window) joint.reported = false, joint.swings.clear();
@@ -38,7 +38,7 @@ class Instability {
       if (joint.reported || joint.swings.size() < enough) continue;
       joint.reported = true;
       const double seconds = static_cast<double>(joint.swings.back() - joint.swings.front()) * plant::latch_seconds;
-      found = Found{j, joint.swings.front(), static_cast<double>(joint.swings.size() - 1) / 2 / seconds};
+      found.push_back({j, joint.swings.front(), static_cast<double>(joint.swings.size() - 1) / 2 / seconds});
     }
     return found;
   }

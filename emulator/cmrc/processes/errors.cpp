@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "cmrc/tasks/importance.hpp"
 #include "state/visitor.hpp"
@@ -119,21 +120,33 @@ void Errors::decided(const Task& block, Word result, Time now, HostServices& ser
   ErrorEntry& entry = entries_.at(block.error - 1);
   entry.decided = now;
   entry.response = static_cast<Response>(result >> words_.respond_place & 0xF);
+  entry.waits = false;
   tell(entry, decided_now, services);
   carry_out(entry, now, services);
+  clear_when_asked(now, services);
+}
+
+void Errors::undecided(const Task& block, Time now, HostServices& services) {
+  ErrorEntry& entry = entries_.at(block.error - 1);
+  entry.waits = false;
+  without_decision(entry);
+  clear_when_asked(now, services);
 }
 
 // No DSP has decided: the drives' time-out brakes.
-void Errors::undecided(const Task& block, Time) {
-  const ErrorEntry& entry = entries_.at(block.error - 1);
-  if (entry.origin == ErrorOrigin::block) {
-    hands_.stop_work(entry.lost);
-    return;
-  }
+void Errors::without_decision(const ErrorEntry& entry) {
+  if (entry.origin == ErrorOrigin::block) return stop_work(entry);
   if (entry.origin == ErrorOrigin::landing) return hands_.landing_decided(false);
   hands_.stop_servo(true);
   hands_.hold_crane(true);
   servo_stopped_ = true;
+  go_to_rate(0, 0);
+}
+
+void Errors::stop_work(const ErrorEntry& entry) {
+  if (!hands_.stop_work(entry.lost)) return;
+  servo_stopped_ = true;
+  hands_.hold_crane(true);
   go_to_rate(0, 0);
 }
 
@@ -145,11 +158,7 @@ void Errors::carry_out(ErrorEntry& entry, Time now, HostServices& services) {
   switch (entry.response) {
     case Response::stop:
       if (entry.origin == ErrorOrigin::block) {
-        if (hands_.stop_work(entry.lost)) {
-          servo_stopped_ = true;
-          hands_.hold_crane(true);
-          go_to_rate(0, 0);
-        }
+        stop_work(entry);
         return finish(entry, now, services);
       }
       hands_.hold_crane(true);
@@ -190,7 +199,7 @@ void Errors::carry_out(ErrorEntry& entry, Time now, HostServices& services) {
       sway_after_ = services.tick() + servo_interval_;
       services.write(words_.cr_base + words_.cr_sway_sensor, sensor_);
       return finish(entry, now, services);
-    case Response::none: undecided({.error = static_cast<std::uint32_t>(number_of(entry) + 1)}, now); break;
+    case Response::none: without_decision(entry); break;
   }
 }
 
@@ -232,14 +241,26 @@ void Errors::refresh(Time now, HostServices& services) {
 }
 
 void Errors::clear(Time now, HostServices& services) {
+  clear_decided(now, services);
+  clears_ = std::ranges::any_of(entries_, &ErrorEntry::waits) ? entries_.size() : 0;
+}
+
+// An error that was noticed after the operator's order, and waits for its block, is not cleared.
+void Errors::clear_when_asked(Time now, HostServices& services) {
+  if (clears_ == 0 || std::ranges::any_of(std::span(entries_).first(clears_), &ErrorEntry::waits)) return;
+  clears_ = 0;
+  clear_decided(now, services);
+}
+
+void Errors::clear_decided(Time now, HostServices& services) {
   bool crane = false;
   for (ErrorEntry& entry : entries_) {
-    if (entry.cleared) continue;
+    if (entry.cleared || entry.waits) continue;
     if (entry.response == Response::second_sensor) {
       sensor_ = 0;
       sway_after_ = services.tick() + servo_interval_;
       services.write(words_.cr_base + words_.cr_sway_sensor, sensor_);
-    } else if (!entry.stands || (!entry.decided && !servo_stopped_)) {
+    } else if (!entry.stands) {
       continue;
     } else if (entry.origin == ErrorOrigin::block) {
       hands_.resume_work(entry.lost);
@@ -271,6 +292,7 @@ void Errors::clear(Time now, HostServices& services) {
 
 void Errors::list_state(state::Visitor& list) {
   list("entries", entries_);
+  list("clears", clears_);
   list("path", path_);
   list("wanted", wanted_);
   list("drives", drives_);

@@ -45,6 +45,7 @@ struct ErrorEntry {
   std::optional<Time> decided = std::nullopt, done = std::nullopt, cleared = std::nullopt;
   Response response = Response::none;
   bool stands = false;  ///< its robot waits for the operator because of it
+  bool waits = true;    ///< for its error block, which has neither decided nor been given up
 };
 
 /// The host's actions for Errors.
@@ -81,8 +82,9 @@ class Errors {
   void given_up(const Task& lost, bool tries, Time now, HostServices& services);
   /// An error block has finished, or was itself given up.
   void decided(const Task& block, Word result, Time now, HostServices& services);
-  void undecided(const Task& block, Time now);
-  /// The operator clears all errors.
+  void undecided(const Task& block, Time now, HostServices& services);
+  /// The operator clears all errors. For those that wait for their error blocks, this is done when the last of these
+  /// has ended.
   void clear(Time now, HostServices& services);
   /// Continues actions that have to wait for the servo or the crane.
   void refresh(Time now, HostServices& services);
@@ -96,7 +98,12 @@ class Errors {
  private:
   void notice(ErrorEntry entry, Time now, HostServices& services);
   void carry_out(ErrorEntry& entry, Time now, HostServices& services);
+  void without_decision(const ErrorEntry& entry);
+  void stop_work(const ErrorEntry& entry);
   void finish(ErrorEntry& entry, Time now, HostServices& services);
+  /// Clears all errors that do not wait for their error blocks.
+  void clear_decided(Time now, HostServices& services);
+  void clear_when_asked(Time now, HostServices& services);
   /// The path's clock has to change to this rate; the change is written when the servo rests.
   void go_to_rate(double rate, double seconds);
   bool wanted_is_written() const { return !wanted_; }
@@ -114,6 +121,7 @@ class Errors {
   bool second_sensor_;
 
   std::vector<ErrorEntry> entries_;
+  std::size_t clears_ = 0;  // the operator has cleared so many entries, the first ones, of which one still waits
   PathClock path_;
   struct Wanted {
     double rate;

@@ -106,9 +106,9 @@ report::LinkReport link_report(const machine::SlotWire& wire) {
   return report;
 }
 
-report::OwnMeasure own(std::string name, std::string unit, double squares, double peak, std::uint64_t count) {
-  if (count == 0) return {std::move(name), std::move(unit), std::nullopt, std::nullopt};
-  return {std::move(name), std::move(unit), std::sqrt(squares / static_cast<double>(count)), peak};
+report::OwnMeasure own(std::string name, std::string unit, const SquareSum& of) {
+  if (of.count == 0) return {std::move(name), std::move(unit), std::nullopt, std::nullopt};
+  return {std::move(name), std::move(unit), std::sqrt(of.squares / static_cast<double>(of.count)), of.peak};
 }
 
 /// The load from the instant at which the last drive has stopped.
@@ -138,33 +138,14 @@ void add_plant(const ReportInputs& e, report::RunReport& report) {
   for (std::size_t channel = 0; channel < channels.size(); ++channel) {
     const auto joint = static_cast<std::size_t>(channels[channel]);
     if (machine == plant::CraneKind::gantry && joint == static_cast<std::size_t>(plant::Joint::slew)) continue;
-    const PidErrorSum& sum = e.observer.pid_error()[channel];
-    report.pid_error.push_back(own(names[joint].name, names[joint].unit, sum.squares, sum.peak, sum.count));
+    report.pid_error.push_back(own(names[joint].name, names[joint].unit, e.observer.pid_error()[channel]));
     report.drives.push_back(
         {names[joint].name, static_cast<double>(e.observer.saturated_latches()[joint]) * plant::latch_seconds});
   }
-  double squares[2] = {0, 0}, peaks[2] = {0, 0};
-  for (const plant::Signal& row : e.dock.signals()) {
-    const double sway[2] = {row.alpha, row.beta};
-    for (int i = 0; i < 2; ++i) squares[i] += sway[i] * sway[i], peaks[i] = std::max(peaks[i], std::abs(sway[i]));
-  }
-  const std::size_t rows = e.dock.signals().size();
-  report.sway = {own("alpha", "rad", squares[0], peaks[0], rows), own("beta", "rad", squares[1], peaks[1], rows)};
-  for (int i = 0; i < e.dock.agv_count(); ++i) {
-    double sum = 0, peak = 0;
-    std::size_t count = 0;
-    if (static_cast<std::size_t>(i) < e.dock.agv_signals().size()) {
-      for (const plant::AgvSignal& row : e.dock.agv_signals()[static_cast<std::size_t>(i)]) {
-        if (row.speed < 0.05) continue;
-        double nearest = 1e9;
-        for (const auto& leg : e.layout.layout.legs) {
-          for (const auto& lane : leg) nearest = std::min(nearest, plant::distance_from(lane, row.x, row.y));
-        }
-        sum += nearest * nearest, peak = std::max(peak, nearest), ++count;
-      }
-    }
-    report.agvs.push_back(own("agv " + std::to_string(i) + " lateral", "m", sum, peak, count));
-  }
+  const MotionWatch& motion = e.observer.motion();
+  report.sway = {own("alpha", "rad", motion.sway()[0]), own("beta", "rad", motion.sway()[1])};
+  for (std::size_t i = 0; i < motion.agvs().size(); ++i)
+    report.agvs.push_back(own("agv " + std::to_string(i) + " lateral", "m", motion.agvs()[i]));
 }
 
 std::string hash_of(const ReportInputs& e) {
@@ -244,7 +225,7 @@ report::RunReport make_report(ReportInputs e) {
   }
   std::ranges::stable_sort(report.timed_events, {}, &report::TimedEventReport::time);
   for (std::string& fault : e.machine.audit()) report.audit.violations.push_back(std::move(fault));
-  report.errors_handled = handled_errors(e.host.errors().entries(), e.config, e.dock, now, e.kind_name);
+  report.errors_handled = handled_errors(e.host.errors().entries(), e.config, e.dock, report.simulated, e.kind_name);
   report.braked = e.dock.braked();
   report.failures = e.observer.failures();
   for (const std::string& violation : report.audit.violations)

@@ -36,6 +36,7 @@ RunObserver::RunObserver(const Words& words, Ledger& ledger, report::EventLog& l
 
 void RunObserver::attach(plant::Dock& dock, Course* course, double wind_limit) {
   wind_.emplace(dock.config().wind, wind_limit);
+  motion_.emplace(dock);
   dock.on_latch([this, &dock, course](plant::Time time, std::span<const int> codes) {
     if (course != nullptr) course->latch(dock, time);
     if (watcher_ != nullptr) watcher_->latched(dock, time);
@@ -43,13 +44,14 @@ void RunObserver::attach(plant::Dock& dock, Course* course, double wind_limit) {
     for (std::size_t i = 0; i < event.arguments.size() && i < codes.size(); ++i)
       event.arguments[i] = static_cast<std::uint32_t>(codes[i]);
     log_.add(event);
-    if (const auto found = instability_.latch(time / plant::latch_period, codes); found && servoing_()) {
-      const Time since = found->since * plant::latch_period;
-      const char* joint = plant::joint_names(dock.config().crane.machine).at(found->joint).name;
+    for (const Instability::Found& found : instability_.latch(time / plant::latch_period, codes)) {
+      if (!servoing_()) break;
+      const Time since = found.since * plant::latch_period;
+      const char* joint = plant::joint_names(dock.config().crane.machine).at(found.joint).name;
       failures_.push_back({time, std::nullopt, "unstable",
                            fmt::format("the loop of joint {} is unstable: since {:.3f} s its drive's torque swings "
                                        "between both ends of its range, at {:.1f} Hz",
-                                       joint, static_cast<double>(since.count()) * 1e-12, found->frequency_hz)});
+                                       joint, static_cast<double>(since.count()) * 1e-12, found.frequency_hz)});
     }
     double squares = 0;
     const std::uint32_t on = dock.drives_on();
@@ -63,6 +65,7 @@ void RunObserver::attach(plant::Dock& dock, Course* course, double wind_limit) {
     effort_until_ = time;
     standstill_.latch(dock.braked(), time);
     wind_->at(time);
+    motion_->latch(dock, time);
   });
   dock.on_event([this, crane = dock.config().crane.machine](const plant::Event& event) { dock_event(event, crane); });
 }
@@ -128,11 +131,7 @@ CauseTimes RunObserver::take_snapshot(unsigned slot, machine::Offset offset, Tim
 
 void RunObserver::pid_error(std::size_t joint, machine::Word value) {
   if (!errors_hold_) return;
-  const double error = from_ti_float(value);
-  auto& sum = pid_error_[joint];
-  sum.squares += error * error;
-  sum.peak = std::max(sum.peak, std::abs(error));
-  ++sum.count;
+  pid_error_[joint].add(from_ti_float(value));
 }
 
 void RunObserver::dsp_write(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value,
@@ -345,6 +344,7 @@ void RunObserver::list_state(state::Visitor& list) {
   list("effort", effort_);
   list("effort_until", effort_until_);
   list("wind", wind_);
+  list("motion", motion_);
 }
 
 }  // namespace cmrc

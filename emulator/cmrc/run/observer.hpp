@@ -10,7 +10,9 @@
 #include "cmrc/host/host.hpp"
 #include "cmrc/measures/instability.hpp"
 #include "cmrc/measures/ledger.hpp"
+#include "cmrc/measures/motion_watch.hpp"
 #include "cmrc/measures/run_profile.hpp"
+#include "cmrc/measures/square_sum.hpp"
 #include "cmrc/measures/standstill.hpp"
 #include "cmrc/measures/wind_watch.hpp"
 #include "cmrc/tasks/words.hpp"
@@ -21,12 +23,6 @@
 #include "report/event_log.hpp"
 
 namespace cmrc {
-
-/// Mean square and peak of one joint's error, as PID computed it.
-struct PidErrorSum {
-  double squares = 0, peak = 0;
-  std::uint64_t count = 0;
-};
 
 class RunObserver : public machine::Observer, public HostListener {
  public:
@@ -91,13 +87,16 @@ class RunObserver : public machine::Observer, public HostListener {
   const report::Distribution& semaphore_hold() const { return hold_; }
   /// From the tick until the host is done and the list is released. \param under_way the tick of one that is not done
   report::Distribution refresh_duration(std::optional<Time> under_way, Time end) const;
-  const std::array<PidErrorSum, 5>& pid_error() const { return pid_error_; }
+  /// By joint: its errors, as PID computed them.
+  const std::array<SquareSum, 5>& pid_error() const { return pid_error_; }
   /// The integral of the squared torque codes, s.
   double drive_effort() const { return effort_; }
   /// Since when DSPs and drives do nothing.
   const Standstill& standstill() const { return standstill_; }
   /// How long the wind has been above its limit.
   const WindWatch& wind() const { return wind_.value(); }
+  /// Sway, and vehicles beside their lanes.
+  const MotionWatch& motion() const { return motion_.value(); }
   /// Time at full torque by joint, in latches.
   const std::array<std::int64_t, plant::joint_count>& saturated_latches() const { return saturated_; }
   std::uint64_t faults(unsigned slot) const { return slot < faults_.size() ? faults_[slot] : 0; }
@@ -151,7 +150,7 @@ class RunObserver : public machine::Observer, public HostListener {
   bool host_has_list_ = false;
   report::Distribution refresh_duration_;
   std::optional<Refresh> posted_;  // a refresh whose last writes are on their way
-  std::array<PidErrorSum, 5> pid_error_{};
+  std::array<SquareSum, 5> pid_error_;
   std::array<std::int64_t, plant::joint_count> saturated_{};
   Word errors_ = 0, stage_ = 0, servoing_stage_ = 0;
   bool errors_hold_ = false;  // the errors belong to the run of PID whose words are being written
@@ -160,6 +159,7 @@ class RunObserver : public machine::Observer, public HostListener {
   double effort_ = 0;
   Time effort_until_{};
   std::optional<WindWatch> wind_;
+  std::optional<MotionWatch> motion_;
   RunProfile* profile_ = nullptr;
   RunWatcher* watcher_ = nullptr;
 };
