@@ -75,10 +75,10 @@ class Found:
     monotone. Without an answer: the hard end, if it passes."""
     whole_range: bool = False
     """For a bisection: its two ends pass, so it has looked no further."""
-    check_seeds: int = 0
-    """So many seeds that the search has not used were run."""
     sweep: Sweep | None = None
     """All runs."""
+    check_seeds: int = 0
+    """So many seeds that the search has not used were run."""
 
     def text(self) -> str:
         """For a terminal."""
