@@ -10,12 +10,50 @@ import math
 import numbers
 import operator
 import os
+import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NoReturn, ParamSpec, TypeVar
 
 Kind = TypeVar("Kind")
 Drawn = TypeVar("Drawn")
 P = ParamSpec("P")
+
+
+NUMBER = re.compile(
+    r"-?\d+|0x[\da-f]+|-?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|-?(?:inf|infinity|nan)", re.ASCII | re.IGNORECASE
+)
+"""What ``emulator`` takes for a number (emulator/isa/ascii.hpp). Python's own conversions also take 1_0, +1, blanks and
+the digits of other scripts."""
+
+
+WHOLE = re.compile(r"-?\d+|0x[\da-f]+", re.ASCII | re.IGNORECASE)
+
+
+def read_number(text: str) -> int | float:
+    """A number on a command line. Raises ValueError."""
+    if NUMBER.fullmatch(text) is None:
+        raise ValueError(f"{text!r} is no number")
+    try:
+        return read_whole(text)
+    except ValueError:
+        return float(text)
+
+
+def read_whole(text: str) -> int:
+    """The same of a whole number. Raises ValueError."""
+    if WHOLE.fullmatch(text) is None:
+        raise ValueError(f"{text!r} is no whole number")
+    return int(text, 16 if text[:2] in ("0x", "0X") else 10)
+
+
+def whole_option(text: str) -> int:
+    """The type of an option that is a whole number, for argparse."""
+    try:
+        return read_whole(text)
+    except ValueError:
+        from argparse import ArgumentTypeError
+
+        raise ArgumentTypeError(f"{text!r} cannot be used; a whole number is expected") from None
 
 
 def refuse(name: str, value: object, right: str) -> NoReturn:

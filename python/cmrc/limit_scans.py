@@ -40,7 +40,7 @@ class Scan:
     """By rising value."""
 
     def limit(self) -> float | None:
-        """The last value such that it and every run point on its easy side pass."""
+        """The last value such that it and every allowed point on its easy side pass."""
         found = None
         for point in self._by_ease():
             if not (point["ran"] and point["passed"]):
@@ -65,9 +65,9 @@ class Scan:
         lines += [f"  {_value(point):>9}  {_outcome(point)}{_cost(point)}" for point in self.points]
         limit, points = self.limit(), self._by_ease()
         if limit is not None:
-            passes = "every point up to it" if self.more_is_harder else "every point from it on"
             at = next(point for point in points if point["value"] == limit)
-            lines.append(f"  limit: {_value(at)}; {passes} passes")
+            which = "every allowed point" if self._refused_before(limit) else "every point"
+            lines.append(f"  limit: {_value(at)}; {which} {'up to it' if self.more_is_harder else 'from it on'} passes")
         elif not points or points[0]["ran"]:
             lines.append("  no limit: the easiest point does not pass")
         else:
@@ -84,6 +84,11 @@ class Scan:
             "passing_beyond": self.beyond(),
             "points": [dict(point) for point in self.points],
         }
+
+    def _refused_before(self, limit: float) -> bool:
+        """A point on the easy side of the limit was not allowed."""
+        values = [point["value"] for point in self.points if point["refused"] is not None]
+        return any(value < limit if self.more_is_harder else value > limit for value in values)
 
     def _by_ease(self) -> list[Point]:
         """The allowed points, the easiest first."""

@@ -82,6 +82,8 @@ class Recording:
     ``jobs``."""
 
     def __init__(self, data: bytes) -> None:
+        if not isinstance(data, (bytes, bytearray)):
+            arguments.refuse("data", data, "the bytes of a recording")
         if data[:8] != b"CMRCpage":
             raise PageError("the page holds no recording")
         (size,) = struct.unpack("<I", data[8:12])

@@ -29,8 +29,8 @@ class Limits:
         """The JSON of ``cmrc limits --json``."""
 
     def limit(self, scan: str) -> float | None:
-        """The limit of ``"cycles"``, ``"dsps"`` or ``"servo"``; None if the easiest point misses. KeyError if it was
-        not scanned."""
+        """The limit of ``"cycles"``, ``"dsps"`` or ``"servo"``; None if the easiest allowed point misses. KeyError if
+        it was not scanned."""
         scans = self.report["scans"]
         if not isinstance(scan, str) or scan not in scans:
             raise KeyError(f"scan: {scan!r} was not scanned; one of {', '.join(scans)} is expected")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from cmrc.result_plots import MARKS, legend, style
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from cmrc.sweeps import Sweep
+    from cmrc.sweeps import Grid, Sweep
     from cmrc.sweeps.metrics import Metric, Spread
 
 
@@ -71,26 +71,52 @@ def grid(sweep: Sweep, axes: Axes, x: str | None = None, lines: str | None = Non
 def _axes_of(
     sweep: Sweep, summary: Sequence[tuple[dict[str, Any], Spread]], x: str | None, lines: str | None
 ) -> tuple[str, str | None]:
-    from cmrc.sweeps.grid import axis_name
-
     if not summary:
         raise ValueError("grid: the sweep has no runs")
-    values = {name: len({repr(place.get(name)) for place, _ in summary}) for name in sweep.axes}
-    varied = sorted((name for name in values if values[name] > 1), key=lambda name: -values[name])
-    x = axis_name(x, "x") if x is not None else next((name for name in varied if name != lines), next(iter(values), ""))
+    counts = {name: len({repr(place.get(name)) for place, _ in summary}) for name in sweep.axes}
+    x, lines = _chosen(counts, x, lines)
+    _one_point_each(counts, x, lines, len({_at(place, x, lines) for place, _ in summary}), len(summary))
+    return x, lines
+
+
+def check_grid(grid: Grid) -> None:
+    """Raises ValueError where ``grid`` without names cannot draw a sweep over this grid."""
+    counts = {name: len({repr(value[name]) for value in axis}) for axis in grid.axes for name in axis[0]}
+    x, lines = _chosen(counts, None, None)
+    drawn = math.prod(len({_at(value, x, lines) for value in axis}) for axis in grid.axes)
+    _one_point_each(counts, x, lines, drawn, math.prod(map(len, grid.axes)))
+
+
+def _at(place: Mapping[str, Any], x: str, lines: str | None) -> tuple[str, str]:
+    return repr(place.get(x)), repr(place.get(lines)) if lines else ""
+
+
+def _varied(counts: Mapping[str, int]) -> list[str]:
+    """The axes with the most values first."""
+    return sorted((name for name in counts if counts[name] > 1), key=lambda name: -counts[name])
+
+
+def _chosen(counts: Mapping[str, int], x: str | None, lines: str | None) -> tuple[str, str | None]:
+    from cmrc.sweeps.grid import axis_name
+
+    varied = _varied(counts)
+    x = axis_name(x, "x") if x is not None else next((name for name in varied if name != lines), next(iter(counts), ""))
     lines = axis_name(lines, "lines") if lines is not None else next((name for name in varied if name != x), None)
     for name in (x, lines):
-        if name is not None and name not in values:
+        if name is not None and name not in counts:
             raise ValueError(
-                f"grid: {name or 'nothing'} is not an axis of the sweep; {', '.join(values) or 'none'} are"
+                f"grid: {name or 'nothing'} is not an axis of the sweep; {', '.join(counts) or 'none'} are"
             )
-    places = {(repr(place[x]), repr(place.get(lines)) if lines else "") for place, _ in summary}
-    if len(places) < len(summary):
+    return x, lines
+
+
+def _one_point_each(counts: Mapping[str, int], x: str, lines: str | None, drawn: int, points: int) -> None:
+    if drawn < points:
+        others = [name for name in _varied(counts) if name not in (x, lines)]
         raise ValueError(
-            f"grid: besides {x} and {lines} {', '.join(n for n in varied if n not in (x, lines))} varies; "
+            f"grid: besides {x} and {lines}, {', '.join(others)} {'varies' if len(others) == 1 else 'vary'}; "
             "a sweep over two axes is expected"
         )
-    return x, lines
 
 
 @_of_sweep

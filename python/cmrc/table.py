@@ -24,7 +24,7 @@ class Table(dict[str, NDArray[Any]]):
     @classmethod
     def from_rows(cls, rows: Iterable[Mapping[str, Any]]) -> Table:
         """One row per mapping. Nested mappings give columns joined by ``_``; lists (histograms) are left out."""
-        flat = [dict(_flatten(row)) for row in rows]
+        flat = [dict(_flatten(_row(row))) for row in rows]
         names = list(dict.fromkeys(name for row in flat for name in row))
         return cls({name: _column([row.get(name) for row in flat]) for name in names})
 
@@ -53,6 +53,12 @@ class Table(dict[str, NDArray[Any]]):
 
     def __repr__(self) -> str:
         return f"Table({self.rows} rows: {', '.join(map(str, self))})"
+
+
+def _row(row: object) -> Mapping[str, Any]:
+    if not isinstance(row, Mapping):
+        arguments.refuse("rows", row, "a dictionary for each row")
+    return row
 
 
 def _flatten(row: Mapping[str, Any], prefix: str = "") -> Iterable[tuple[str, Any]]:

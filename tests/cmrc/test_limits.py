@@ -37,6 +37,27 @@ def test_the_limit_is_where_all_passes_and_anomalies_lie_beyond() -> None:
     assert outcome([(1, None), (2, True)], True) == (None, [])
 
 
+@pytest.mark.parametrize(("more_is_harder", "refused", "line"), [
+    (False, [17.0], "limit: 2; every allowed point from it on passes"),
+    (False, [1.0], "limit: 2; every point from it on passes"),
+    (True, [1.0], "limit: 2; every allowed point up to it passes"),
+    (True, [17.0], "limit: 2; every point up to it passes"),
+])  # fmt: skip
+def test_a_limit_says_that_it_passes_over_points_that_are_not_allowed(
+    more_is_harder: bool, refused: list[float], line: str
+) -> None:
+    scan = Scan("dsps", "key", "meaning", more_is_harder)
+    scan.points = sorted(
+        (
+            {"value": value, "realised": value, **NOT_RUN, "ran": value == 2.0, "passed": value == 2.0,
+             "refused": "out of range" if value in refused else None}
+            for value in (2.0, *refused)
+        ),
+        key=lambda point: point["value"],
+    )  # fmt: skip
+    assert scan.limit() == 2.0 and scan.text().splitlines()[-1] == f"  {line}"
+
+
 def test_the_text_of_a_scan() -> None:
     """docs/report.md, Limits. A rate that does not exist stands with the one that runs."""
 

@@ -68,6 +68,14 @@ def test_a_sweep_from_empty_to_picture(tmp_path: Path, capsys: pytest.CaptureFix
     (GRID, ["--tls-ca", "ca.pem"], "go with --cluster"),
     (GRID, ["--workers", "0"], "workers"),
     (GRID, ["--show"], "not a folder of a sweep"),
+    (GRID, ["--metric", "misess"], '--metric: misess: the report has no such place; did you mean "misses"?'),
+    (GRID, ["--metric", "misses", "--metric", "dsps[0].cycels"], 'did you mean "cycles"?'),
+    (GRID, ["--metric", ""], "--metric: an empty name"),
+    (GRID.partition("[axes]")[0], ["--plot", "a.svg"], "--plot: grid: nothing is not an axis of the sweep"),
+    (GRID + "cycle_time_factor = [1, 2]\nphase_jitter = [false, true]\n", ["--plot", "a.svg"],
+     "--plot: grid: besides machine.dsps and machine.cycle_time_factor, run.phase_jitter varies; a sweep over two axes is"),
+    (GRID + "cycle_time_factor = [1, 2]\nphase_jitter = [false, true]\nstrict = [true, false]\n", ["--plot", "a.svg"],
+     "machine.cycle_time_factor, run.phase_jitter, run.strict vary; a sweep over two axes is expected"),
     (None, [], "grid.toml"),
 ])  # fmt: skip
 def test_what_a_user_can_get_wrong_is_a_sentence_and_loses_nothing(
@@ -123,6 +131,28 @@ def test_limits_and_compare_are_the_functions(tmp_path: Path, capsys: pytest.Cap
         assert capsys.readouterr().err.startswith(f"cmrc {bad[0]}: ")
 
 
+NO_NUMBERS = ("1_0", "+2", " 2", "2 ", "\u0662")
+"""What Python's own conversions take for a number."""
+
+
+@pytest.mark.parametrize("text", [*NO_NUMBERS, "2.5", "two"])
+def test_a_number_of_workers_is_written_as_other_numbers_are(
+    text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from cmrc.results import __main__ as results
+
+    (tmp_path / "grid.toml").write_text(GRID)
+    with pytest.raises(SystemExit) as status:
+        main(["sweep", str(tmp_path / "grid.toml"), "--workers", text])
+    assert status.value.code == 2
+    assert "--workers: " in (said := capsys.readouterr().err) and "a whole number is expected" in said
+    with pytest.raises(SystemExit):
+        results.parser().parse_args(["--jobs", text])
+    parsed = results.parser().parse_args(["--dsps", text])
+    with pytest.raises(ValueError, match="--dsps: .* is no int"):
+        results.chosen(results.CLAIMS[0], parsed)
+
+
 def test_grids_on_the_command_line() -> None:
     assert numbers("1:3:0.5", "--cycles") == [1.0, 1.5, 2.0, 2.5, 3.0] and numbers("1:3", "--dsps-grid") == [
         1.0,
@@ -133,7 +163,7 @@ def test_grids_on_the_command_line() -> None:
     assert numbers("0:0.3:0.1", "--cycles") == [0.0, 0.1, 0.2, 0.3]  # no sums of tenths
     assert numbers("1:1.001:0.0005", "--cycles") == [1.0, 1.0005, 1.001]
     assert len(numbers("1:1000", "--servo")) == 1000
-    for bad in ("", "a", "1:2:0", "1:2:3:4", "1::2", "1:1001"):
+    for bad in ("", "a", "1:2:0", "1:2:3:4", "1::2", "1:1001", *NO_NUMBERS, "9" * 400):
         with pytest.raises(ValueError, match="--cycles"):
             numbers(bad, "--cycles")
     for text, value in (

@@ -1,6 +1,7 @@
 """What a sweep asks of its workers, and what it does with their answers: without workers."""
 
 import io
+import logging
 import os
 import subprocess
 from concurrent.futures import Future
@@ -67,6 +68,24 @@ def test_a_worker_that_dies_is_replaced_and_so_is_the_process_that_forks_them(mo
     for forker in started:
         os.close(forker.says)
         forker.stdout.close()
+
+
+def test_the_messages_of_dask_return_with_the_end_of_the_last_sweep() -> None:
+    """Sweeps of several threads share its loggers."""
+    handler = logging.StreamHandler()
+    handler.setLevel(logging.INFO)
+    logger = logging.getLogger("distributed")
+    logger.addHandler(handler)
+    try:
+        silence = cluster._Silence()
+        levels = []
+        for step in (silence.__enter__, silence.__enter__, silence.__exit__, silence.__enter__, silence.__exit__,
+                     silence.__exit__):  # fmt: skip
+            step()
+            levels.append(handler.level)
+        assert levels == [logging.CRITICAL] * 5 + [logging.INFO]
+    finally:
+        logger.removeHandler(handler)
 
 
 class OneAtATime:

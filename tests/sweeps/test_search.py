@@ -1,6 +1,7 @@
 """Searches: what is found, what is checked, and that the number of workers changes nothing."""
 
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +28,8 @@ class Formula:
         made = []
         for place in places:
             found = [float(self.of(place, seed)) for seed in seeds or [0]]
-            made.append(Trial(dict(place), spread(found), max(found), len(found)))
+            worst = max((value for value in found if not math.isnan(value)), default=math.nan)
+            made.append(Trial(dict(place), spread(found), worst, len(found)))
         return made
 
     def try_all(self, places: Any) -> list[Trial]:
@@ -161,8 +163,55 @@ def test_what_was_refused_or_failed_has_not_passed() -> None:
         Trial({}, spread([math.nan, 0.0]), 0.0, seeds=2),
         Trial({}, spread([]), math.nan, seeds=2, refused=2),
     ):
-        assert not other.passes(0)
-        assert other.counts == (other.refused + other.failed == 0)
+        assert not other.passes(0) and not other.counts
+
+
+def optimised(of: Any, **table: Any) -> tuple[Any, Formula]:
+    space = {"cycle_time_factor": [1.0, 2.0, 3.0]}
+    trier = Formula(of, {"repeats": {"seeds": 5}, "search": {"trials": 6, "space": space, **table}})
+    asked = asked_of(trier.grid)
+    found = asked.find(trier)  # type: ignore[arg-type]
+    asked.check(found, trier)  # type: ignore[arg-type]
+    return found, trier
+
+
+def test_a_setting_that_few_seeds_have_measured_is_not_the_best() -> None:
+    """Its mean would be that of the easy seeds."""
+    found, _ = optimised(lambda place, seed: (
+        place["machine.cycle_time_factor"] if place["machine.cycle_time_factor"] > 1.5 or seed == 1 else math.nan
+    ))  # fmt: skip
+    assert found.best == {"machine.cycle_time_factor": 2.0} and found.value == 2.0
+    assert "machine.cycle_time_factor = 1: misses 1 (n = 1), 4 not measured\n" in found.text()
+    assert "With seeds that the search has not used: 2 (n = 5).\n" in found.text()
+
+
+@pytest.mark.parametrize(
+    ("measured", "says"), [(0, "– (n = 0); not measured in 3 of 3"), (2, "0 (n = 2); not measured in 1 of 3")]
+)
+def test_a_check_that_has_not_measured_everything_says_so(measured: int, says: str) -> None:
+    def of(_: dict[str, Any], seed: int) -> float:
+        return 0.0 if seed <= 5 + measured else math.nan
+
+    best, _ = optimised(of, check_seeds=3)
+    assert best.text().endswith(f"With seeds that the search has not used: {says}.\n")
+    trier = Formula(of, {"repeats": {"seeds": 5}, "search": {
+        "bisect": "cycle_time_factor", "from": 1.0, "to": 4.0, "check_seeds": 3}})  # fmt: skip
+    asked = asked_of(trier.grid)
+    last = asked.find(trier)  # type: ignore[arg-type]
+    asked.check(last, trier)  # type: ignore[arg-type]
+    assert last.check_passed is False and last.text().endswith(f"not used: {says}. IT DOES NOT PASS.\n")
+
+
+def test_a_setting_is_written_with_the_digits_that_give_it_back() -> None:
+    """Rounded to six digits, the last value that passes does not pass."""
+    limit = 9.93549997919
+    found, _ = bisected(
+        lambda place, _: place["machine.cycle_time_factor"] > limit, **{"from": 9.9, "to": 10.0}, tolerance=1e-9
+    )
+    written = re.findall(r"machine\.cycle_time_factor = ([^:,]+)", found.text())
+    tried = [trial.place["machine.cycle_time_factor"] for trial in found.trials]
+    assert [float(text) for text in written] == [*tried, found.best["machine.cycle_time_factor"]]
+    assert written[0] == "9.9" and written[1] == "10" and float(written[-1]) <= limit
 
 
 def test_a_search_continues_in_the_folder_of_a_sweep(tmp_path: Path) -> None:
@@ -182,6 +231,7 @@ def test_a_search_continues_in_the_folder_of_a_sweep(tmp_path: Path) -> None:
     ({"search": {"bisect": "dsps", "from": 1, "to": 1}}, "search.to: 1 is where it begins"),
     ({"search": {"bisect": "dsps", "from": 1, "to": 4, "tolerance": 0.1}}, "search.tolerance"),
     ({"search": {"bisect": "dsps", "from": 1, "to": 4, "trials": 3}}, "search.trials: unknown"),
+    ({"search": {"metric": "misess", "space": {"dsps": [1]}}}, 'search.metric: misess: the report has no such place; did you mean "misses"?'),
     ({"search": {"trials": 3}}, "search.space: the settings that may vary"),
     ({"search": {"goal": "fast", "space": {"dsps": [1]}}}, "search.goal"),
     ({"search": {"batch": 0, "space": {"dsps": [1]}}}, "search.batch"),

@@ -49,7 +49,7 @@ def test_parts_are_read_in_order_and_compacted(tmp_path: Path) -> None:
         assert keys(folder) == [1, 2, 3] and len(folder.parts()) == 1
         assert [store.unpacked(found["report"])["number"] for found in folder.rows()] == [1, 2, 3]
         folder.write([row(4, status=store.FAILED)])
-        folder.compact(without=store.FAILED)
+        folder.drop(lambda found: found["status"] == store.FAILED)
         assert keys(folder) == [1, 2, 3]
     with Folder(tmp_path / "new" / "sweep") as again:
         assert keys(again) == [1, 2, 3]
@@ -61,7 +61,7 @@ def test_failed_runs_are_removed_from_a_folder_of_one_part(tmp_path: Path) -> No
         folder.write([row(1), row(2, status=store.FAILED), row(3, status=store.REFUSED)])
         folder.compact()
         assert keys(folder) == [1, 2, 3]
-        folder.compact(without=store.FAILED)
+        folder.drop(lambda found: found["status"] == store.FAILED)
         assert keys(folder) == [1, 3] and len(folder.parts()) == 1
 
 
@@ -97,6 +97,11 @@ def test_the_table_of_a_folder(tmp_path: Path) -> None:
     def refused(number: int, why: str) -> dict[str, Any]:
         return row(number, status=store.REFUSED, message=why, seed=None, report=None)
 
+    with Folder(tmp_path / "n") as folder:
+        names = [json.dumps({"future": name}) for name in ("a\nb", "\x1b[31m")]
+        folder.write([row(n, place=place, seed=None, status=store.FAILED) for n, place in enumerate(names)])
+    named = Sweep(tmp_path / "n").text("misses").splitlines()
+    assert [line.split()[0] for line in named[1:3]] == ["\\x1B[31m", "a\\x0Ab"]  # a row is a line
     with Folder(tmp_path / "s") as folder:
         folder.write([refused(20 + n, f"reason {min(n, 10)}\nand more") for n in range(12)])
         folder.write([done(1, 10, 1, 3, None), done(2, 10, 2, 5, None), done(3, 2, 1, 7, 0.5), done(4, 2, 2, 7, None)])
@@ -110,6 +115,28 @@ def test_the_table_of_a_folder(tmp_path: Path) -> None:
         "Intervals of 95 %: Wilson's of shares of runs, else bootstrap of the mean; none where all repeats agree.",
         *(f"  1 refused: reason {n}" for n in range(10)),
     ]
+
+
+@pytest.mark.parametrize("wrong", [5, None, ["misses"], b"x"])
+def test_what_is_no_metric_is_refused(wrong: Any, tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    from cmrc import plot
+    from matplotlib.figure import Figure
+
+    with Folder(tmp_path / "s") as folder:
+        folder.write([row(1)])
+    found, axes = Sweep(tmp_path / "s"), Figure().subplots()
+    for call in (
+        lambda: found.text(wrong),
+        lambda: found.text("misses", wrong),
+        lambda: found.table(wrong),
+        lambda: found.values(wrong),
+        lambda: found.summary(wrong),
+        lambda: plot.grid(found, axes, metric=wrong),
+        lambda: plot.cost(found, axes, missed=wrong),
+    ):
+        with pytest.raises(TypeError, match=r"metric: .* cannot be used; the name of a metric, or a function of a rep"):
+            call()
 
 
 def test_a_second_sweep_is_refused_and_names_the_first(tmp_path: Path) -> None:
@@ -348,6 +375,28 @@ def test_a_full_disk_is_an_error_and_loses_nothing(tmp_path: Path) -> None:
     said, after = said_by(program).splitlines()
     assert "part-000002.parquet: cannot be written" in said and "continues from them" in said
     assert re.fullmatch(r"\[1\] \['lock', 'part-000001-[0-9a-f]{16}.parquet', 'sweep.json'\]", after)
+
+
+FULL_AT_THE_END = """
+import os, resource, signal
+from test_sweep_folder import row, keys
+from cmrc.sweeps.store import Folder
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+with Folder({path!r}) as folder:
+    for number in (1, 2):
+        folder.write([row(number, report=os.urandom(20_000))])
+    resource.setrlimit(resource.RLIMIT_FSIZE, (30_000, resource.RLIM_INFINITY))
+    folder.compact()
+    print(keys(folder), len(folder.parts()))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+    folder.compact()
+    print(keys(folder), len(folder.parts()))
+"""
+
+
+def test_without_room_for_all_runs_in_one_part_the_parts_stay(tmp_path: Path) -> None:
+    """A sweep whose runs are all there is done; their parts are joined the next time."""
+    assert said_by(FULL_AT_THE_END.format(path=str(tmp_path / "s"))) == "[1, 2] 2\n[1, 2] 1\n"
 
 
 def test_a_folder_that_is_compacted_while_it_is_read_loses_no_row(tmp_path: Path) -> None:

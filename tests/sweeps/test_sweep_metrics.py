@@ -1,11 +1,14 @@
 """Metrics by name, and what repeats say of them."""
 
 import math
+import re
+from collections.abc import Iterator
 from decimal import Decimal
 from fractions import Fraction
 from functools import partial
 from typing import Any
 
+import cmrc
 import numpy as np
 import pytest
 from cmrc.sweeps import metrics
@@ -126,3 +129,43 @@ def test_a_place_that_only_some_reports_have_is_nan_in_the_others() -> None:
     assert np.isnan(found["2"][0]) and [*found["2"][1:], *found["4"]] == [20, 43, 40]
     with pytest.raises(KeyError, match=r"dsps\[4\].claims: there is no \[4\].claims"):
         metrics.of_reports(reports, ["dsps[0].claims", "dsps[4].claims"])
+
+
+def places(node: Any, place: str = "") -> Iterator[str]:
+    """The places of all numbers in a report."""
+    if isinstance(node, dict):
+        for name, value in node.items():
+            yield from places(value, f"{place}.{name}" if place else name)
+    elif isinstance(node, list):
+        for n, value in enumerate(node):
+            yield from places(value, f"{place}[{n}]")
+    elif isinstance(node, (int, float)):
+        yield place
+
+
+def test_before_a_run_its_places_are_known_and_others_are_refused() -> None:
+    report = cmrc.run(preset="heavy", dsps=3, duration_s=0.03).report
+    known = list(places(report))
+    assert len(known) > 1000
+    for place in [*known, *metrics.NAMED, "makespan_s", "tasks.home.crane.misses", "dsps[15].cycles", "after_stop.any"]:
+        metrics.check_place(place)
+    for place, says in (
+        ("misess", 'misess: the report has no such place; did you mean "misses"?'),
+        ("makespan", 'did you mean "makespan_s"?'),
+        ("tasks.pid.missses", 'tasks.pid.missses: the report has no such place; did you mean "misses"?'),
+        ("dsps.cycles", "the report has no such place"),
+        ("dsps[0]", "is no number"),
+        ("hash", "hash: is no number"),
+        ("", "an empty name"),
+    ):
+        with pytest.raises(ValueError, match=re.escape(says)):
+            metrics.check_place(place)
+        if place:
+            with pytest.raises(KeyError):
+                metrics.value({**report, "makespan_s": None}, place)
+
+
+def test_a_wrong_name_in_a_report_gets_a_suggestion() -> None:
+    for place, near in (("misess", "misses"), ("tasks.pidd.misses", "pid"), ("dsps[0].cycels", "cycles")):
+        with pytest.raises(KeyError, match=f'no such place; did you mean "{near}"\\?'):
+            metrics.value(REPORT, place)

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <string_view>
 
 #include "cmrc/programs/dsp_image.hpp"
 #include "cmrc/tasks/job_kinds.hpp"
@@ -24,10 +25,18 @@ std::string words_of(const toolchain::Image& image) {
   return all;
 }
 
-std::string contents_of_files(const Config& config) {
+enum class Missing { is_empty, is_refused };
+
+std::string contents_of_files(const Config& config, Missing missing) {
   std::string all;
-  if (!config.dock.layout.empty()) all += "layout " + io::read_input(config.dock.layout).text;
-  if (config.machine.board != "default") all += "board " + io::read_input(config.machine.board).text;
+  const auto add = [&](std::string_view kind, const std::string& path) {
+    const io::Input input = io::read_input(path);
+    if (missing == Missing::is_refused && !input.problem.empty())
+      throw ConfigError(fmt::format("{}: {}", path, input.problem));
+    all.append(kind).append(input.text);
+  };
+  if (!config.dock.layout.empty()) add("layout ", config.dock.layout);
+  if (config.machine.board != "default") add("board ", config.machine.board);
   return all;
 }
 
@@ -72,11 +81,11 @@ std::vector<std::string> inputs_of(const Config& config) {
 
 std::string digest_of_inputs(const Config& config) {
   const std::string program = config.machine.programs.empty() ? "" : words_of(assembled_program(config));
-  return state::sha256(program + contents_of_files(config));
+  return state::sha256(program + contents_of_files(config, Missing::is_refused));
 }
 
 std::string digest_of_files(const Config& config, const toolchain::Image& image) {
-  return state::sha256(words_of(image) + contents_of_files(config));
+  return state::sha256(words_of(image) + contents_of_files(config, Missing::is_empty));
 }
 
 std::string first_other_line(std::string_view one, std::string_view other) {

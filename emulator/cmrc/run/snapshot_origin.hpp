@@ -30,7 +30,8 @@ std::vector<std::string> inputs_of(const Config& config);
 /// board. \throws the errors for a missing or a wrong file
 std::string digest_of_inputs(const Config& config);
 
-/// SHA-256 of the DSPs' program, and of the files that a configuration names.
+/// SHA-256 of the DSPs' program, and of the files that a configuration names. A file that has gone during the run
+/// counts as empty.
 std::string digest_of_files(const Config& config, const toolchain::Image& image);
 
 /// The first line that only one of the two has.

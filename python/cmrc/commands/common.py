@@ -5,13 +5,12 @@ from __future__ import annotations
 import argparse
 import math
 import os
-import re
 import stat
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
-from cmrc import _core, files, signals
+from cmrc import _core, arguments, files, signals
 from cmrc.commands import streams
 from cmrc.extras import needed
 from cmrc.simulation import ConfigError, Setting
@@ -84,25 +83,14 @@ def setting(text: str) -> tuple[str, Setting]:
     return key, setting_value(value)
 
 
-NUMBER = re.compile(
-    r"-?\d+|0x[\da-f]+|-?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|-?(?:inf|infinity|nan)", re.ASCII | re.IGNORECASE
-)
-"""What ``emulator`` takes for a number (emulator/isa/ascii.hpp). Python's own conversions also take 1_0, +1 and
-blanks."""
-
-
 def setting_value(text: str) -> Setting:
     """A value on the command line; the configuration checks it."""
     if text in ("true", "false"):
         return text == "true"
-    if NUMBER.fullmatch(text) is None:
+    try:
+        return arguments.read_number(text)
+    except ValueError:
         return text
-    for kind in (lambda text: int(text, 16 if text.startswith("0x") else 10), float):
-        try:
-            return kind(text)
-        except ValueError:
-            continue
-    return text
 
 
 def settings(given: argparse.Namespace) -> dict[str, Setting]:
@@ -113,8 +101,8 @@ def settings(given: argparse.Namespace) -> dict[str, Setting]:
 def numbers(text: str, option: str) -> list[float]:
     """FROM:TO:STEP (default STEP: 1) or VALUE,VALUE,... Raises ValueError."""
     try:
-        parts = [float(part) for part in text.split(":" if ":" in text else ",")]
-    except ValueError:
+        parts = [float(arguments.read_number(part)) for part in text.split(":" if ":" in text else ",")]
+    except (ValueError, OverflowError):
         parts = []
     if ":" in text and len(parts) == 2:
         parts.append(1.0)

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cmrc import _core, files
+from cmrc import _core, arguments, files
 from cmrc.commands import streams
 from cmrc.commands.common import (
     Commands,
@@ -41,7 +41,10 @@ def _where(parser: argparse.ArgumentParser) -> None:
         "--out", type=output_name, metavar="FOLDER", help="folder of the runs (default: FILE without its ending)"
     )
     parser.add_argument(
-        "--workers", type=int, metavar="N", help="processes of this machine (default: one per processor)"
+        "--workers",
+        type=arguments.whole_option,
+        metavar="N",
+        help="processes of this machine (default: one per processor)",
     )
     parser.add_argument(
         "--cluster",
@@ -92,6 +95,8 @@ def _do_sweep(given: argparse.Namespace) -> int:
         grid = None
     _check_outputs(given, folder, [] if grid is None else _named(grid))
     metrics = given.metric or []
+    if grid is not None and not given.show:
+        _check_results(given, grid, metrics)
     with ProgressLine("cmrc sweep") as line, line.beating("beginning"):
         if given.show or grid is None:
             found = Sweep(folder)
@@ -133,6 +138,24 @@ def _check_outputs(given: argparse.Namespace, folder: Path, named: Iterable[Mapp
     check_files({"FILE.toml": given.file, **tls}, written, named)
     check_outside("the sweep's folder", folder, written)
     picture("--plot", given.plot)
+
+
+def _check_results(given: argparse.Namespace, grid: Grid, metrics: Iterable[str]) -> None:
+    """What can be said of the results before the runs. Raises ValueError."""
+    from cmrc.sweeps.metrics import check_place
+
+    for metric in metrics:
+        try:
+            check_place(metric)
+        except ValueError as error:
+            raise ValueError(f"--metric: {error}") from None
+    if given.plot is not None:
+        from cmrc.sweep_plots import check_grid
+
+        try:
+            check_grid(grid)
+        except ValueError as error:
+            raise ValueError(f"--plot: {error}") from None
 
 
 def _csv(found: Sweep, metrics: Iterable[str]) -> str:

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from cmrc import files
+from cmrc import arguments, files
 from cmrc.extras import needed
 from cmrc.results import page
 from cmrc.results.claim import Claim
@@ -36,7 +36,7 @@ def parser() -> argparse.ArgumentParser:
     )
     result.add_argument(
         "--claim",
-        type=int,
+        type=arguments.whole_option,
         action="append",
         choices=[c.NUMBER for c in CLAIMS],
         help="only this one; may be given again",
@@ -47,7 +47,12 @@ def parser() -> argparse.ArgumentParser:
         help="put the sections into this page, and the plots beside it in a folder of its name; "
         "otherwise they are printed",
     )
-    result.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="runs at a time (default: one per core)")
+    result.add_argument(
+        "--jobs",
+        type=arguments.whole_option,
+        default=os.cpu_count() or 1,
+        help="runs at a time (default: one per core)",
+    )
     result.add_argument(
         "--cache", type=Path, help="keep the runs' reports in this folder, and use those that are there"
     )
@@ -96,6 +101,13 @@ def _kind(default: object) -> type:
     return type(default[0]) if isinstance(default, tuple) else type(default)
 
 
+def _read(kind: type, word: str) -> Any:
+    """A parameter of the command line. Raises ValueError, OverflowError."""
+    if kind is int:
+        return arguments.read_whole(word)
+    return float(arguments.read_number(word)) if kind is float else kind(word)
+
+
 def chosen(claim: type[Claim], given: argparse.Namespace) -> Claim:
     """The claim with what the command line changes. Raises ValueError naming the option."""
     changes: dict[str, Any] = {}
@@ -104,8 +116,8 @@ def chosen(claim: type[Claim], given: argparse.Namespace) -> Claim:
         if text is None:
             continue
         try:
-            values = tuple(kind(word) for word in text.split(",") if word)
-        except ValueError:
+            values = tuple(_read(kind, word) for word in text.split(",") if word)
+        except (ValueError, OverflowError):
             raise ValueError(f"{_option(one.name)}: {text!r} is no {kind.__name__} or list of them") from None
         empty = several and one.metadata["quick"] == ()  # a part of the experiment that may be left out
         if (not values and not empty) or (len(values) > 1 and not several):

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import os
 import select
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -35,6 +37,36 @@ QUIET = {
     "distributed.scheduler.work-stealing": False,
 }
 """Dask's own monitoring costs a local sweep as much as its work, and its results are not used."""
+
+
+class _Silence:
+    """Dask's messages are not shown. The sweeps of all threads share its loggers: the last one that ends sets their
+    levels back."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._users = 0
+        self._levels: list[tuple[logging.Handler, int]] = []
+
+    def __enter__(self) -> None:
+        with self._lock:
+            self._users += 1
+            if self._users > 1:
+                return
+            handlers = [handler for name in ("distributed", "bokeh") for handler in logging.getLogger(name).handlers]
+            self._levels = [(one, one.level) for one in handlers if isinstance(one, logging.StreamHandler)]
+            for handler, _ in self._levels:
+                handler.setLevel(logging.CRITICAL)
+
+    def __exit__(self, *_: object) -> None:
+        with self._lock:
+            self._users -= 1
+            if self._users == 0:
+                for handler, level in self._levels:
+                    handler.setLevel(level)
+
+
+_silence = _Silence()
 
 
 class Workers:
@@ -188,11 +220,12 @@ def _local(count: int, scratch: str) -> Iterator[Workers]:
         dask, distributed = needed("dask", "sweep", "cmrc.sweep"), needed("distributed", "sweep", "cmrc.sweep")
         with (
             dask.config.set({**SETTINGS, **QUIET, "temporary-directory": scratch}),
+            _silence,
             distributed.LocalCluster(
                 n_workers=0,
                 processes=True,
                 dashboard_address="127.0.0.1:0",
-                silence_logs=50,
+                silence_logs=False,
                 host="127.0.0.1",
                 scheduler_port=0,
             ) as cluster,

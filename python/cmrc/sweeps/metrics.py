@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import json
 import marshal
 import math
 import numbers
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
 
+from cmrc import _core, arguments
 from cmrc.results.judgement import mean_interval, share_interval
 
 Metric = str | Callable[[Mapping[str, Any]], float | int | bool | None]
@@ -37,6 +41,58 @@ BASES = {*UNITS, "n", "s2", "1"}
 COUNTED = ("count", "log2_histogram")
 """Parts of a summary that count what was measured."""
 USUAL = ("misses", "f_p_missed", "load_rms", "lag")
+
+
+NO_NUMBERS = {"object", "array", "string", "null"}
+
+
+@cache
+def _schema() -> dict[str, Any]:
+    """docs/report.schema.json."""
+    found: dict[str, Any] = json.loads((files("cmrc") / "report.schema.json").read_text(encoding="utf-8"))
+    return found
+
+
+def check_kind(metric: Metric, where: str = "metric") -> None:
+    """Raises TypeError for neither a name nor a function."""
+    if not isinstance(metric, str) and not callable(metric):
+        arguments.refuse(where, metric, "the name of a metric, or a function of a report,")
+
+
+def check_place(metric: str) -> None:
+    """What is known of a name before any run. Raises ValueError for a place that no report has."""
+    if metric not in NAMED:
+        problem = _problem(_schema(), metric, metric) if metric else "an empty name; the name of a metric is expected"
+        if problem:
+            raise ValueError(problem)
+
+
+def _problem(node: Mapping[str, Any], rest: str, place: str) -> str:
+    """What is wrong with a place, by the schema of a report; empty if a report may have it."""
+    if not rest:
+        kinds = node.get("type", "number")
+        kinds = {kinds} if isinstance(kinds, str) else {*kinds}
+        return f"{place}: is no number" if kinds - {"null"} and kinds <= NO_NUMBERS else ""
+    index = re.match(r"\[\d+\]\.?", rest)
+    if index and "items" in node:
+        return _problem(node["items"], rest[index.end() :], place)
+    own, others = node.get("properties", {}), node.get("additionalProperties", True)
+    name = _step(own, rest)
+    if name is not None:
+        return _problem(own[name], _behind(rest, name), place)
+    if isinstance(others, Mapping):  # names that a run gives, which may have dots
+        ends = [end.start() for end in re.finditer(r"[.\[]|$", rest) if end.start()]
+        problems = [_problem(others, _behind(rest, rest[:end]), place) for end in ends]
+        return "" if "" in problems else problems[0]
+    return "" if others and "items" not in node else _none(place, rest, own)
+
+
+def _none(place: str, rest: str, known: Iterable[str]) -> str:
+    """There is no such place; the nearest name of those that are there."""
+    name = re.match(r"[^.\[]*", rest)
+    word = name[0] if name else rest
+    names = [*known, *(NAMED if rest == place else ())]
+    return f"{place}: the report has no such place{_core.io.did_you_mean(word, names)}"
 
 
 def value(report: Mapping[str, Any], metric: Metric) -> float | bool:
@@ -145,16 +201,23 @@ def _at(report: Mapping[str, Any], place: str) -> Any:
                 raise KeyError(f"{place}: there is no {rest}")
             node, rest = node[int(index[1])], rest[index.end() :]
             continue
-        names = (
-            [name for name in node if rest == name or rest.startswith((name + ".", name + "["))]
-            if isinstance(node, Mapping)
-            else []
-        )
-        if not names:
-            raise KeyError(f"{place}: the report has no such place")
-        name = max(names, key=len)
-        node, rest = node[name], rest[len(name) :].removeprefix(".")
+        own = node if isinstance(node, Mapping) else {}
+        name = _step(own, rest)
+        if name is None:
+            raise KeyError(_none(place, rest, own))
+        node, rest = own[name], _behind(rest, name)
     return node
+
+
+def _step(names: Iterable[str], rest: str) -> str | None:
+    """The longest of the names with which the rest of a place may begin."""
+    return max(
+        (name for name in names if rest == name or rest.startswith((name + ".", name + "["))), key=len, default=None
+    )
+
+
+def _behind(rest: str, name: str) -> str:
+    return rest[len(name) :].removeprefix(".")
 
 
 def _worst(report: Mapping[str, Any]) -> float | None:

@@ -34,6 +34,14 @@ def plain(value: Any) -> Any:
     return value.item() if single else value
 
 
+def shortest(value: Setting) -> str:
+    """A setting as it is written in a message or a table: a number with the digits that give it back."""
+    if not isinstance(value, float):
+        return str(value)
+    few = f"{value:g}"
+    return few if float(few) == value else repr(value)
+
+
 def as_typed(name: str, value: Any) -> Any:
     """1 is 1.0 where a setting may have a fraction."""
     whole = schema().get(name, {}).get("type", "integer") == "integer"

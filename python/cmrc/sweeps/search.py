@@ -18,7 +18,7 @@ from cmrc.sweeps import metrics, ranges, store, work
 from cmrc.sweeps.grid import SEED, Grid
 from cmrc.sweeps.identity import Run
 from cmrc.sweeps.metrics import Spread
-from cmrc.sweeps.ranges import GridError
+from cmrc.sweeps.ranges import GridError, shortest
 from cmrc.sweeps.runner import Status
 from cmrc.sweeps.session import Place, Session
 from cmrc.sweeps.study import GridLike, Sweep, grid_of
@@ -43,12 +43,17 @@ class Trial:
 
     @property
     def counts(self) -> bool:
-        """It was measured, and no seed was refused or failed: else its mean would be that of the easy seeds."""
-        return self.spread.n > 0 and self.refused + self.failed == 0
+        """Every seed was measured: else its mean would be that of the easy seeds."""
+        return self.spread.n == self.seeds
+
+    @property
+    def unmeasured(self) -> int:
+        """Seeds that were run to their end, and have no value of the metric."""
+        return self.seeds - self.spread.n - self.refused - self.failed
 
     def passes(self, at_most: float) -> bool:
         """No seed is above it, and each was measured: what was not run has not passed."""
-        return self.spread.n == self.seeds and self.worst <= at_most
+        return self.counts and self.worst <= at_most
 
 
 @dataclass
@@ -61,7 +66,7 @@ class Found:
     value: float
     """The metric there: for a bisection the worst of the search's seeds, else their mean."""
     checked: Spread
-    """The metric of the answer with seeds that the search has not used; n = 0 if ``check_seeds`` is 0."""
+    """The metric of the answer with seeds that the search has not used: n of ``check_seeds`` were measured."""
     check_passed: bool | None
     """For a bisection: the answer passes with those seeds, too. Else None."""
     trials: list[Trial]
@@ -72,6 +77,8 @@ class Found:
     """For a bisection: its two ends pass, so it has looked no further."""
     sweep: Sweep | None = None
     """All runs."""
+    check_seeds: int = 0
+    """So many seeds that the search has not used were run."""
 
     def text(self) -> str:
         """For a terminal."""
@@ -79,23 +86,27 @@ class Found:
             f"{_place(trial.place)}: {self.metric} {trial.spread} (n = {trial.spread.n})"
             + (f", {trial.refused} refused" if trial.refused else "")
             + (f", {trial.failed} failed" if trial.failed else "")
+            + (f", {trial.unmeasured} not measured" if trial.unmeasured else "")
             for trial in self.trials
         ]
         if self.best is None:
             lines += ["", "Nothing was found."]
             if self.exceptions:
                 lines.append(
-                    f"{self.exceptions[0]:g} passes, and the easy end does not: are from and to the wrong way round?"
+                    f"{shortest(self.exceptions[0])} passes, and the easy end does not: are from and to the wrong way "
+                    "round?"
                 )
             return "\n".join(lines) + "\n"
         lines += ["", f"Found: {_place(self.best)}, {self.metric} {self.value:.4g}"]
         if self.whole_range:
             lines.append("The end of the range passes, too: the last value may lie beyond it.")
-        if self.checked.n:
+        if self.check_seeds:
             word = "" if self.check_passed is None else " It passes." if self.check_passed else " IT DOES NOT PASS."
-            lines.append(f"With seeds that the search has not used: {self.checked} (n = {self.checked.n}).{word}")
+            missing = self.check_seeds - self.checked.n
+            of = f"; not measured in {missing} of {self.check_seeds}" if missing else ""
+            lines.append(f"With seeds that the search has not used: {self.checked} (n = {self.checked.n}){of}.{word}")
         if self.exceptions:
-            values = ", ".join(f"{value:g}" for value in self.exceptions)
+            values = ", ".join(map(shortest, self.exceptions))
             lines.append(f"Not monotone: {values} contradicts the answer. A grid (cmrc sweep) shows more.")
         return "\n".join(lines) + "\n"
 
@@ -147,6 +158,10 @@ class _Search(ABC):
             if key not in COMMON + self.keys:
                 raise self.error(key, f"unknown; {', '.join(COMMON + BISECT)}, or {', '.join(OPTIMISE)} are known")
         self.metric = str(table.get("metric", "misses"))
+        try:
+            metrics.check_place(self.metric)
+        except ValueError as error:
+            raise self.error("metric", str(error)) from None
         self.batch = self._whole("batch", 8, 1)
         self.check_seeds = self._whole("check_seeds", 5 if grid.seeds else 0, 0)
 
@@ -160,7 +175,7 @@ class _Search(ABC):
             return
         first = max(self.grid.seeds, default=int(self.grid.fixed.get(SEED, 1))) + 1
         [trial] = trier.values([found.best], range(first, first + self.check_seeds))
-        found.checked, found.check_passed = trial.spread, self.passes(trial)
+        found.checked, found.check_passed, found.check_seeds = trial.spread, self.passes(trial), trial.seeds
 
     def passes(self, trial: Trial) -> bool | None:
         """None where nothing is to be passed."""
@@ -210,7 +225,7 @@ class _Bisection(_Search):
         for end in ("from", "to") if self.whole else ():
             self._is_whole(self.key, self.table[end], end)
         if self.begin == self.end:
-            raise self.error("to", f"{self.end:g} is where it begins; from is the easy end, to the hard one")
+            raise self.error("to", f"{shortest(self.end)} is where it begins; from is the easy end, to the hard one")
         self.tolerance = self._number("tolerance", 1.0 if self.whole else abs(self.end - self.begin) / 100)
         if not self.tolerance > 0 or (self.whole and self.tolerance < 1):
             raise self.error("tolerance", f"a number {'from 1 on' if self.whole else 'above 0'} is expected")
@@ -385,6 +400,4 @@ class _Trier:
 
 
 def _place(place: Mapping[str, Setting]) -> str:
-    return ", ".join(
-        f"{name} = {value:g}" if isinstance(value, float) else f"{name} = {value}" for name, value in place.items()
-    )
+    return ", ".join(f"{name} = {shortest(value)}" for name, value in place.items())

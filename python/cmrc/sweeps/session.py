@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import os
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -15,8 +17,8 @@ from cmrc.sweeps.cluster import Workers
 from cmrc.sweeps.cluster import workers as cluster_of
 from cmrc.sweeps.grid import Point
 from cmrc.sweeps.identity import Keys, Run, build, run_of
-from cmrc.sweeps.runner import Runner, Status, refusal, row_of
-from cmrc.sweeps.store import Folder, SweepError
+from cmrc.sweeps.runner import Runner, Status, place_of, refusal, row_of
+from cmrc.sweeps.store import LIGHT, Folder, Row, SweepError
 from cmrc.sweeps.work import Execute
 
 if TYPE_CHECKING:
@@ -59,7 +61,7 @@ class Session:
         try:
             self._same_build()
             if self.again_failed:
-                self.folder.compact(without=store.FAILED)
+                self.folder.drop(lambda row: row["status"] == store.FAILED)
         except BaseException:
             self._open.close()
             raise
@@ -73,14 +75,14 @@ class Session:
                 self.folder.compact()
 
     def run(self, points: Iterable[Point], fork_at_s: float | None = None) -> list[Run]:
-        """Runs what is not in the folder yet; a Run for each point, also where two points make one run. Runs that share
-        their beginning until ``fork_at_s`` come one after the other. Raises SweepError."""
+        """Runs what is not in the folder yet, and what was refused; a Run for each point, also where two points make
+        one run. Runs that share their beginning until ``fork_at_s`` come one after the other. Raises SweepError."""
         planned = self._planned(list(points), fork_at_s)
         once: dict[str, Run] = {}
         for run in planned:
             once.setdefault(run.key, run)
         runs = list(once.values())
-        there = {row["key"]: row["status"] for row in self.folder.rows(("status",))}
+        there = self._there(planned)
         due = [run for run in runs if run.key not in there]
         refused = [run for run in due if run.refused]
         if refused:
@@ -96,7 +98,39 @@ class Session:
         due = sorted((run for run in due if not run.refused), key=lambda run: run.group)
         if due:
             Runner(self._crew(), self.folder, self.execute, status, self.on_progress).run(due)
+        self._write_twins(planned)
         return planned
+
+    def _there(self, planned: Sequence[Run]) -> dict[str, str]:
+        """The status of each run in the folder, by key. A refusal is the answer to files that may have changed: these
+        points are made again. What this process has just refused in the same words stays."""
+        there: dict[str, str] = {}
+        refused = []
+        for row in self.folder.rows(("status", "message", "settings")):
+            there[row["key"]] = row["status"]
+            if row["status"] == store.REFUSED:
+                refused.append(row)
+        asked = {_point(place_of(run.point)["settings"]): run for run in planned} if refused else {}
+        old = set()
+        for row in refused:
+            run = asked.get(_point(row["settings"]))
+            if run is not None and (run.key, run.refused) != (row["key"], row["message"]):
+                old.add(row["key"])
+        if old:
+            self.folder.drop(lambda row: row["status"] == store.REFUSED and row["key"] in old)
+        return {key: status for key, status in there.items() if key not in old}
+
+    def _write_twins(self, planned: Sequence[Run]) -> None:
+        """Points that make one run: each has a row, so that the folder alone says which points there are."""
+        times = Counter(run.key for run in planned)
+        twins = {(run.key, place_of(run.point)["place"]): run for run in planned if times[run.key] > 1}
+        first: dict[str, Row] = {}
+        for row in self.folder.rows(LIGHT) if twins else ():
+            twins.pop((row["key"], row["place"]), None)
+            first.setdefault(row["key"], row)
+        rows = [{**first[run.key], **place_of(run.point), "report": None} for run in twins.values()]
+        if rows:
+            self.folder.write(rows)
 
     def _planned(self, points: Sequence[Point], fork_at_s: float | None) -> list[Run]:
         """The points with their keys."""
@@ -121,3 +155,8 @@ class Session:
                     f"{self.folder.path}: holds runs of emulator {row['emulator_version']}, build "
                     f"{row['build'][:12]}; this is build {build()[:12]}. Another folder is expected"
                 )
+
+
+def _point(settings: str) -> str:
+    """The settings of a row, whichever grid has written them: a setting may be fixed in one and an axis in another."""
+    return json.dumps(json.loads(settings), sort_keys=True)

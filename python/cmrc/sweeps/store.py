@@ -12,8 +12,8 @@ import socket
 import stat
 import uuid
 import zlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
@@ -46,6 +46,7 @@ COLUMNS = (
     ("report", "binary"),
 )
 """Columns of a part (docs/sweeps.md)."""
+LIGHT = tuple(name for name, _ in COLUMNS if name != "report")
 NEVER_NULL = ("key", "status", "message", "place", "settings", "build", "emulator_version")
 BATCH_ROWS = 1000
 BATCH_BYTES = 1 << 26
@@ -157,18 +158,19 @@ class Folder:
         return sorted(self.path.glob("part-*.parquet"), key=lambda part: (_number(part), part.name))
 
     def rows(self, columns: Sequence[str] | None = None) -> Iterator[Row]:
-        """Every run once, in the order of writing; ``columns`` None: all. Raises SweepError, which names a part that is
-        damaged."""
+        """Every point once, in the order of writing; ``columns`` None: all. Of points of one grid that are the same run
+        only one has the report. Raises SweepError, which names a part that is damaged."""
         parquet = needed("pyarrow.parquet", "sweep", "cmrc.sweep")
-        names = [name for name, _ in COLUMNS if columns is None or name == "key" or name in columns]
-        seen: set[str] = set()
+        names = [name for name, _ in COLUMNS if columns is None or name in ("key", "place") or name in columns]
+        seen: set[tuple[str, str]] = set()
         parts = self.parts()
         while parts:
             part = parts.pop(0)
             try:
                 for row in _read(parquet, part, names):
-                    if row["key"] not in seen:
-                        seen.add(row["key"])
+                    point = row["key"], row["place"]
+                    if point not in seen:
+                        seen.add(point)
                         yield row
             except FileNotFoundError as error:
                 parts = self.parts()  # compacted meanwhile: its rows are in a later part
@@ -203,24 +205,51 @@ class Folder:
 
     def write(self, rows: Sequence[Row]) -> None:
         """Writes a new part. Raises SweepError; then the old parts stay, and nothing of the new one."""
-        self._put(rows)
+        with self._named():
+            self._put(rows)
 
-    def compact(self, without: str | None = None) -> None:
-        """Joins all parts into one, without the rows with the status ``without``. If it is killed at any instant, no
-        row is lost: a row in two parts counts once."""
+    def compact(self) -> None:
+        """Joins all parts into one. If it is killed at any instant, no row is lost: a row in two parts counts once.
+        Without room for the whole, the parts stay as they are."""
         parts = self.parts()
-        if len(parts) < (2 if without is None else 1):
+        if len(parts) > 1:
+            with suppress(OSError):
+                self._put(self.rows())
+                for part in parts:
+                    part.unlink()
+
+    def drop(self, unwanted: Callable[[Row], bool]) -> None:
+        """Joins all parts into one, without these rows. Raises SweepError; then the rows stay."""
+        parts = self.parts()
+        if not parts:
             return
-        self._put(row for row in self.rows() if row["status"] != without)
-        for part in parts:
-            part.unlink()
+        with self._named():
+            self._put(row for row in self.rows() if not unwanted(row))
+            for part in parts:
+                part.unlink()
+
+    @contextmanager
+    def _named(self) -> Iterator[None]:
+        """A part that cannot be written is a SweepError with its name."""
+        name = self._next()
+        try:
+            yield
+        except OSError as error:
+            raise SweepError(
+                f"{self.path / name}.parquet: cannot be written: {error.strerror or error}. The parts that are there "
+                "are whole; the same command continues from them"
+            ) from None
+
+    def _next(self) -> str:
+        return f"part-{max(map(_number, self.parts()), default=0) + 1:06}"
 
     def _put(self, rows: Iterable[Row]) -> None:
+        """Raises OSError."""
         arrow, parquet = (needed(name, "sweep", "cmrc.sweep") for name in ("pyarrow", "pyarrow.parquet"))
         schema = arrow.schema(
             [(name, getattr(arrow, kind)()) for name, kind in COLUMNS], metadata={"cmrc_sweep_format": str(FORMAT)}
         )
-        name = f"part-{max(map(_number, self.parts()), default=0) + 1:06}"
+        name = self._next()
         fresh = self.path / f".part-{uuid.uuid4().hex}"
         try:
             with open(fresh, "w+b") as file:
@@ -233,11 +262,6 @@ class Folder:
                 digest = _digest(file)
             os.rename(fresh, self.path / f"{name}-{digest}.parquet")
             _sync(self.path)
-        except OSError as error:
-            raise SweepError(
-                f"{self.path / name}.parquet: cannot be written: {error.strerror or error}. The parts that are there "
-                "are whole; the same command continues from them"
-            ) from None
         finally:
             fresh.unlink(missing_ok=True)
 

@@ -9,7 +9,7 @@ import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from cmrc import arguments, saved_result, simulation
+from cmrc import arguments, files, saved_result, simulation
 from cmrc.sweeps import grid as grids
 from cmrc.sweeps import metrics, ranges, store, work
 from cmrc.sweeps.grid import Grid
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 BESIDE = ("seed", "status", "message")
 """Columns of a table beside the axes and the metrics."""
-LIGHT = tuple(name for name, _ in store.COLUMNS if name != "report")
 APART = (*grids.APART, grids.EVENTS)
 """What a run is made of besides its settings."""
 OF_NO_RUN = frozenset({"profile", "keep_events", "reference", "on_progress"})
@@ -42,15 +41,15 @@ class Sweep:
     """
 
     def __init__(self, folder: str | os.PathLike[str], of: Sequence[Run] | None = None) -> None:
-        """``of``: the points of one grid. None: every run of the folder, whichever grids it was filled from."""
+        """``of``: the points of one grid. None: every point of the folder, whichever grids it was filled from."""
         self.folder = Folder(folder)
         self.folder.check()
         if self.folder.head() is None:
             raise SweepError(f"{folder}: not a folder of a sweep")
-        rows = {row["key"]: row for row in self.folder.rows(LIGHT)}
         if of is None:
-            self._runs = self._completed([self.folder.opened(row) for row in rows.values()])
+            self._runs = self._completed([self.folder.opened(row) for row in self.folder.rows(store.LIGHT)])
         else:
+            rows = {row["key"]: row for row in self.folder.rows(store.LIGHT)}
             self._runs = [self.folder.opened({**rows[run.key], **place_of(run.point)}) for run in of if run.key in rows]
 
     def _completed(self, runs: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -60,30 +59,29 @@ class Sweep:
         named = dict.fromkeys(name for run in runs for name in run["settings"] if name not in (grids.SEED, *APART))
         seeds = {run["settings"].get(grids.SEED) for run in runs}
         seeded = any(run["seed"] is not None for run in runs) or (grids.SEED not in axes and len(seeds - {None}) > 1)
-        given = {run["key"]: {**run["settings"], **run["place"]} for run in runs}
+        given = [{**run["settings"], **run["place"]} for run in runs]
         from_files = any("config" in run["settings"] for run in runs)
         open_ = {
-            key
-            for key, values in given.items()
-            if from_files
-            or any(name not in values for name in (*axes, *named))
-            or (seeded and grids.SEED not in values)
+            run["key"]
+            for run, own in zip(runs, given, strict=True)
+            if from_files or any(name not in own for name in (*axes, *named)) or (seeded and grids.SEED not in own)
         }
         known = self._configurations(open_)
-        values = {key: {"preset": "base", **known.get(key, {}), **own} for key, own in given.items()}
+        values = [{"preset": "base", **known.get(run["key"], {}), **own} for run, own in zip(runs, given, strict=True)]
         fixed = dict.fromkeys((*named, *(name for one in known.values() for name in one))) if from_files else named
-        axes += [name for name in fixed if name not in (*axes, grids.SEED) and _differs(values.values(), name)]
-        for run in runs:
-            run["place"] = {name: ranges.as_typed(name, values[run["key"]].get(name)) for name in axes}
+        axes += [name for name in fixed if name not in (*axes, grids.SEED) and _differs(values, name)]
+        for run, of in zip(runs, values, strict=True):
+            run["place"] = {name: ranges.as_typed(name, of.get(name)) for name in axes}
             if seeded and run["seed"] is None:
-                run["seed"] = values[run["key"]].get(grids.SEED)
+                run["seed"] = of.get(grids.SEED)
         for name in APART:
-            texts = {run["key"]: _text(name, values[run["key"]].get(name)) for run in runs}
+            texts = [_text(name, of.get(name)) for of in values]
             if name not in axes and _apart(runs, texts):
                 axes.append(name)
-                for run in runs:
-                    run["place"][name] = texts[run["key"]]
-        return sorted(runs, key=lambda run: _order(run, axes))
+                for run, text in zip(runs, texts, strict=True):
+                    run["place"][name] = text
+        once = {(run["key"], json.dumps(run["place"]), run["seed"]): run for run in runs}  # a point of several grids
+        return sorted(once.values(), key=lambda run: _order(run, axes))
 
     def _configurations(self, keys: Collection[str]) -> dict[str, Mapping[str, Any]]:
         """Every setting of these runs, as far as they have reports."""
@@ -119,12 +117,19 @@ class Sweep:
         for run in self.runs:
             if run["status"] == store.DONE:
                 wanted.setdefault(run["key"], []).append(run)
+        empty: dict[str, dict[str, Any]] = {}
         for row in self.folder.rows(("report",)):
             if row["key"] not in wanted:
+                continue
+            if row["report"] is None:  # another point that is the same run has it
+                empty[row["key"]] = row
                 continue
             report = self._report(row)
             for run in wanted.pop(row["key"]):
                 yield run, report
+        for key, row in empty.items():
+            if key in wanted:  # the run itself has none: it is damaged
+                self._report(row)
         if wanted:
             raise SweepError(
                 f"{self.folder.path}: {len(wanted)} of its runs are not there any more; the folder as it was when this "
@@ -178,15 +183,17 @@ class Sweep:
 
     def _measured(self, of: Sequence[Metric]) -> dict[str, list[float | bool]]:
         """All of them with one reading of the reports."""
+        for metric in of:
+            metrics.check_kind(metric)
         return metrics.of_reports(((run["key"], report) for run, report in self.reports()), of)
 
     def table(self, *of: Metric) -> Table:
         """One row per run: its axes, ``seed``, ``status``, ``message``, and the metrics; NaN if nothing was measured.
         A metric whose name another column has gets a number (``<lambda> 2``)."""
         asked = of or metrics.USUAL
-        axes = dict.fromkeys(self.axes)
+        found, axes = self._measured(asked), dict.fromkeys(self.axes)
         names = metrics.names_of(asked, {*axes, *BESIDE})
-        found, nothing = self._measured(asked), [math.nan] * len(names)
+        nothing = [math.nan] * len(names)
         return Table.from_rows(
             {
                 **axes,
@@ -347,10 +354,12 @@ def _differs(runs: Iterable[Mapping[str, Any]], name: str) -> bool:
     return len({value for run in runs if (value := run.get(name)) is not None}) > 1
 
 
-def _apart(runs: Sequence[Mapping[str, Any]], texts: Mapping[str, str | None]) -> bool:
+def _apart(runs: Sequence[Mapping[str, Any]], texts: Sequence[str | None]) -> bool:
     """Two runs of one place have different ones."""
     of_place: dict[str, str | None] = {}
-    return any(of_place.setdefault(json.dumps(run["place"]), texts[run["key"]]) != texts[run["key"]] for run in runs)
+    return any(
+        of_place.setdefault(json.dumps(run["place"]), text) != text for run, text in zip(runs, texts, strict=True)
+    )
 
 
 def _text(name: str, value: Any) -> str | None:
@@ -384,7 +393,8 @@ def _bracket(unit: str) -> str:
 
 
 def _cell(value: Any) -> str:
-    return "–" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
+    """In one line, also a name with a line feed."""
+    return "–" if value is None else files.printable(ranges.shortest(value)).replace("\n", "\\x0A")
 
 
 def _columns(lines: Sequence[Sequence[str]]) -> str:
