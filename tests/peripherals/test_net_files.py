@@ -23,6 +23,9 @@ from net_programs import COUNT, END, HEAD, assembled, clock, iiof
     (["0.TCLK0+0.IIOF1>1.IIOF1"], "two pins drive it; an open-drain net is written with &"),
     (["0.TCLK0>1.IIOF1", "0.IIOF1>1.IIOF1"], "pin 1.IIOF1 is already on net 0"),
     (["0.TCLK0>1.IIOF1+1.IIOF1"], "pin 1.IIOF1 is in it twice"),
+    (["0.TCLK0>1.IIOF1,1.IIOF2"], "(+ joins receivers, & joins drivers, as 0.IIOF1&1.IIOF1>2.IIOF0+2.IIOF2)"),
+    (["0.TCLK0>1.IIOF1&1.IIOF2"], "(+ joins receivers, & joins drivers,"),
+    (["0.IIOF1,1.IIOF1>1.IIOF2"], "(+ joins receivers, & joins drivers,"),
 ])  # fmt: skip
 def test_nets_that_cannot_be(nets: list[str], message: str) -> None:
     with pytest.raises(NetworkError) as error:
@@ -95,6 +98,15 @@ def test_a_net_and_an_action_on_the_command_line(command: Any) -> None:
     assert found["nets"] == [{"name": "index", "pins": ">0.IIOF1", "level": 1, "edges": 6, "missed": 0}]
     text = command("clock.asm", "count.asm", "--net", "0.TCLK0>1.IIOF1", "--cycles", "2000").stdout
     assert "net 0 (0.TCLK0>1.IIOF1): high, 10 edges\n" in text
+
+
+@pytest.mark.parametrize(("count", "says"), [(1, "2 edges, 1 pulse"), (3, "6 edges, 3 pulses")])
+def test_a_missed_pulse_is_counted_once(command: Any, tmp_path: Path, count: int, says: str) -> None:
+    """It has two edges. A chip of 40 MHz looks every 50 ns."""
+    (tmp_path / "spin.asm").write_text("start: nop\n br start\n")
+    pulses = ["--action", f"5.01,pulse,p,0.02,0.1,{count}", "--cycles", "200"]
+    text = command("spin.asm", "--net", "p: >0.IIOF2", *pulses).stdout
+    assert f"net p (>0.IIOF2): high, {says} missed by a receiver\n" in text
 
 
 def test_the_first_thousand_missed_pulses_of_a_net_are_events_and_all_are_counted(command: Any, tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 
 import pytest
-from cmrc.network import Network
+from cmrc.network import Network, NetworkError
 from network_programs import DATA, PERIOD_PS, STOP, check_balance, mixed_network, program, receiver, sender, state
 
 
@@ -108,6 +108,32 @@ def test_a_chip_pulled_out_stands_from_that_instant_on_and_drives_no_pin() -> No
     )  # after the instruction that it was at
     network.run(until_us=10)
     assert network.chips[0].registers["R0"] & 0xFFFFFFFF == counted
+
+
+@pytest.mark.parametrize("action", ["release", "hold", "reset", "pull_out"])
+def test_a_chip_that_is_pulled_out_has_no_later_action(action: str) -> None:
+    """It is refused when it is given, whichever of the two is given first; an earlier action is not."""
+
+    def made() -> Network:
+        return Network([program(sender(0, 20)), program(receiver(3, 20))], links=["0.0:1.3"])
+
+    refused = f"{action} at 4000000 ps: chip 1 is pulled out at 3000000 ps"
+    network = made()
+    network.pull_out(1, 3)
+    with pytest.raises(NetworkError, match=refused):
+        getattr(network, action)(1, 4)
+    network = made()
+    getattr(network, action)(1, 4)
+    with pytest.raises(NetworkError, match=refused):
+        network.pull_out(1, 3)
+    if action != "pull_out":
+        getattr(network, action)(1, 2)
+        network.pull_out(1, 5)
+    network.reset(0, 6)
+    network.run()
+    assert network.chips[1].status == "pulled_out"
+    with pytest.raises(NetworkError, match=f"{action} at 9000000 ps: chip 1 has been pulled out"):
+        getattr(network, action)(1, 9)
 
 
 def test_random_cuts_holds_and_resets_lose_no_word_unsaid() -> None:

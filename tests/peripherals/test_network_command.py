@@ -240,6 +240,13 @@ def test_actions_that_cannot_be(run: Any, action: str, message: str) -> None:
     assert result.returncode == 2 and result.stdout == "" and message in result.stderr, result.stderr
 
 
+def test_an_action_on_a_chip_that_is_gone_is_refused_before_the_run(run: Any) -> None:
+    out = ["--action", "3,pull_out,1", "--action", "4,release,1"]
+    result = run("send.asm", "take.asm", "--link", "0.0:1.3", *out)
+    assert result.returncode == 2 and result.stdout == ""
+    assert "release at 4000000 ps: chip 1 is pulled out at 3000000 ps" in result.stderr
+
+
 def test_what_one_chip_can_be_asked_a_network_can(run: Any, tmp_path: Path) -> None:
     options = ["--trace", "t", "--events", "e", "--check", "--profile", "--pipeline", "0:20", "--peripherals"]
     plain = json.loads(run("send.asm", "take.asm", "--link", "0.0:1.3", "--json").stdout)

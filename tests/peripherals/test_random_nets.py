@@ -10,7 +10,8 @@ from cmrc.network import Network
 from net_programs import COUNT, assembled, clock
 
 
-def random_network(seed: int, turn_order: int) -> Network:
+def random_network(seed: int, turn_order: int, *, branches: bool = False, resets: bool = False) -> Network:
+    """``branches``: every chip branches to itself. ``resets``: nets lead to RESET pins, too."""
     rng = random.Random(seed)
     chips = rng.randrange(2, 5)
     programs, nets, taken = [], [], set()
@@ -32,6 +33,7 @@ def random_network(seed: int, turn_order: int) -> Network:
                 ]
             )
         )
+        body = "wait:   b wait\n" if branches else body
         vectors = "".join(f"        sti r0,*+ar1({vector:x}h)\n" for vector in (1, 2, 3, 4, 5, 6, 0x2B))
         programs.append(
             assembled(
@@ -50,8 +52,9 @@ def random_network(seed: int, turn_order: int) -> Network:
         taken.add(chosen)
         return chosen
 
+    received = ["IIOF2", "IIOF3", "NMI", "TCLK1", *(["RESET"] * 3 if resets else [])]
     for _ in range(rng.randrange(1, 2 * chips)):
-        receivers = "+".join(pin(["IIOF2", "IIOF3", "NMI", "TCLK1"]) for _ in range(rng.choice([1, 1, 2])))
+        receivers = "+".join(pin(received) for _ in range(rng.choice([1, 1, 2])))
         drivers = (
             "&".join(pin(["TCLK0", "IIOF1"]) for _ in range(rng.choice([1, 1, 2])))
             if len(taken) < 3 * chips and rng.random() < 0.8
@@ -103,6 +106,32 @@ def check(seed: int) -> None:
 @pytest.mark.parametrize("seed", [*range(12), 2389])
 def test_the_order_of_turns_and_cuts_change_nothing(seed: int) -> None:
     check(seed)
+
+
+def check_pauses(seed: int, **kinds: bool) -> None:
+    """Pauses at every 61.1 ns meet most edges in the cycle before they act."""
+    one, other, paused = (random_network(seed, order, **kinds) for order in (0, seed + 1, 0))
+    for n in range(1, 800):
+        paused.run(until_us=n * 0.0611)
+    for made in (one, other, paused):
+        made.run(until_us=50)
+    assert outcome(one) == outcome(other)
+    assert outcome(one) == outcome(paused)
+
+
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("kind", ["branches", "resets"])
+def test_pauses_change_nothing_of_branches_and_resets(seed: int, kind: str) -> None:
+    check_pauses(seed, **{kind: True})
+
+
+# Open: with resets, 155 and 799 (a timer takes a chip out of IDLE in the cycle in which an edge reaches its pin) and 477
+# (a timer changes a pin in the cycle in which its chip is held).
+@pytest.mark.campaign
+@pytest.mark.parametrize("seed", range(12, 1000))
+@pytest.mark.parametrize("kind", ["branches", "resets"])
+def test_pauses_change_nothing_of_branches_and_resets_by_the_hundred(seed: int, kind: str) -> None:
+    check_pauses(seed, **{kind: True})
 
 
 @pytest.mark.campaign

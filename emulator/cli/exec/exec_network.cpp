@@ -136,7 +136,8 @@ void print_text(const Network& network, const machine::NetworkStop& stop, const 
     const machine::Net& net = network.net(n);
     io::print("net {} ({}): {}, {} edges", net.description().name, to_text(net.description()),
               net.level() ? "high" : "low", net.edges());
-    if (net.missed() != 0) io::print(", {} missed by a receiver", net.missed());
+    if (net.missed() != 0)
+      io::print(", {} {} missed by a receiver", net.missed(), net.missed() == 1 ? "pulse" : "pulses");
     io::print("\n");
   }
   for (const machine::NetworkEvent& event : network.events())

@@ -18,7 +18,7 @@ constexpr std::array kinds_of_events{
     std::pair{Kind::dead, "a link can never move a word again"},
     std::pair{Kind::cut, "an action cuts a link"},
     std::pair{Kind::restored, "an action restores a link"},
-    std::pair{Kind::missed, "a chip does not see an edge on a net"},
+    std::pair{Kind::missed, "a chip misses a pulse on a net"},
     std::pair{Kind::discarded, "a word in a FIFO is lost in a reset"},
     std::pair{Kind::reset, "an action resets a chip"},
     std::pair{Kind::hold, "an action holds a chip in reset"},

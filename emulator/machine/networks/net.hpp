@@ -72,10 +72,10 @@ class Net final : public Scheduler::Actor {
 
   const NetDescription& description() const { return description_; }
   bool level() const { return level_; }
-  /// Number of changes of the level so far, and how many of them receivers have missed.
+  /// Number of changes of the level so far, and how many pulses receivers have missed: two changes each.
   std::uint64_t edges() const { return edges_; }
   std::uint64_t missed() const { return missed_; }
-  /// Called for changes of the level, and for changes that a chip has missed.
+  /// Called for changes of the level, and for pulses that a chip has missed, when they end.
   class Listener {
    public:
     virtual ~Listener() = default;

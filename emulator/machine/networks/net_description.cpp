@@ -20,8 +20,15 @@ constexpr std::string_view blank = " ";
 
 std::vector<ChipPin> parse_pins(std::string_view text, char between, const std::vector<std::string>& chips) {
   std::vector<ChipPin> pins;
-  for (const std::string_view one : ascii::split(text, between))
-    pins.push_back(parse_pin(ascii::trimmed(one, blank), chips));
+  for (const std::string_view one : ascii::split(text, between)) {
+    try {
+      pins.push_back(parse_pin(ascii::trimmed(one, blank), chips));
+    } catch (const std::invalid_argument& error) {
+      if (one.find_first_of(",;&+") == std::string_view::npos) throw;
+      throw std::invalid_argument(
+          fmt::format("{} (+ joins receivers, & joins drivers, as 0.IIOF1&1.IIOF1>2.IIOF0+2.IIOF2)", error.what()));
+    }
+  }
   return pins;
 }
 

@@ -108,6 +108,8 @@ void Network::join_nets() {
     for (const ChipPin& pin : net.drivers) join(pin, nodes_[pin.chip]->nets_out, outputs[pin.chip]);
     for (const ChipPin& pin : net.receivers)
       join(pin, nodes_[pin.chip]->nets_in, inputs[pin.chip]), nodes_[pin.chip]->pins_in.push_back(pin.pin);
+    for (const ChipPin& pin : net.receivers)
+      if (pin.pin == c40::Pin::reset) nodes_[pin.chip]->reset_net = nets_.back().get();
   }
   for (auto& node : nodes_)
     if ((outputs[node->number] | inputs[node->number]) != 0)
@@ -212,13 +214,34 @@ void Network::schedule(const NetworkAction& action) {
     if (action.count != 1 && action.period <= action.width)
       throw NetworkError("pulse: a period of more than the width is expected");
   }
+  if (what == ActionTarget::chip) check_not_pulled_out(action);
   if (action.time < now_)
     throw NetworkError(fmt::format("{} at {} ps: the network has already run to {} ps", name(action.kind),
                                    action.time.count(), now_.count()));
+  add(action);
+}
+
+void Network::add(const NetworkAction& action) {
   actions_.insert(std::upper_bound(actions_.begin(), actions_.end(), action,
                                    [](const auto& a, const auto& b) { return a.time < b.time; }),
                   action);
   action_turn_->changed();
+}
+
+/// A chip that is pulled out has no action after that, in whichever order they are given. At one instant the order is
+/// the given one.
+void Network::check_not_pulled_out(const NetworkAction& action) const {
+  using enum NetworkAction::Kind;
+  const auto refuse = [&](const NetworkAction& late, std::string_view when) {
+    throw NetworkError(fmt::format("{} at {} ps: chip {} {}", name(late.kind), late.time.count(), late.target, when));
+  };
+  if (nodes_[action.target]->status == ChipStatus::pulled_out) refuse(action, "has been pulled out");
+  for (const NetworkAction& other : actions_) {
+    if (other.target != action.target || target_of(other.kind) != ActionTarget::chip) continue;
+    const bool is_later = action.time >= other.time;
+    const NetworkAction &first = is_later ? other : action, &second = is_later ? action : other;
+    if (first.kind == pull_out) refuse(second, fmt::format("is pulled out at {} ps", first.time.count()));
+  }
 }
 
 // ---- what happens next ----

@@ -159,8 +159,8 @@ std::size_t set_topology(NetworkDescription& network, std::string_view text);
 std::vector<NetworkLink> grid_links(const std::vector<std::size_t>& size, bool closed);
 std::vector<NetworkLink> hypercube_links(unsigned dimensions);
 
-/// An event of a link, net or chip. Losses, cuts, actions and missed edges are always recorded; words, tokens and edges
-/// on request.
+/// An event of a link, net or chip. Losses, cuts, actions and missed pulses are always recorded; words, tokens and
+/// edges on request.
 struct NetworkEvent {
   enum class Kind : std::uint8_t {
     word,
@@ -182,7 +182,7 @@ struct NetworkEvent {
   Time time{};
   std::size_t place = 0;  ///< number of the link; for kinds from `rise` on of the net, from `discarded` on of the chip
   int side =
-      0;  ///< the link's side that sends, or gets the token; the port of `discarded`; the chip that missed an edge
+      0;  ///< the link's side that sends, or gets the token; the port of `discarded`; the chip that missed a pulse
   c40::Word word = 0;
   int count =
       0;  ///< bytes of a lost word that had crossed; for `discarded` 1: it was in the input FIFO, 0: in the output FIFO
@@ -296,7 +296,7 @@ class Network {
   /// listens too.
   void set_trace(std::size_t n, c40::TraceSink* sink);
 
-  /// \throws NetworkError if the target does not exist or the time is past.
+  /// \throws NetworkError if the target does not exist or has been pulled out by then, or the time is past.
   void schedule(const NetworkAction& action);
   void record_words(bool on) { records_words_ = on; }
   /// By time; at one instant those of nets come last, by their numbers.
@@ -337,6 +337,8 @@ class Network {
   void load(Node& node);
   void load_stream(Node& node, const toolchain::Image& image, const c40::Board& board);
   void ready_to_start(Node& node);
+  void check_not_pulled_out(const NetworkAction& action) const;
+  void add(const NetworkAction& action);
   Time effective(const NetworkAction& action) const;
   Time next_action() const;
   c40::Cycles next_action_on(const Node& node) const {
@@ -387,7 +389,9 @@ class Network {
   void something_happened() { ++news_, happened_ = now_; }
   std::uint64_t news_ = 0;  ///< on links, in shared memories, to chips: what could end a loop that polls
   Time happened_{0};        ///< the last of them
-  Time changed_{0};  ///< the last thing on a link that was no mere exchange of the token, change of a pin, or action
+  /// The last thing on a link that was no mere exchange of the token, change of a pin, action, or event of a timer that
+  /// came to a chip that did nothing.
+  Time changed_{0};
   std::size_t moving_ = 0;  ///< a chip that was not at rest when last looked at
   Time ends_at_ = never;    ///< of a network that is quiet: when all have come to rest
   bool made_ = false;       ///< The constructor has ended: its chips may run.

@@ -1,6 +1,4 @@
 // What actions do to a network: links are cut, nets driven, chips held, reset and pulled out.
-#include <fmt/format.h>
-
 #include "c40/peripherals/comm_port.hpp"
 #include "machine/networks/network_parts.hpp"
 
@@ -47,23 +45,22 @@ void Network::perform(const NetworkAction& action) {
                       now_);
   }
   Node& node = *nodes_[action.target];
-  if (node.status == ChipStatus::pulled_out)
-    throw NetworkError(
-        fmt::format("{} at {} ps: chip {} has been pulled out", name(action.kind), action.time.count(), node.number));
-  node.bring_to(now_, false);
-  node.patience = {};
-  node.chip.set_trace(node.trace);
+  if (node.status == ChipStatus::pulled_out) return;  // an edge of its RESET pin at the instant at which it left
   const auto kind = action.kind == reset     ? NetworkEvent::Kind::reset
                     : action.kind == hold    ? NetworkEvent::Kind::hold
                     : action.kind == release ? NetworkEvent::Kind::release
                                              : NetworkEvent::Kind::pull_out;
   events_.push_back({kind, now_, node.number, 0, 0, 0});
+  if (action.kind == release && node.status != ChipStatus::held) return;  // no hold ends
+  node.bring_to(now_, false);
+  node.patience = {};
+  node.chip.set_trace(node.trace);
   switch (action.kind) {
     case reset:
       if (node.reset_is_low()) return;
       return reset_chip(node);
     case release:
-      if (node.status != ChipStatus::held || node.reset_is_low()) return;
+      if (node.reset_is_low()) return;
       node.chip.hold(false);
       node.status = node.chip.halted() ? ChipStatus::fault : ChipStatus::running;
       return node.note_idle();  // where the chip is, not where its next run will end

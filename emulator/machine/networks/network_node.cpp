@@ -20,8 +20,10 @@ void Network::Node::run_to(Time until, Cycles last) {
   passing_ = false;
   last_ = last;
   ends_ = first_cycle(until);
-  action_ = network.next_action_on(*this);
+  action_ = next_action();
+  const Cycles event = own_event_cycle();
   run_chip(chip);
+  if (own_event_cycle() != event) note_own_event(event);
   if (was_ready && waits_for_port() && !port_is_ready()) forget_port();  // its DMA was at the port before
 }
 
@@ -29,10 +31,8 @@ void Network::Node::run_to(Time until, Cycles last) {
 bool Network::Node::follow_to(Time time) {
   const bool continues = follows() || (status == ChipStatus::waiting && dma_waits());
   if (status != ChipStatus::sleeping && !continues) return false;
-  if (continues)
-    run_to(time);
-  else
-    bring_to(time, true);
+  if (continues) run_to(time);
+  if (status == ChipStatus::sleeping) bring_to(time, true);  // also one that came to its branch just now
   return true;
 }
 
@@ -179,9 +179,10 @@ void Network::Node::note_idle() {
 }
 
 /// Advances a chip that does not run to an instant. `fully`: a processor that branches to itself has begun its last
-/// branch by then, as a running one has begun its last instruction (run_to).
+/// branch by then, as a running one has begun its last instruction (run_to), but for an action on the chip there.
 void Network::Node::bring_to(Time time, bool fully) {
   const Cycles cycle = first_cycle(time);
+  fully = fully && cycle < next_action();
   if (status != ChipStatus::sleeping && !fully && chip.cycle() >= cycle) return;
   if (status == ChipStatus::running)
     run_to(time);
@@ -192,6 +193,7 @@ void Network::Node::bring_to(Time time, bool fully) {
   while (status == ChipStatus::sleeping) {
     const Cycles limit = cycle + (fully && !chip.idle() ? 1 : 0), event = own_event_cycle();
     pass_to(std::min(limit, event), std::min(cycle, event));
+    if (event <= cycle) note_own_event(event);
     if (status != ChipStatus::sleeping) return;
     wake_up();  // an event during the last pass of the loop may wake it
     if (event >= limit) return;
@@ -200,6 +202,12 @@ void Network::Node::bring_to(Time time, bool fully) {
     else if (own_event_cycle() == event)
       return pass_to(limit, cycle);
   }
+}
+
+/// An event of a timer has come to a chip that sleeps or waits. A channel of its DMA may have kept it and waits for a
+/// FIFO now: until then the chip was not at rest.
+void Network::Node::note_own_event(Cycles event) {
+  if (event != never_cycle) network.changed_ = std::max(network.changed_, clock.at(event));
 }
 
 /// Of a chip whose processor has ended.

@@ -70,6 +70,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   DeviceTurn* device_turn = nullptr;      ///< null: they do nothing by themselves that others see
   Time device_event = never;
   std::vector<Net*> nets_in, nets_out;  ///< nets that lead to its pins, and nets that it can drive
+  const Net* reset_net = nullptr;       ///< that leads to its RESET pin
   std::vector<c40::Pin> pins_in;
   bool shares_memory = false;
   Time dma_answered{0};  ///< when an access of its DMA to a shared memory, or a device that acts on others, took place
@@ -125,8 +126,12 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   bool reacts_to(c40::Pin pin) const;
   bool reacts_to_pins() const;
   /// Its RESET pin, which a net drives, is low.
-  bool reset_is_low() const {
-    return std::ranges::any_of(nets_in, [this](const Net* net) { return net->is_low_at({number, c40::Pin::reset}); });
+  bool reset_is_low() const { return reset_net != nullptr && reset_net->is_low_at({number, c40::Pin::reset}); }
+  /// The cycle before which no action on the chip can be: of a script, or by its RESET pin.
+  c40::Cycles next_action() const {
+    const c40::Cycles scripted = network.next_action_on(*this);
+    const Time edge = reset_net != nullptr ? reset_net->reaches(number) : never;
+    return edge == never ? scripted : std::min(scripted, first_cycle(edge));
   }
   bool held() const { return status == ChipStatus::held || status == ChipStatus::pulled_out; }
   bool dma_waits() const {
@@ -167,6 +172,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   bool follow_to(Time time);
   void bring_to(Time time, bool fully);
   void bring_timers_to(Time time);
+  void note_own_event(c40::Cycles event);
   void stand_at_rest_until(Time time);
   void look_for_loop();
   void begin_patience();
@@ -288,7 +294,7 @@ struct Network::ActionTurn final : Scheduler::Actor {
   Network& network;
 };
 
-/// Missed edges of a net that are recorded though nobody asked for events; the net counts all.
+/// Missed pulses of a net that are recorded though nobody asked for events; the net counts all.
 constexpr std::uint64_t most_missed_events = 1000;
 
 /// Records events of nets. If two nets change at one instant, either may report first.

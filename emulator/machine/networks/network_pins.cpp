@@ -44,8 +44,8 @@ bool Network::Node::listens_to(c40::Pin pin) const {
 
 /// While its timers do something at its pins, and no instruction anything.
 void Network::Node::drive_on(Time now) {
-  if (status == ChipStatus::waiting && !chip.dma_active())
-    chip.let_peripherals_reach(first_cycle(now));
+  if (status == ChipStatus::waiting)
+    bring_timers_to(now);
   else if (status != ChipStatus::running && status != ChipStatus::sleeping)
     chip.stand_until(first_cycle(now));
 }
@@ -56,7 +56,7 @@ void Network::Node::pin_changes(c40::Pin pin, bool level, Time now) {
   if (listens_to(pin)) network.something_happened(), network.changed_ = now;
   if (pin == c40::Pin::reset) {
     const auto kind = level ? NetworkAction::Kind::reset : NetworkAction::Kind::hold;
-    if (!level || status == ChipStatus::held) network.schedule({.kind = kind, .time = now, .target = number});
+    if (!level || status == ChipStatus::held) network.add({.kind = kind, .time = now, .target = number});
     return;
   }
   if (network.made_) come_to(now);  // the levels at the start are there before any instruction

@@ -93,8 +93,8 @@ class Link:
 
 @dataclass(frozen=True)
 class Net:
-    """A wire between pins: ``pins`` as given, its present ``level``, its edges so far, and how many of them a receiver
-    has missed."""
+    """A wire between pins: ``pins`` as given, its present ``level``, its ``edges`` so far, and how many pulses
+    receivers have ``missed``: of a missed pulse neither edge is seen."""
 
     name: str
     pins: str
