@@ -239,6 +239,7 @@ std::vector<DmaWait> Dma::waits() const {
                  .port = {},
                  .timer = {},
                  .interrupts = fields[static_cast<std::size_t>(h.half)].tcc.in(word_of(h)) || mode(h) == mode_autoinit,
+                 .stops = mode(h) != mode_endless && mode(h) != mode_autoinit,
                  .since = state(h).since};
     if (synchronised(h) && !event_ready(h.channel, wait.write)) wait.event = event_code(h.channel, wait.write);
     if (wait.event == 1u)
