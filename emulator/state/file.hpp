@@ -11,7 +11,7 @@
 namespace state {
 
 /// The version of the file's envelope and of all lists. Raise it if a list changes its meaning but not its names.
-inline constexpr unsigned version = 3;
+inline constexpr unsigned version = 4;
 
 /// What must be the same where the state is loaded: {"board", ...}, {"program of chip 0", ...}. The values may be long:
 /// only their fingerprints are kept.

@@ -110,6 +110,8 @@ class Engine {
 
   // engine_run.cpp: the chip's next action, and why it stops
   Word watched_ports_now() const;
+  /// A linked port of which the caller does not know could now raise an interrupt, or move the DMA.
+  bool watches_another_port() const { return ports_.attached() != 0 && (watched_ports() & ~watched_) != 0; }
   Stepped advance(Cycles limit, bool single);
   Stepped act(Cycles limit, bool single, bool dma_busy);
   const StopInfo& stop(Stepped why);
@@ -286,6 +288,7 @@ class Engine {
   IdleSpan idle_;
   StopInfo stop_;         ///< of the last run
   Cycles run_limit_ = 0;  ///< of the present call: the links are known up to this cycle
+  Word watched_ = 0;      ///< of the present call: watched_ports() as the caller knew it
 };
 
 }  // namespace c40

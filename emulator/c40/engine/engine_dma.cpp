@@ -36,8 +36,9 @@ Cycles Engine::known_before_access(Cycles limit) const {
 bool Engine::uses_linked_port() const { return ports_.attached() != 0 && (dma_.ports_used() & ports_.attached()) != 0; }
 
 // Lets the DMA follow the processor, or run on without it while the processor waits or idles; and the timers, each
-// event in its turn. A stop with the reason `limit`: the processor did not get its bus for starved_cycles, and the DMA
-// has not reached the cycle up to which it follows.
+// event in its turn. It stops where the DMA begins to use a linked port of which the caller does not know: the link may
+// be behind. A stop with the reason `limit`: the processor did not get its bus for starved_cycles, and the DMA has not
+// reached the cycle up to which it follows.
 std::optional<StopInfo> Engine::run_dma(Cycles limit, bool processor_waits) {
   DmaSide& side = dma_side_;
   if (auto earlier = std::exchange(side.stop, std::nullopt)) return earlier;
@@ -66,12 +67,14 @@ std::optional<StopInfo> Engine::run_dma(Cycles limit, bool processor_waits) {
     if (rests && event > to) break;
     if (request) return dma_stop(*request);
     if (side.take_touched_link()) return stop(Stepped::horizon);
+    if (dma_.stop_requested && watches_another_port()) return stop(Stepped::horizon);
     if (moved && !moves() && !peripherals_.has_dma_input() && event > dma_.last_done())
       break;  // at rest: how far the timers go beyond is decided by the caller, who knows whether anything else will
               // happen
     if (event > to || state_.dma.now < event) continue;
     peripherals_.advance_to(event);
     peripherals_.give_dma_inputs(event);
+    if (watches_another_port()) return stop(Stepped::horizon);
   }
   return std::nullopt;
 }

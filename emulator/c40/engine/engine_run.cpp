@@ -136,7 +136,7 @@ const StopInfo& Engine::run_until(Cycles limit, Cycles known) {
     return stopped(StopInfo::Reason::limit);
   }
   run_limit_ = known;
-  const Word watched = watched_ports();
+  watched_ = watched_ports();
   for (;;) {
     if (peripherals_.dma_active() || dma_side_.stop)
       if (auto info = run_dma(known, false)) {
@@ -159,7 +159,10 @@ const StopInfo& Engine::run_until(Cycles limit, Cycles known) {
       return stop(why);
     }
     access_.set_reported(false);
-    if (ports_.attached() != 0 && (watched_ports() & ~watched) != 0) return stop(Stepped::horizon);
+    if (watches_another_port()) {
+      if (dma_side_.stop && dma_side_.stop->reason == StopInfo::Reason::horizon) dma_side_.stop.reset();  // the same
+      return stop(Stepped::horizon);
+    }
   }
   // Events of timers keep their order with the DMA: if the DMA is behind, they wait for it.
   const bool dma_is_here = state_.dma.now >= state_.cycle - 1 && peripherals_.next_dma_input() >= state_.cycle;
@@ -173,6 +176,7 @@ const StopInfo& Engine::step() {
     return stopped(StopInfo::Reason::limit);
   }
   run_limit_ = state_.cycle;
+  watched_ = ~Word{0};  // links are known as far as one instruction needs them
   if (peripherals_.dma_active() || dma_side_.stop)
     if (auto info = run_dma(run_limit_, false)) return stop_ = *std::move(info);
   if (peripherals_.dma_active() && waits_in_idle()) {

@@ -61,7 +61,13 @@ void Dma::set_start(Half h, Word value) {
   word = fields[static_cast<std::size_t>(h.half)].start.with(word, value);
 }
 
-bool Dma::started(int c) const { return start({c, 0}) != start_reset || start({c, 1}) != start_reset; }
+// An event is latched if the half that waits for it is not in reset. In split mode the primary half waits for the write
+// event, and with AUTOINIT SYNC, in its list, for the read event; the auxiliary half waits for the read event.
+bool Dma::latches_for(int c, bool write) const {
+  const bool primary = start({c, 0}) != start_reset;
+  if (write || !split(c)) return primary;
+  return start({c, 1}) != start_reset || (primary && AUTOINIT_SYNC.in(channel(c)[control]));
+}
 
 Word Dma::read(int c, DmaRegister reg) const {
   Word value = channel(c)[reg];
@@ -76,6 +82,7 @@ Word Dma::read(int c, DmaRegister reg) const {
 
 void Dma::write(int c, DmaRegister reg, Word value, Cycles at) {
   DmaChannel& written = channel(c);
+  stop_requested = true;
   if (reg != control) {
     written[reg] = value;
     return;
@@ -102,8 +109,9 @@ void Dma::reset_halves(int c) {
     if (s_.ended == 2 * c + half) s_.ended = -1;
     state(h) = {};
     changed[counter_of(h)] = 0;
-    if (half == 0 || start({c, 0}) == start_reset) changed.read_event = changed.write_event = false;
   }
+  if (!latches_for(c, false)) changed.read_event = false;
+  if (!latches_for(c, true)) changed.write_event = false;
 }
 
 // After a change of the control register, and of the registers that came with it. A half that was halted resumes where
@@ -188,8 +196,8 @@ bool Dma::ready(Half h) const {
   return !is_port_register(next) || context_.port_ready(next, write);
 }
 
-// Rotating: the half served last has the lowest priority; the halves of a channel take turns. Fixed: channel 0 first
-// (c40-hardware.md 3.4).
+// Rotating: the channel served last has the lowest priority. Fixed: channel 0 first. The halves of a channel take
+// turns, whatever was served in between (c40-hardware.md 3.4).
 std::optional<int> Dma::pick() const {
   const bool fixed = PRIORITY_MODE.in(channel(0)[control]);
   const int last = s_.last;
@@ -197,9 +205,14 @@ std::optional<int> Dma::pick() const {
   for (int i = 0; i < dma_channel_count; ++i) {
     const int c = (from + i) % dma_channel_count;
     if (at_rest(c)) continue;
-    const int first = last >= 0 && last / 2 == c ? 1 - last % 2 : 0;
+    const auto can_begin = [&](int half) { return state({c, half}).first <= s_.now && ready({c, half}); };
+    if (!split(c)) {
+      if (can_begin(0)) return 2 * c;
+      continue;
+    }
+    const int first = channel(c).auxiliary_first;
     for (int half : {first, 1 - first})
-      if (state({c, half}).first <= s_.now && ready({c, half})) return 2 * c + half;
+      if (can_begin(half)) return 2 * c + half;
   }
   return std::nullopt;
 }
@@ -239,6 +252,7 @@ std::vector<DmaWait> Dma::waits() const {
                  .port = {},
                  .timer = {},
                  .interrupts = fields[static_cast<std::size_t>(h.half)].tcc.in(word_of(h)) || mode(h) == mode_autoinit,
+                 .stops = mode(h) != mode_endless && mode(h) != mode_autoinit,
                  .since = state(h).since};
     if (synchronised(h) && !event_ready(h.channel, wait.write)) wait.event = event_code(h.channel, wait.write);
     if (wait.event == 1u)
@@ -358,7 +372,7 @@ bool Dma::step(Cycles limit, std::optional<DmaRequest>& request) {
   else
     value = context_.read(at, span->begin);
   if (s_.current < 0) {  // it has put itself in reset
-    s_.last = owner;
+    served(h, divided);
     s_.now = span->end;
     return true;
   }
@@ -374,13 +388,18 @@ void Dma::answer(Word value, Cycles at) {
   done(h, split(h.channel), value, at);
 }
 
+void Dma::served(Half h, bool divided) {
+  s_.last = static_cast<std::int8_t>(2 * h.channel + h.half);
+  channel(h.channel).auxiliary_first = divided && h.half == 0;
+}
+
 // To be called after a half's access that ended before cycle `end`. `divided`: it began in split mode; the access
 // itself may have written the control register.
 void Dma::done(Half h, bool divided, Word value, Cycles end) {
   DmaChannel& c = channel(h.channel);
   DmaHalf& half = state(h);
   s_.now = half.since = end;
-  s_.last = s_.current;
+  served(h, divided);
   if (half.listing) {
     half.list[half.listed++] = value;
     if (!fields[static_cast<std::size_t>(h.half)].stay.in(c[control])) ++half.list_at;
@@ -390,16 +409,21 @@ void Dma::done(Half h, bool divided, Word value, Cycles end) {
   } else if (!half.has_data) {
     half.has_data = true;
     half.data = value;
-    if (!divided || h.half == 0) c[source] = stepped(c[source], c[source_index], READ_BIT_REV.in(c[control]));
+    if (!divided || h.half == 0) move(c[source], c[source_index], READ_BIT_REV.in(c[control]));
     --c[counter_of(h)];
   } else {
     half.has_data = false;
-    if (!divided || h.half == 1)
-      c[destination] = stepped(c[destination], c[destination_index], WRITE_BIT_REV.in(c[control]));
+    if (!divided || h.half == 1) move(c[destination], c[destination_index], WRITE_BIT_REV.in(c[control]));
     if (c[counter_of(h)] == 0) s_.ended = s_.current;
     s_.current = -1;
   }
   if (start(h) == start_halt_access) s_.current = -1;
+}
+
+// A channel may come to a port by its index.
+void Dma::move(Word& address, Word index, bool reversed) {
+  address = stepped(address, index, reversed);
+  stop_requested |= index != 0 && is_port_register(address);
 }
 
 void Dma::end_block(Half h, Cycles at) {
@@ -442,6 +466,7 @@ void Dma::load_list(Half h, bool divided) {
     load_others(auxiliary_list);
   if (start(h) == start_run && begins_with_list(h)) begin_list(h);
   start_halves(h.channel, before, s_.now, s_.now);
+  stop_requested = true;
 }
 
 }  // namespace c40

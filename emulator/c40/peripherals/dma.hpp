@@ -31,6 +31,7 @@ struct DmaChannel {
   std::array<Word, dma_register_count> registers{};  ///< by DmaRegister; control without STATUS
   std::array<DmaHalf, 2> halves{};                   ///< primary or unified, auxiliary
   bool read_event = false, write_event = false;      ///< latched by the sources that DIE selects
+  bool auxiliary_first = false;                      ///< split mode: the primary half was served last
   Word& operator[](DmaRegister r) { return registers[static_cast<std::size_t>(r)]; }
   Word operator[](DmaRegister r) const { return registers[static_cast<std::size_t>(r)]; }
   friend bool operator==(const DmaChannel&, const DmaChannel&) = default;
@@ -129,9 +130,9 @@ class Dma {
   bool latch(Selects selects) {
     bool any = false;
     for (int c = 0; c < dma_channel_count; ++c) {
-      if (at_rest(c) || !started(c)) continue;
+      if (at_rest(c)) continue;
       for (bool write : {false, true})
-        if (selects(c, write, event_code(c, write))) {
+        if (latches_for(c, write) && selects(c, write, event_code(c, write))) {
           (write ? channel(c).write_event : channel(c).read_event) = true;
           any = true;
         }
@@ -142,15 +143,15 @@ class Dma {
   template <class Selects>
   bool latches(Selects selects) const {
     for (int c = 0; c < dma_channel_count; ++c) {
-      if (at_rest(c) || !started(c)) continue;
+      if (at_rest(c)) continue;
       for (bool write : {false, true})
-        if (selects(c, write, event_code(c, write))) return true;
+        if (latches_for(c, write) && selects(c, write, event_code(c, write))) return true;
     }
     return false;
   }
   /// When the last access of all halves was done, or a half was started.
   Cycles last_done() const;
-  /// Stops the present advance after an access to a linked port; the DmaContext sets it.
+  /// Stops the present advance after an access to a linked port, or where the channels may begin to use another port.
   bool stop_requested = false;
 
  private:
@@ -169,7 +170,7 @@ class Dma {
   bool at_rest(int c) const {
     return (channel(c)[DmaRegister::control] & (dma_control::START.mask() | dma_control::AUX_START.mask())) == 0;
   }
-  bool started(int c) const;
+  bool latches_for(int c, bool write) const;
   /// START or AUX START. Without SPLIT MODE the auxiliary half is in reset.
   Word start(Half h) const;
   std::array<Word, 2> starts(int c) const { return {start({c, 0}), start({c, 1})}; }
@@ -191,7 +192,9 @@ class Dma {
   std::optional<int> pick() const;
   bool step(Cycles limit, std::optional<DmaRequest>& request);
   void done(Half h, bool divided, Word value, Cycles end);
+  void served(Half h, bool divided);
   void end_block(Half h, Cycles at);
+  void move(Word& address, Word index, bool reversed);
   void begin_list(Half h);
   void load_list(Half h, bool divided);
 

@@ -17,6 +17,7 @@ struct DmaWait {
   std::optional<int> port;    ///< the port of the FIFO or event
   std::optional<int> timer;   ///< the timer of the event
   bool interrupts = false;    ///< the end of the block may cause an interrupt
+  bool stops = false;         ///< the half stops at the end of the block
   Cycles since = 0;
 };
 /// "DMA channel 3 waits for a word in input FIFO 3 (read of 00100071h)"

@@ -83,7 +83,8 @@ class Run final : private machine::ChipRunner {
     const Address pc = chip_.pc();
     if (std::ranges::find(until_.pcs, pc) != until_.pcs.end())
       return ends({"until", fmt::format("reached {:08X}h", pc)});
-    if (chip_.program_end() == isa::ProgramEnd::halt && !chip_.dma_busy() && !chip_.interrupt_pending()) {
+    if (chip_.program_end() == isa::ProgramEnd::halt && !chip_.dma_busy() && !machine::timer_paces_dma(chip_) &&
+        !chip_.interrupt_pending()) {
       const bool sleeps =
           machine::can_interrupt(chip_) && (machine::awaits_dma(chip_) || awaits_event() || may_be_woken());
       if (!sleeps) return ends({"halt", fmt::format("branch to itself at {:08X}h{}", pc, machine::armed_dma(chip_))});

@@ -33,6 +33,13 @@ c40::Cycles next_dma_tick(const c40::Chip& chip) {
   return next;
 }
 
+bool timer_paces_dma(const c40::Chip& chip) {
+  if (!chip.dma_active()) return false;
+  return std::ranges::any_of(chip.dma_waits(), [&](const c40::DmaWait& wait) {
+    return wait.stops && wait.timer && chip.next_timer_event(*wait.timer) != never_cycle;
+  });
+}
+
 bool awaits_dma(const c40::Chip& chip) {
   const auto waits = chip.dma_waits();
   return std::any_of(waits.begin(), waits.end(), [&](const c40::DmaWait& wait) {
@@ -47,7 +54,7 @@ bool can_interrupt(const c40::Chip& chip) {
 }
 
 bool rests_forever(const c40::Chip& chip) {
-  if (chip.dma_busy()) return false;
+  if (chip.dma_busy() || timer_paces_dma(chip)) return false;
   if (!can_interrupt(chip)) return true;
   if (chip.interrupt_pending() || awaits_timer(chip)) return false;
   return !awaits_dma(chip) || next_dma_tick(chip) == never_cycle;

@@ -12,6 +12,8 @@ namespace machine {
 c40::Cycles next_timer_interrupt(const c40::Chip& chip);
 /// The next event of a timer for which a DMA channel waits; the greatest number if there is none.
 c40::Cycles next_dma_tick(const c40::Chip& chip);
+/// A DMA channel that stops at the end of its block waits for a timer that runs: it is at work, and will end.
+bool timer_paces_dma(const c40::Chip& chip);
 /// A waiting DMA channel would interrupt the processor at its end (IIE, TCC).
 bool awaits_dma(const c40::Chip& chip);
 /// One of its timers could interrupt the chip.

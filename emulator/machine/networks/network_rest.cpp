@@ -63,7 +63,7 @@ Time Network::Node::at_rest_since() const {
   }
 }
 
-/// Its processor; a DMA that could do nothing for it may still be armed.
+/// Its processor, and the transfers that a timer paces; a DMA that could do nothing for it may still be armed.
 bool Network::Node::has_ended() const {
   switch (status) {
     case ChipStatus::halt:
@@ -72,7 +72,7 @@ bool Network::Node::has_ended() const {
     case ChipStatus::fault:
     case ChipStatus::external_access:
     case ChipStatus::pulled_out: return true;
-    case ChipStatus::sleeping: return dma_waits() && !sleeps_for_interrupt();
+    case ChipStatus::sleeping: return dma_waits() && !sleeps_for_interrupt() && !timer_paces_dma(chip);
     default: return false;
   }
 }
