@@ -26,7 +26,9 @@ def source(control: int, ends: str) -> str:
     values = {1: BLOCK0, 2: 1, 3: WORDS, 4: BLOCK1, 5: 1}
     text = "        .text\n        ldhi 10h,ar0\n        or 0a0h,ar0\n        ldhi 10h,ar2\n        or 20h,ar2\n"
     for offset, value in values.items():
-        text += f"        ldhi 0{value >> 16:x}h,r0\n        or 0{value & 0xFFFF:x}h,r0\n        sti r0,*+ar0({offset})\n"
+        text += (
+            f"        ldhi 0{value >> 16:x}h,r0\n        or 0{value & 0xFFFF:x}h,r0\n        sti r0,*+ar0({offset})\n"
+        )
     text += f"        ldi {PERIOD},r6\n        ldi 0{GO:x}h,r7\n        ldi {BY_TIMER0},die\n"
     return text + f"        ldhi 0{control >> 16:x}h,r0\n        or 0{control & 0xFFFF:x}h,r0\n" + STARTS + ENDS[ends]
 
