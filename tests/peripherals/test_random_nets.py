@@ -125,7 +125,7 @@ def test_pauses_change_nothing_of_branches_and_resets(seed: int, kind: str) -> N
     check_pauses(seed, **{kind: True})
 
 
-# Open: with resets, 155 and 799 (a timer takes a chip out of IDLE in the cycle in which an edge reaches its pin) and 477
+# Open, with resets: 155 and 799 (a timer takes a chip out of IDLE in the cycle in which an edge reaches its pin), 477
 # (a timer changes a pin in the cycle in which its chip is held).
 @pytest.mark.campaign
 @pytest.mark.parametrize("seed", range(12, 1000))

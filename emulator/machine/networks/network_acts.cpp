@@ -9,7 +9,8 @@ void Network::actions_happen(Time time) {
   // An action on a chip in the middle of an instruction waits for its end, and the chip's DMA comes there.
   for (auto& node : nodes_) {
     const bool meant = next_action_on(*node) != never_cycle;
-    if (node->follows() || (meant && node->status == ChipStatus::running && node->chip.dma_active()))
+    const bool only_dma = node->status == ChipStatus::waiting && node->dma_waits();  // as in follow_to
+    if (node->follows() || only_dma || (meant && node->status == ChipStatus::running && node->chip.dma_active()))
       node->run_to(time);
     else if (meant && node->status == ChipStatus::sleeping)
       node->bring_to(time, false);
