@@ -10,7 +10,7 @@ from cmrc.__main__ import main
     (["sweep", "g.toml", "out"], "cmrc sweep: out was not expected (cmrc sweep --help lists options)"),
     (["sweep", "g.toml", "--workrs=2"], 'cmrc sweep: --workrs=2 was not expected; did you mean "--workers"? (cmrc sweep --help'),
     (["sweep"], "cmrc sweep: the following arguments are required: FILE.toml (cmrc sweep --help lists options)"),
-    (["sweep", "g.toml", "--workers", "x"], "cmrc sweep: argument --workers: invalid int value: 'x' (cmrc sweep --help"),
+    (["sweep", "g.toml", "--workers", "x"], "cmrc sweep: argument --workers: 'x' cannot be used; a whole number is expected (cmrc sweep --help"),
     (["swep"], "cmrc: argument command: invalid choice: 'swep' (choose from "),
     ([], "cmrc: a command is expected: page, events, demo, sweep, search, limits, compare, diff (cmrc --help lists options)"),
 ])  # fmt: skip

@@ -154,12 +154,9 @@ void check_bends(const plant::DockConfig& dock) {
       if (bend <= most) continue;
       throw std::invalid_argument(fmt::format(
           "[lanes] {}: piece {}, from ({:.2f}, {:.2f}) m, has a curvature of {:.4g} 1/m (a radius of {:.2f} m), but "
-          "with "
-          "agv.steer_limit_deg = {:g} and {:g} m between its axles an AGV follows at most {:.4g} 1/m ({:.2f} m; a "
-          "tenth "
-          "of its steering is kept to lead it back onto its lane); expected are a wider bend, or an "
-          "agv.steer_limit_deg "
-          "of {:.1f} or more",
+          "with agv.steer_limit_deg = {:g} and {:g} m between its axles an AGV follows at most {:.4g} 1/m ({:.2f} m; "
+          "a tenth of its steering is kept to lead it back onto its lane); expected are a wider bend, or an "
+          "agv.steer_limit_deg of {:.1f} or more",
           name, i, pieces[i].x, pieces[i].y, pieces[i].curvature, 1 / bend, p.steer_limit * degrees, 2 * half_base,
           most, 1 / most, std::ceil(plant::atan2(bend * half_base * steering_reserve, 1.0) * degrees * 10) / 10));
     }
