@@ -110,6 +110,10 @@ def path(name: str, value: object, right: str = "the path of a file") -> str:
         found = os.fsdecode(found)
     if "\0" in found:
         raise ValueError(f"{name}: {found!r} contains a zero byte; {right} is expected")
+    try:
+        os.fsencode(found)
+    except UnicodeEncodeError:
+        raise ValueError(f"{name}: {found!r} has a surrogate that stands for no byte; {right} is expected") from None
     return found
 
 

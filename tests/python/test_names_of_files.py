@@ -41,6 +41,13 @@ def test_a_name_with_a_zero_byte_is_refused(kind: str) -> None:
         OPENED[kind]("a\0b")
 
 
+@pytest.mark.parametrize("kind", OPENED)
+def test_a_surrogate_that_stands_for_no_byte_is_in_no_name(kind: str) -> None:
+    with pytest.raises(ValueError, match="surrogate") as caught:
+        OPENED[kind]("a\ud800")
+    assert "incompatible function arguments" not in str(caught.value)
+
+
 def test_files_with_such_names_are_written_and_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path(f"{ODD}.asm").write_text(LOOP)
