@@ -161,7 +161,11 @@ Engine::Stepped Engine::access_window(const Step& step, std::size_t k, Word& cel
     const bool locks = step.decoded->bound.row->interlocked;
     const Word value = write ? core.miss_value : 0;
     const ExternalAccess access{core.miss_address, write, locks, value, access_cycle(step, k), -1};
-    if (!answers_at_once(access)) {
+    // The wait holds the whole instruction, also its access to a register on the chip, which came first: with the
+    // answer the instruction is done again.
+    const Memory::Area* first = step.decoded->area[0];
+    const bool behind_register = k != 0 && first != nullptr && first->kind == Region::Kind::registers;
+    if (behind_register || !answers_at_once(access)) {
       access_.begin(k, access);
       return Stepped::external;
     }
