@@ -12,9 +12,9 @@
 #include "machine/system/machine.hpp"
 #include "machine/system/scripted_events.hpp"
 #include "page/columns.hpp"
-#include "report/event.hpp"
-#include "report/task_account.hpp"
-#include "report/why_late.hpp"
+#include "report/events/event.hpp"
+#include "report/values/task_account.hpp"
+#include "report/values/why_late.hpp"
 #include "state/enumerators.hpp"
 
 namespace page {

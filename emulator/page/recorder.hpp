@@ -10,7 +10,7 @@
 #include "cmrc/measures/run_watcher.hpp"
 #include "cmrc/run/simulation.hpp"
 #include "page/plant_samples.hpp"
-#include "report/event_log.hpp"
+#include "report/events/event_log.hpp"
 
 namespace page {
 

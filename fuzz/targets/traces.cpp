@@ -2,7 +2,7 @@
 #include <sstream>
 
 #include "fuzz/target.hpp"
-#include "report/trace_text.hpp"
+#include "report/events/trace_text.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr std::size_t most = 16384;

@@ -41,7 +41,7 @@ class Page {
   private hashAt = 0;
   private lastMiss = -1; // the run whose miss was chosen last
   private focused: HTMLElement | null = null; // what had the focus before a panel took it
-  /** ms of script by frame (scripts/page_frames.py). */
+  /** ms of script by frame (scripts/documents/page_frames.py). */
   readonly frames: number[] = [];
 
   constructor(readonly recording: Recording) {

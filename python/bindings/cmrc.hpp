@@ -2,9 +2,9 @@
 // What the files that bind the controller share.
 #include <memory>
 
-#include "cmrc/configuration/timed_event.hpp"
+#include "cmrc/configuration/rows/timed_event.hpp"
 #include "python/bindings/bindings.hpp"
-#include "report/event.hpp"
+#include "report/events/event.hpp"
 
 namespace cmrc {
 struct Reference;

@@ -1,5 +1,5 @@
 #include "python/bindings/bindings.hpp"
-#include "report/event_log.hpp"
+#include "report/events/event_log.hpp"
 
 void bind_report(py::module_& core) {
   using namespace py::literals;

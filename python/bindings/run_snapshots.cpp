@@ -4,7 +4,7 @@
 
 #include "cmrc/run/simulation.hpp"
 #include "python/bindings/cmrc.hpp"
-#include "report/event.hpp"
+#include "report/events/event.hpp"
 
 void bind_run_snapshots(py::module_& m) {
   py::class_<cmrc::Reference, std::shared_ptr<cmrc::Reference>>(

@@ -27,8 +27,8 @@
 #include "python/bindings/one_user.hpp"
 #include "python/bindings/state.hpp"
 #include "python/bindings/without_gil.hpp"
-#include "report/event.hpp"
-#include "report/trace_text.hpp"
+#include "report/events/event.hpp"
+#include "report/events/trace_text.hpp"
 #include "toolchain/objects/image.hpp"
 
 report::Time to_time(const char* argument, double seconds) {

@@ -6,7 +6,7 @@
 #include "isa/types.hpp"
 #include "machine/program_text/instruction_trace.hpp"
 #include "python/bindings/bindings.hpp"
-#include "report/trace_text.hpp"
+#include "report/events/trace_text.hpp"
 
 namespace {
 

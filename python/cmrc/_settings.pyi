@@ -1,4 +1,4 @@
-# Written by scripts/settings_stub.py from the configuration's schema (docs/configuration.md).
+# Written by scripts/documents/settings_stub.py from the configuration's schema (docs/configuration.md).
 from os import PathLike
 from typing import Literal, TypedDict
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "cmrc/measures/ledger.hpp"
-#include "report/run_report.hpp"
+#include "report/values/run_report.hpp"
 #include "tests/bindings/bindings.hpp"
 
 namespace {

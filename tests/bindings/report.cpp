@@ -2,9 +2,9 @@
 #include <pybind11/stl.h>
 
 #include "python/bindings/state.hpp"
-#include "report/event_log.hpp"
-#include "report/run_report.hpp"
-#include "report/task_account.hpp"
+#include "report/events/event_log.hpp"
+#include "report/values/run_report.hpp"
+#include "report/values/task_account.hpp"
 #include "tests/bindings/bindings.hpp"
 
 namespace {

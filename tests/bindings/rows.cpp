@@ -1,4 +1,4 @@
-// The tables of which one row adds one thing, as pages show them (scripts/doc_figures.py).
+// The tables of which one row adds one thing, as pages show them (scripts/documents/figures.py).
 #include <pybind11/stl.h>
 
 #include <string>

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <map>
 
-#include "cmrc/configuration/clock_deviations.hpp"
+#include "cmrc/configuration/machine/clock_deviations.hpp"
 #include "cmrc/processes/releases.hpp"
 #include "cmrc/tasks/importance.hpp"
 #include "cmrc/tasks/task_list.hpp"

@@ -103,7 +103,7 @@ def sources(*more: str) -> list[Path]:
 
 
 STUB = ROOT / "python" / "cmrc" / "_core" / "plant.pyi"
-"""One module of C++ has one stub; scripts/settings_stub.py writes half of it."""
+"""One module of C++ has one stub; scripts/documents/settings_stub.py writes half of it."""
 
 
 @pytest.mark.skipif(not (ROOT / ".git").exists(), reason="not a clone: git lists the sources")
@@ -128,17 +128,17 @@ def test_folders_of_the_controller_include_upwards_in_their_table() -> None:
     room = ROOT / "emulator" / "cmrc"
     assert sorted(folders) == sorted(path.name for path in room.iterdir() if path.is_dir())
     assert not {
-        f"{file.parent.name}/{file.name} includes {needed}/"
-        for file in room.glob("*/*.[ch]pp")
+        f"{file.relative_to(room)} includes {needed}/"
+        for file in room.glob("*/**/*.[ch]pp")
         for needed in re.findall(r'^#include "cmrc/(\w+)/', file.read_text(encoding="utf-8"), re.MULTILINE)
-        if folders.index(needed) > folders.index(file.parent.name)
+        if folders.index(needed) > folders.index(file.relative_to(room).parts[0])
     }
 
 
 def python_files() -> list[Path]:
     """The package, tests, examples, and scripts, which have no suffix."""
     named = [path for folder in ("python", "tests", "examples") for path in (ROOT / folder).rglob("*.py*")]
-    scripts = [path for path in (ROOT / "scripts").iterdir() if path.is_file()]
+    scripts = [path for path in (ROOT / "scripts").rglob("*") if path.is_file()]
     begun = [path for path in scripts if re.match(r"#!.*python", path.read_text(encoding="utf-8"))]
     return sorted({*(path for path in [*named, *scripts] if path.suffix in (".py", ".pyi")), *begun})
 

@@ -114,7 +114,7 @@ def test_pages_and_examples_name_nothing_private() -> None:
 
 def test_the_script_of_the_pictures_finds_what_it_draws_with(tmp_path: Path) -> None:
     """As the caption of the README's picture calls it."""
-    caption = "`PYTHONPATH=build/python .venv/bin/python scripts/doc_pictures.py dock docs/pictures/dock.png`"
+    caption = "`PYTHONPATH=build/python .venv/bin/python scripts/documents/pictures.py dock docs/pictures/dock.png`"
     assert caption in (ROOT / "README.md").read_text(encoding="utf-8")
-    done = in_the_readmes_python("scripts/doc_pictures.py", "", tmp_path)
+    done = in_the_readmes_python("scripts/documents/pictures.py", "", tmp_path)
     assert done.returncode == 2 and "Pictures: dock" in done.stderr

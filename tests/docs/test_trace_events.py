@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-UNUSED = {"start", "push"}  # their numbers are taken (emulator/report/event.hpp), no code writes them
+UNUSED = {"start", "push"}  # their numbers are taken (emulator/report/events/event.hpp), no code writes them
 
 
 def listed() -> set[str]:
@@ -18,6 +18,6 @@ def written() -> set[str]:
 
 
 def test_the_page_lists_what_is_written() -> None:
-    known = set(re.findall(r"EventKind::\w+, \"(\w+)\"", (ROOT / "emulator/report/event.cpp").read_text()))
+    known = set(re.findall(r"EventKind::\w+, \"(\w+)\"", (ROOT / "emulator/report/events/event.cpp").read_text()))
     assert listed() == known & written()
     assert known - written() == UNUSED

@@ -46,7 +46,7 @@ def changed(folder: Path, name: str, old: str, new: str) -> None:
         ("c40/observers/self_check.hpp", ("  reserved,        ///<", "  late,\n  reserved,        ///<"), "c40/observers/self_check.cpp", None, "one name each, in order"),
         ("cmrc/configuration/config.hpp", ("pause, spin };", "pause, spin, nap };"), "cmrc/configuration/config_keys_controller.cpp",
          ('{"doorbell", "pause", "spin"}', '{"doorbell", "pause", "spin", "nap"}'), "each value of the enumeration has one word"),
-        ("report/event.hpp", ("  issue = 28,", "  vanished = 32,\n  issue = 28,"), "report/event.cpp", None, "each kind of event has one row"),
+        ("report/events/event.hpp", ("  issue = 28,", "  vanished = 32,\n  issue = 28,"), "report/events/event.cpp", None, "each kind of event has one row"),
         ("plant/dock/dock_event.hpp", ("  missed,  //", "  rang,\n  missed,  //"), "plant/dock/dock_event.cpp", None, "each kind of event has one row"),
     ],
     ids=["operation", "cause", "kind", "rule", "idle policy", "event of the trace", "event of the dock"],

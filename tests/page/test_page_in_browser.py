@@ -309,7 +309,7 @@ def test_a_long_run_is_a_small_page_that_is_drawn_in_time(
 ) -> None:
     """180 s. At most 8 ms of script in a frame of 1920 x 1080, in processor time; 20 frames/s by software at 1280 x
     720, on two processors that do little else."""
-    spec = importlib.util.spec_from_file_location("page_frames", ROOT / "scripts" / "page_frames.py")
+    spec = importlib.util.spec_from_file_location("page_frames", ROOT / "scripts" / "documents" / "page_frames.py")
     assert spec and spec.loader
     frames = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(frames)

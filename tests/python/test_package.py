@@ -167,11 +167,11 @@ def test_a_configuration_without_packages_names_them_all(tmp_path: Path) -> None
     cmake = shutil.which("cmake")
     if cmake is None:
         pytest.skip("cmake is missing")
-    (tmp_path / "scripts").mkdir()
+    (tmp_path / "scripts" / "requirements").mkdir(parents=True)
     shutil.copy(ROOT / "CMakeLists.txt", tmp_path)
-    listed = (ROOT / "scripts" / "packages.txt").read_text()
+    listed = (ROOT / "scripts" / "requirements" / "debian.txt").read_text()
     absent = "libone-dev header no/one.h\ntwo program no-program-of-this-name\nlibthree-dev header no/three.h tests\n"
-    (tmp_path / "scripts" / "packages.txt").write_text(listed + absent)
+    (tmp_path / "scripts" / "requirements" / "debian.txt").write_text(listed + absent)
     for defined, named in (("", "libone-dev two libthree-dev"), ("-DSKBUILD=2", "libone-dev two")):
         command = [cmake, "-S", str(tmp_path), "-B", str(tmp_path / f"build{defined}"), *filter(None, [defined])]
         done = subprocess.run(command, capture_output=True, text=True, check=False)

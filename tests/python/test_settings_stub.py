@@ -12,13 +12,13 @@ from locations import ROOT
 
 
 def test_the_stub_of_the_settings_is_the_schema() -> None:
-    spec = importlib.util.spec_from_file_location("settings_stub", ROOT / "scripts" / "settings_stub.py")
+    spec = importlib.util.spec_from_file_location("settings_stub", ROOT / "scripts" / "documents" / "settings_stub.py")
     assert spec and spec.loader
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    assert module.PLACE.read_text(encoding="utf-8") == module.stub(), "python scripts/settings_stub.py writes it"
+    assert module.PLACE.read_text(encoding="utf-8") == module.stub(), "python scripts/documents/settings_stub.py writes it"
     plant = module.PLANT.read_text(encoding="utf-8")
-    assert plant == module.plant_stub(plant), "python scripts/settings_stub.py writes it"
+    assert plant == module.plant_stub(plant), "python scripts/documents/settings_stub.py writes it"
 
 
 def test_every_setting_is_a_keyword_that_a_notebook_completes() -> None:

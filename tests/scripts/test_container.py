@@ -47,6 +47,6 @@ def test_hooks_are_local() -> None:
 def test_a_hook_runs_a_tool_of_the_environment_on_files_that_exist(hook: dict[str, str]) -> None:
     tool, *arguments = hook["entry"].split()
     assert tool.startswith(".venv/bin/") and hook["language"] == "system"
-    required = (ROOT / "scripts" / "requirements-dev.in").read_text()
+    required = (ROOT / "scripts" / "requirements" / "dev.in").read_text()
     assert tool.removeprefix(".venv/bin/") in (*re.findall(r"(?m)^[\w-]+", required), "python")
     assert all((ROOT / word).exists() for word in arguments if "/" in word)

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "cmrc/configuration/process_table.hpp"
+#include "cmrc/configuration/rows/process_table.hpp"
 
 namespace {
 

@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "cmrc/configuration/nominal_dock.hpp"
+#include "cmrc/configuration/dock/nominal_dock.hpp"
 #include "cmrc/run/setup.hpp"
 #include "tests/unit/made_host.hpp"
 

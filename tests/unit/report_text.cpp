@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "report/comparison.hpp"
-#include "report/run_report.hpp"
+#include "report/values/comparison.hpp"
+#include "report/values/run_report.hpp"
 
 namespace {
 

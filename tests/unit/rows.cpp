@@ -11,7 +11,7 @@
 #include "machine/boards/board_device.hpp"
 #include "machine/networks/network.hpp"
 #include "machine/system/scripted_events.hpp"
-#include "report/task_account.hpp"
+#include "report/values/task_account.hpp"
 #include "state/enumerators.hpp"
 
 namespace {

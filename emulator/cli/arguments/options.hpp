@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "cmrc/configuration/value.hpp"
+#include "cmrc/configuration/rows/value.hpp"
 
 namespace cli {
 

@@ -4,7 +4,7 @@
 
 #include "cmrc/programs/dsp_image.hpp"
 #include "isa/ascii.hpp"
-#include "report/event.hpp"
+#include "report/events/event.hpp"
 
 namespace cli {
 namespace {

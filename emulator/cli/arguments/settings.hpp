@@ -7,7 +7,7 @@
 #include "cli/arguments/options.hpp"
 #include "cmrc/configuration/config.hpp"
 #include "io/file_roles.hpp"
-#include "report/trace_text.hpp"
+#include "report/events/trace_text.hpp"
 
 namespace cli {
 

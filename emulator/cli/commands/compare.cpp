@@ -9,7 +9,7 @@
 #include "io/output_file.hpp"
 #include "io/print.hpp"
 #include "io/signals.hpp"
-#include "report/event.hpp"
+#include "report/events/event.hpp"
 
 namespace cli {
 

@@ -10,7 +10,7 @@
 #include "cmrc/run/simulation.hpp"
 #include "io/print.hpp"
 #include "io/signals.hpp"
-#include "report/event.hpp"
+#include "report/events/event.hpp"
 
 namespace cli {
 

@@ -10,8 +10,8 @@
 #include "io/print.hpp"
 #include "machine/program_text/instruction_trace.hpp"
 #include "machine/system/machine.hpp"
-#include "report/event_log.hpp"
-#include "report/trace_text.hpp"
+#include "report/events/event_log.hpp"
+#include "report/events/trace_text.hpp"
 #include "state/sha256.hpp"
 
 namespace cli {

@@ -13,7 +13,7 @@
 #include "isa/ascii.hpp"
 #include "machine/program_text/instruction_trace.hpp"
 #include "machine/program_text/profile.hpp"
-#include "report/trace_text.hpp"
+#include "report/events/trace_text.hpp"
 
 namespace cli {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "machine/networks/network.hpp"
-#include "report/perfetto_trace.hpp"
+#include "report/events/perfetto_trace.hpp"
 
 namespace cli {
 namespace {

@@ -6,7 +6,7 @@
 #include "cli/output_files/timeline_file.hpp"
 #include "cmrc/configuration/config.hpp"
 #include "cmrc/timelines/perfetto_recorder.hpp"
-#include "report/trace_text.hpp"
+#include "report/events/trace_text.hpp"
 
 namespace cli {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "report/event.hpp"
+#include "report/events/event.hpp"
 
 namespace cli {
 

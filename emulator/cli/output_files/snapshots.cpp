@@ -9,7 +9,7 @@
 
 #include "cli/arguments/settings.hpp"
 #include "io/input_file.hpp"
-#include "report/event.hpp"
+#include "report/events/event.hpp"
 
 namespace cli {
 namespace {

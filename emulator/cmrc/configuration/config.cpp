@@ -9,7 +9,7 @@
 #include <map>
 
 #include "cmrc/configuration/config_invariants.hpp"
-#include "cmrc/configuration/process_rows.hpp"
+#include "cmrc/configuration/rows/process_rows.hpp"
 #include "io/nearest.hpp"
 #include "io/print.hpp"
 #include "io/text_form.hpp"

@@ -14,11 +14,11 @@
 #include <string_view>
 #include <vector>
 
-#include "cmrc/configuration/plant_parameters.hpp"
-#include "cmrc/configuration/process_table.hpp"
-#include "cmrc/configuration/timed_event.hpp"
-#include "cmrc/configuration/user_task.hpp"
-#include "cmrc/configuration/value.hpp"
+#include "cmrc/configuration/dock/plant_parameters.hpp"
+#include "cmrc/configuration/rows/process_table.hpp"
+#include "cmrc/configuration/rows/timed_event.hpp"
+#include "cmrc/configuration/rows/user_task.hpp"
+#include "cmrc/configuration/rows/value.hpp"
 #include "cmrc/tasks/importance.hpp"
 #include "plant/numerics/integrator.hpp"
 

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "cmrc/configuration/clock_deviations.hpp"
+#include "cmrc/configuration/machine/clock_deviations.hpp"
 
 namespace cmrc {
 namespace {

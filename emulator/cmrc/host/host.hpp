@@ -44,8 +44,8 @@
 #include "cmrc/tasks/words.hpp"
 #include "machine/system/bus_topology.hpp"
 #include "machine/system/host_program.hpp"
-#include "report/event.hpp"
-#include "report/run_report.hpp"
+#include "report/events/event.hpp"
+#include "report/values/run_report.hpp"
 
 namespace cmrc {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "cmrc/configuration/process_table.hpp"
+#include "cmrc/configuration/rows/process_table.hpp"
 #include "plant/dock/dock.hpp"
 #include "state/visitor.hpp"
 

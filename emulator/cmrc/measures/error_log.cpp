@@ -1,5 +1,5 @@
 #include "cmrc/measures/error_log.hpp"
-#include "report/event.hpp"
+#include "report/events/event.hpp"
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,7 @@
 
 #include "cmrc/processes/errors.hpp"
 #include "plant/dock/dock.hpp"
-#include "report/handled_error.hpp"
+#include "report/values/handled_error.hpp"
 
 namespace cmrc {
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "cmrc/configuration/user_task.hpp"
+#include "cmrc/configuration/rows/user_task.hpp"
 #include "cmrc/measures/course.hpp"
 #include "cmrc/measures/cycle_times.hpp"
 #include "cmrc/measures/timeline.hpp"
@@ -20,7 +20,7 @@
 #include "cmrc/tasks/job_kinds.hpp"
 #include "cmrc/tasks/words.hpp"
 #include "machine/time/time.hpp"
-#include "report/task_account.hpp"
+#include "report/values/task_account.hpp"
 
 namespace cmrc {
 

@@ -6,8 +6,8 @@
 
 #include "cmrc/measures/course.hpp"
 #include "cmrc/measures/work_progress.hpp"
-#include "report/measures.hpp"
-#include "report/run_report.hpp"
+#include "report/values/measures.hpp"
+#include "report/values/run_report.hpp"
 
 namespace plant {
 struct CraneParameters;

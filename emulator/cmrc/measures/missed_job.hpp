@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "report/task_account.hpp"
-#include "report/why_late.hpp"
+#include "report/values/task_account.hpp"
+#include "report/values/why_late.hpp"
 
 namespace cmrc {
 

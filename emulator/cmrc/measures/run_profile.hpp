@@ -13,7 +13,7 @@
 #include "cmrc/measures/ledger.hpp"
 #include "machine/system/bus_topology.hpp"
 #include "machine/system/machine.hpp"
-#include "report/profile_report.hpp"
+#include "report/text/profile_report.hpp"
 
 namespace toolchain {
 struct Image;

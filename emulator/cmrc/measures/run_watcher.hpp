@@ -11,8 +11,8 @@
 #include "cmrc/measures/missed_job.hpp"
 #include "machine/system/bus_topology.hpp"
 #include "machine/time/time.hpp"
-#include "report/task_account.hpp"
-#include "report/why_late.hpp"
+#include "report/values/task_account.hpp"
+#include "report/values/why_late.hpp"
 
 namespace pci {
 struct Attempt;

@@ -10,7 +10,7 @@
 
 #include "cmrc/measures/run_watcher.hpp"
 #include "machine/system/bus_topology.hpp"
-#include "report/why_late.hpp"
+#include "report/values/why_late.hpp"
 
 namespace state {
 class Visitor;

@@ -1,6 +1,6 @@
 #pragma once
-// The chains of causes of missed jobs (report/why_late.hpp), from the ledger's record of a job and the timeline of its
-// DSPs.
+// The chains of causes of missed jobs (report/values/why_late.hpp), from the ledger's record of a job and the timeline
+// of its DSPs.
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -9,8 +9,8 @@
 #include "cmrc/measures/missed_job.hpp"
 #include "cmrc/measures/timeline.hpp"
 #include "cmrc/tasks/block_audit.hpp"
-#include "report/task_account.hpp"
-#include "report/why_late.hpp"
+#include "report/values/task_account.hpp"
+#include "report/values/why_late.hpp"
 
 namespace state {
 class Visitor;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cmrc/measures/course.hpp"
-#include "report/measures.hpp"
+#include "report/values/measures.hpp"
 
 namespace cmrc {
 

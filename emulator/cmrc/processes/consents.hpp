@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "cmrc/configuration/process_table.hpp"
+#include "cmrc/configuration/rows/process_table.hpp"
 
 namespace state {
 class Visitor;

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "cmrc/configuration/config.hpp"
-#include "report/run_report.hpp"
+#include "report/values/run_report.hpp"
 
 namespace state {
 class Visitor;

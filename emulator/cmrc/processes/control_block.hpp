@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "cmrc/configuration/servo_law.hpp"
+#include "cmrc/configuration/dock/servo_law.hpp"
 #include "cmrc/processes/host_services.hpp"
 #include "cmrc/tasks/words.hpp"
 

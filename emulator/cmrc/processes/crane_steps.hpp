@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "cmrc/configuration/process_table.hpp"
+#include "cmrc/configuration/rows/process_table.hpp"
 #include "cmrc/processes/host_services.hpp"
 #include "cmrc/processes/point_chain.hpp"
 

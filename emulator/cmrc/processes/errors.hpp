@@ -10,7 +10,7 @@
 #include "cmrc/configuration/config.hpp"
 #include "cmrc/processes/host_services.hpp"
 #include "cmrc/processes/path_clock.hpp"
-#include "report/event.hpp"
+#include "report/events/event.hpp"
 
 namespace cmrc {
 

@@ -8,8 +8,8 @@
 #include "cmrc/tasks/milestone.hpp"
 #include "cmrc/tasks/task_list.hpp"
 #include "cmrc/tasks/words.hpp"
-#include "report/event.hpp"
-#include "report/why_late.hpp"
+#include "report/events/event.hpp"
+#include "report/values/why_late.hpp"
 
 namespace cmrc {
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "cmrc/configuration/process_table.hpp"
+#include "cmrc/configuration/rows/process_table.hpp"
 #include "cmrc/processes/consents.hpp"
 #include "cmrc/processes/crane_steps.hpp"
 #include "cmrc/processes/fleet.hpp"

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "cmrc/configuration/process_table.hpp"
+#include "cmrc/configuration/rows/process_table.hpp"
 #include "cmrc/tasks/words.hpp"
 
 namespace state {

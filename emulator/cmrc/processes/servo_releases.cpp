@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "cmrc/configuration/clock_deviations.hpp"
+#include "cmrc/configuration/machine/clock_deviations.hpp"
 #include "state/visitor.hpp"
 
 namespace cmrc {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "cmrc/configuration/user_task.hpp"
+#include "cmrc/configuration/rows/user_task.hpp"
 #include "cmrc/processes/host_services.hpp"
 
 namespace state {

@@ -7,8 +7,8 @@
 #include <chrono>
 #include <cmath>
 
-#include "cmrc/configuration/nominal_dock.hpp"
-#include "cmrc/configuration/servo_law.hpp"
+#include "cmrc/configuration/dock/nominal_dock.hpp"
+#include "cmrc/configuration/dock/servo_law.hpp"
 #include "cmrc/programs/plant_constants.hpp"
 #include "cmrc/tasks/ti_float.hpp"
 #include "plant/parameters/device_codes.hpp"

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string_view>
 
-#include "cmrc/configuration/value.hpp"
+#include "cmrc/configuration/rows/value.hpp"
 #include "cmrc/tasks/ti_float.hpp"
 #include "machine/system/shared_numbers.hpp"
 #include "plant/dock/sensors.hpp"

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "cmrc/configuration/value.hpp"
+#include "cmrc/configuration/rows/value.hpp"
 #include "cmrc/tasks/ti_float.hpp"
 
 namespace cmrc {

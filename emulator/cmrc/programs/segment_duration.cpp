@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "cmrc/configuration/servo_law.hpp"
+#include "cmrc/configuration/dock/servo_law.hpp"
 #include "cmrc/programs/program_constants.hpp"
 #include "cmrc/tasks/ti_float.hpp"
 

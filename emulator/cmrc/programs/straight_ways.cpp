@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "cmrc/configuration/job_places.hpp"
+#include "cmrc/configuration/dock/job_places.hpp"
 #include "cmrc/programs/program_constants.hpp"
 #include "cmrc/programs/segment_duration.hpp"
 #include "plant/dock/dock.hpp"

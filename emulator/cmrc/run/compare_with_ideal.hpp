@@ -4,7 +4,7 @@
 
 #include "cmrc/configuration/config.hpp"
 #include "cmrc/run/simulation.hpp"
-#include "report/comparison.hpp"
+#include "report/values/comparison.hpp"
 
 namespace cmrc {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "cmrc/measures/measures.hpp"
-#include "report/run_report.hpp"
+#include "report/values/run_report.hpp"
 
 namespace cmrc {
 

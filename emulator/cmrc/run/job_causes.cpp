@@ -4,7 +4,7 @@
 #include "cmrc/configuration/config.hpp"
 #include "machine/system/machine.hpp"
 #include "machine/system/machine_config.hpp"
-#include "report/event.hpp"
+#include "report/events/event.hpp"
 
 namespace cmrc {
 namespace {

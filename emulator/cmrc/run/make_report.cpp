@@ -10,7 +10,7 @@
 #include "machine/dsps/slot_links.hpp"
 #include "machine/networks/net.hpp"
 #include "plant/numerics/math.hpp"
-#include "report/event.hpp"
+#include "report/events/event.hpp"
 
 namespace cmrc {
 namespace {

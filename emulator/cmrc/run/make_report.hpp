@@ -12,8 +12,8 @@
 #include "cmrc/run/observer.hpp"
 #include "machine/system/machine.hpp"
 #include "plant/dock/dock.hpp"
-#include "report/event_log.hpp"
-#include "report/run_report.hpp"
+#include "report/events/event_log.hpp"
+#include "report/values/run_report.hpp"
 
 namespace cmrc {
 

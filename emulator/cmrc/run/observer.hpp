@@ -20,7 +20,7 @@
 #include "machine/system/observer.hpp"
 #include "machine/system/scripted_events.hpp"
 #include "plant/dock/dock.hpp"
-#include "report/event_log.hpp"
+#include "report/events/event_log.hpp"
 
 namespace cmrc {
 

@@ -9,13 +9,13 @@
 #include <utility>
 
 #include "c40/chip/chip.hpp"
-#include "cmrc/configuration/nominal_machine.hpp"
+#include "cmrc/configuration/machine/nominal_machine.hpp"
 #include "cmrc/run/ideal_run.hpp"
 #include "cmrc/run/simulation.hpp"
 #include "io/child_process.hpp"
 #include "io/stop.hpp"
 #include "machine/system/machine.hpp"
-#include "report/comparison.hpp"
+#include "report/values/comparison.hpp"
 #include "state/archive.hpp"
 
 namespace cmrc {

@@ -7,7 +7,7 @@
 #include "cmrc/measures/standstill.hpp"
 #include "machine/system/machine.hpp"
 #include "plant/dock/dock.hpp"
-#include "report/event.hpp"
+#include "report/events/event.hpp"
 #include "state/archive.hpp"
 
 namespace cmrc {

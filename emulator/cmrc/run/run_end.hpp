@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "machine/time/time.hpp"
-#include "report/run_report.hpp"
+#include "report/values/run_report.hpp"
 
 namespace machine {
 class Machine;

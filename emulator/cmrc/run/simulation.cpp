@@ -13,7 +13,7 @@
 #include "cmrc/run/simulation_parts.hpp"
 #include "io/stop.hpp"
 #include "machine/boards/board_file.hpp"
-#include "report/event.hpp"
+#include "report/events/event.hpp"
 #include "state/archive.hpp"
 
 namespace cmrc {

@@ -9,9 +9,9 @@
 #include "cmrc/measures/run_watcher.hpp"
 #include "cmrc/programs/dsp_image.hpp"
 #include "cmrc/run/snapshot.hpp"
-#include "report/event_log.hpp"
-#include "report/profile_report.hpp"
-#include "report/run_report.hpp"
+#include "report/events/event_log.hpp"
+#include "report/text/profile_report.hpp"
+#include "report/values/run_report.hpp"
 
 namespace c40 {
 class TraceSink;

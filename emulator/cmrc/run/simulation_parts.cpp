@@ -7,14 +7,14 @@
 #include <utility>
 
 #include "c40/chip/chip.hpp"
-#include "cmrc/configuration/dock_job.hpp"
+#include "cmrc/configuration/dock/dock_job.hpp"
 #include "cmrc/programs/straight_ways.hpp"
 #include "cmrc/run/ideal_run.hpp"
 #include "cmrc/run/job_causes.hpp"
 #include "cmrc/run/setup.hpp"
 #include "cmrc/tasks/job_kinds.hpp"
 #include "io/stop.hpp"
-#include "report/event.hpp"
+#include "report/events/event.hpp"
 #include "state/archive.hpp"
 
 namespace cmrc {

@@ -21,7 +21,7 @@
 #include "machine/system/machine.hpp"
 #include "machine/system/machine_config.hpp"
 #include "plant/dock/dock.hpp"
-#include "report/event_log.hpp"
+#include "report/events/event_log.hpp"
 #include "toolchain/objects/image.hpp"
 
 namespace cmrc {

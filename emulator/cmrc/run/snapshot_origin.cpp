@@ -9,7 +9,7 @@
 #include "cmrc/programs/dsp_image.hpp"
 #include "cmrc/tasks/job_kinds.hpp"
 #include "io/input_file.hpp"
-#include "report/event.hpp"
+#include "report/events/event.hpp"
 #include "state/sha256.hpp"
 
 namespace cmrc {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cmrc/configuration/config.hpp"
-#include "report/event.hpp"
+#include "report/events/event.hpp"
 #include "toolchain/objects/image.hpp"
 
 namespace cmrc {

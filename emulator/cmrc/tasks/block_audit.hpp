@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "report/event.hpp"
+#include "report/events/event.hpp"
 
 namespace state {
 class Visitor;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "report/event.hpp"
+#include "report/events/event.hpp"
 
 namespace cmrc {
 namespace {

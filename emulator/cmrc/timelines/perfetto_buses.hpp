@@ -9,8 +9,8 @@
 #include "bus_model/bus.hpp"
 #include "machine/system/bus_topology.hpp"
 #include "machine/system/machine.hpp"
-#include "report/perfetto_trace.hpp"
-#include "report/trace_text.hpp"
+#include "report/events/perfetto_trace.hpp"
+#include "report/events/trace_text.hpp"
 
 namespace cmrc {
 

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "report/perfetto_trace.hpp"
+#include "report/events/perfetto_trace.hpp"
 
 namespace cmrc {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "plant/dock/dock.hpp"
-#include "report/perfetto_trace.hpp"
-#include "report/trace_text.hpp"
+#include "report/events/perfetto_trace.hpp"
+#include "report/events/trace_text.hpp"
 
 namespace cmrc {
 

@@ -13,9 +13,9 @@
 #include "cmrc/timelines/perfetto_buses.hpp"
 #include "cmrc/timelines/perfetto_lanes.hpp"
 #include "cmrc/timelines/perfetto_plant.hpp"
-#include "report/event_log.hpp"
-#include "report/perfetto_trace.hpp"
-#include "report/trace_text.hpp"
+#include "report/events/event_log.hpp"
+#include "report/events/perfetto_trace.hpp"
+#include "report/events/trace_text.hpp"
 
 namespace cmrc {
 

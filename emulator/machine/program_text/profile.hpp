@@ -3,7 +3,7 @@
 #include <set>
 
 #include "c40/observers/profile.hpp"
-#include "report/profile_report.hpp"
+#include "report/text/profile_report.hpp"
 #include "toolchain/objects/image.hpp"
 
 namespace machine {
