@@ -1,11 +1,11 @@
 """What a page costs: its size, and the script of its frames (docs/page.md, Size and speed).
 
 `PYTHONPATH=build/python python scripts/documents/page_frames.py PAGE.html ...` plays each page in Chromium with
-software WebGL, at 1920 x 1080 and 1280 x 720: the whole run, 10 s of it, 20 ms of it, and zooming between the two. Script is measured
-within the page, from the begin to the end of a frame's work (performance.now), and again as the processor time of the
-page's main thread per frame, which other work of the machine does not count in. Frames per second are those that the
-browser has shown; they want a machine with two processors that does nothing else. Needs what `scripts/setup page`
-installs."""
+software WebGL, at 1920 x 1080 and 1280 x 720: the whole run, 10 s of it, 20 ms of it, and zooming between the two.
+Script is measured within the page, from the begin to the end of a frame's work (performance.now), and again as the
+processor time of the page's main thread per frame, which other work of the machine does not count in. Frames per second
+are those that the browser has shown; they want a machine with two processors that does nothing else. Needs what
+`scripts/setup page` installs."""
 
 from __future__ import annotations
 

@@ -138,7 +138,7 @@ def test_folders_of_the_controller_include_upwards_in_their_table() -> None:
 def python_files() -> list[Path]:
     """The package, tests, examples, and scripts, which have no suffix."""
     named = [path for folder in ("python", "tests", "examples") for path in (ROOT / folder).rglob("*.py*")]
-    scripts = [path for path in (ROOT / "scripts").rglob("*") if path.is_file()]
+    scripts = [path for path in (ROOT / "scripts").rglob("*") if path.is_file() and path.parent.name != "__pycache__"]
     begun = [path for path in scripts if re.match(r"#!.*python", path.read_text(encoding="utf-8"))]
     return sorted({*(path for path in [*named, *scripts] if path.suffix in (".py", ".pyi")), *begun})
 
