@@ -13,8 +13,8 @@
 #include "io/output_file.hpp"
 #include "machine/program_text/instruction_trace.hpp"
 #include "page/recorder.hpp"
-#include "report/values/run_report.hpp"
 #include "report/events/trace_text.hpp"
+#include "report/values/run_report.hpp"
 
 namespace cli {
 

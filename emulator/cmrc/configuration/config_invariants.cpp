@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "cmrc/configuration/machine/machine_topology.hpp"
 #include "cmrc/configuration/dock/nominal_dock.hpp"
 #include "cmrc/configuration/dock/servo_law.hpp"
+#include "cmrc/configuration/machine/machine_topology.hpp"
 #include "cmrc/tasks/task_list.hpp"
 #include "machine/dsps/slot_links.hpp"
 #include "machine/networks/net_description.hpp"

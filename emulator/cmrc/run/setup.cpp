@@ -5,9 +5,9 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "cmrc/configuration/machine/clock_deviations.hpp"
 #include "cmrc/configuration/dock/dock_job.hpp"
 #include "cmrc/configuration/dock/nominal_dock.hpp"
+#include "cmrc/configuration/machine/clock_deviations.hpp"
 #include "cmrc/configuration/machine/nominal_machine.hpp"
 #include "cmrc/processes/control_block.hpp"
 #include "cmrc/programs/kernels.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 // The work of the dock as data: processes and sub-processes, the steps of each, and what each demands and consents to
 // when it ends (paper section 3, plant-and-bus.md 4.4 items 13 to 18). The built-in rows are
-// emulator/cmrc/configuration/processes.toml; docs/processes.md explains them.
+// emulator/cmrc/configuration/rows/processes.toml; docs/processes.md explains them.
 #include <algorithm>
 #include <cstdint>
 #include <span>
