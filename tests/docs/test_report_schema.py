@@ -64,7 +64,9 @@ def test_the_schema_has_the_keys_and_the_words_of_the_page() -> None:
     assert len(meanings) > 30
     assert set(meanings) | {"boot_words"} == set(SCHEMA["properties"])
     other = [key for key, meaning in meanings.items() if SCHEMA["properties"][key]["description"] != meaning]
-    assert not other, "scripts/documents/report_schema.py docs/report.schema.json writes the page's words into the schema"
+    assert not other, (
+        "scripts/documents/report_schema.py docs/report.schema.json writes the page's words into the schema"
+    )
 
 
 def test_the_schema_is_a_schema() -> None:

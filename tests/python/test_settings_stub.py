@@ -16,7 +16,9 @@ def test_the_stub_of_the_settings_is_the_schema() -> None:
     assert spec and spec.loader
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    assert module.PLACE.read_text(encoding="utf-8") == module.stub(), "python scripts/documents/settings_stub.py writes it"
+    assert module.PLACE.read_text(encoding="utf-8") == module.stub(), (
+        "python scripts/documents/settings_stub.py writes it"
+    )
     plant = module.PLANT.read_text(encoding="utf-8")
     assert plant == module.plant_stub(plant), "python scripts/documents/settings_stub.py writes it"
 
