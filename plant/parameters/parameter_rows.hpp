@@ -1,7 +1,7 @@
 #pragma once
 // The numbers among the parameters of crane, vehicles and landing that a user may set, one row each. Keys of the
 // configuration, their checks and pages (emulator/cmrc/configuration/dock/plant_parameters.cpp), and the members of the
-// Python classes (python/bindings/plant_parameters.cpp) follow from the rows. The defaults are in
+// Python classes (python/bindings/plant/parameters.cpp) follow from the rows. The defaults are in
 // plant/parameters/config.hpp.
 #include <cstdint>
 #include <span>

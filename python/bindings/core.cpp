@@ -1,5 +1,5 @@
 #include "python/bindings/bindings.hpp"
-#include "python/bindings/without_gil.hpp"
+#include "python/bindings/interpreter/without_gil.hpp"
 
 namespace {
 

@@ -1,6 +1,6 @@
 // cmrc._core.debug: stop conditions, steps and reverse execution, as values for Python.
 #include "python/bindings/debug.hpp"
-#include "python/bindings/errors.hpp"
+#include "python/bindings/interpreter/errors.hpp"
 
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>

@@ -6,8 +6,8 @@
 
 #include "machine/debug/debugger.hpp"
 #include "python/bindings/bindings.hpp"
-#include "python/bindings/ctrl_c.hpp"
-#include "python/bindings/one_user.hpp"
+#include "python/bindings/interpreter/ctrl_c.hpp"
+#include "python/bindings/interpreter/one_user.hpp"
 
 /// A debugger, with the machine that it drives and the objects that must outlive this machine. One thread at a time may
 /// be in the debugger and in its machine.

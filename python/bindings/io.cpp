@@ -8,7 +8,7 @@
 #include "io/output_file.hpp"
 #include "io/print.hpp"
 #include "python/bindings/bindings.hpp"
-#include "python/bindings/errors.hpp"
+#include "python/bindings/interpreter/errors.hpp"
 
 namespace {
 

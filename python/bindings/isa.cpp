@@ -9,7 +9,7 @@
 #include "isa/table.hpp"
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/cpu.hpp"
-#include "python/bindings/without_gil.hpp"
+#include "python/bindings/interpreter/without_gil.hpp"
 
 namespace {
 

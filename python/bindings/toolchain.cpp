@@ -5,8 +5,8 @@
 
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/cpu.hpp"
-#include "python/bindings/ctrl_c.hpp"
-#include "python/bindings/errors.hpp"
+#include "python/bindings/interpreter/ctrl_c.hpp"
+#include "python/bindings/interpreter/errors.hpp"
 #include "toolchain/assembler/assembler.hpp"
 #include "toolchain/linker/linker.hpp"
 #include "toolchain/objects/coff.hpp"

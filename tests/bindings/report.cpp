@@ -1,7 +1,7 @@
 // Events, statistics and the account of jobs, without a run.
 #include <pybind11/stl.h>
 
-#include "python/bindings/state.hpp"
+#include "python/bindings/interpreter/state.hpp"
 #include "report/events/event_log.hpp"
 #include "report/values/run_report.hpp"
 #include "report/values/task_account.hpp"

@@ -105,7 +105,7 @@ def test_sources_include_what_they_name() -> None:
     assert len(texts) > 700
     for path in texts:
         if path.startswith("python/") and path.endswith(".cpp"):
-            texts[path] += '#include "bindings/text.hpp"\n'  # by python/CMakeLists.txt
+            texts[path] += '#include "bindings/interpreter/text.hpp"\n'  # by python/CMakeLists.txt
     assert not lacking(texts)
 
 

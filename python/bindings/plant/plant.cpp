@@ -1,4 +1,4 @@
-#include "python/bindings/plant.hpp"
+#include "python/bindings/plant/plant.hpp"
 
 void bind_plant(py::module_& core) {
   auto m = core.def_submodule("plant", "Crane, AGVs, containers, drives and sensors. Times are integer picoseconds.");

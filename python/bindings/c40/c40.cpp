@@ -1,4 +1,4 @@
-#include "python/bindings/c40.hpp"
+#include "python/bindings/c40/c40.hpp"
 
 #include <pybind11/stl.h>
 
@@ -12,11 +12,11 @@
 #include "machine/boards/board_file.hpp"
 #include "machine/chips/boot.hpp"
 #include "machine/debug/chip_debuggee.hpp"
-#include "python/bindings/chip_inspection.hpp"
+#include "python/bindings/c40/chip_inspection.hpp"
+#include "python/bindings/c40/devices.hpp"
+#include "python/bindings/c40/processor.hpp"
 #include "python/bindings/debug.hpp"
-#include "python/bindings/devices.hpp"
-#include "python/bindings/errors.hpp"
-#include "python/bindings/processor.hpp"
+#include "python/bindings/interpreter/errors.hpp"
 #include "state/file.hpp"
 
 namespace {

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "c40/peripherals/link.hpp"
-#include "python/bindings/c40.hpp"
-#include "python/bindings/processor.hpp"
+#include "python/bindings/c40/c40.hpp"
+#include "python/bindings/c40/processor.hpp"
 
 namespace {
 

@@ -3,10 +3,10 @@
 
 #include "plant/dock/dock.hpp"
 #include "plant/dock/state.hpp"
-#include "python/bindings/ctrl_c.hpp"
-#include "python/bindings/dock_event.hpp"
-#include "python/bindings/plant.hpp"
-#include "python/bindings/state.hpp"
+#include "python/bindings/interpreter/ctrl_c.hpp"
+#include "python/bindings/interpreter/state.hpp"
+#include "python/bindings/plant/dock_event.hpp"
+#include "python/bindings/plant/plant.hpp"
 
 using namespace plant;
 

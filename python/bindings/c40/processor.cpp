@@ -1,4 +1,4 @@
-#include "python/bindings/processor.hpp"
+#include "python/bindings/c40/processor.hpp"
 
 #include <pybind11/stl.h>
 
@@ -8,8 +8,8 @@
 
 #include "machine/chips/boot.hpp"
 #include "machine/networks/network.hpp"
-#include "python/bindings/chip_inspection.hpp"
-#include "python/bindings/ctrl_c.hpp"
+#include "python/bindings/c40/chip_inspection.hpp"
+#include "python/bindings/interpreter/ctrl_c.hpp"
 #include "toolchain/assembler/assembler.hpp"
 
 using c40::Cycles;

@@ -10,7 +10,7 @@
 #include "c40/peripherals/events.hpp"
 #include "machine/boards/board_file.hpp"
 #include "machine/boards/board_reserved.hpp"
-#include "python/bindings/devices.hpp"
+#include "python/bindings/c40/devices.hpp"
 #include "state/file.hpp"
 #include "toolchain/objects/image.hpp"
 

@@ -8,8 +8,8 @@
 
 #include "io/stop.hpp"
 #include "python/bindings/bindings.hpp"
-#include "python/bindings/float_environment.hpp"
-#include "python/bindings/without_gil.hpp"
+#include "python/bindings/interpreter/float_environment.hpp"
+#include "python/bindings/interpreter/without_gil.hpp"
 
 /// During its lifetime, Python's signals are looked at whenever this thread's work asks io::stop_asked(): in Python's
 /// main thread, the only one that gets them. In any other thread the end of Python stops the work.

@@ -3,8 +3,8 @@
 #include <pybind11/stl.h>
 
 #include "plant/parameters/layout_file.hpp"
-#include "python/bindings/errors.hpp"
-#include "python/bindings/plant.hpp"
+#include "python/bindings/interpreter/errors.hpp"
+#include "python/bindings/plant/plant.hpp"
 
 using namespace plant;
 

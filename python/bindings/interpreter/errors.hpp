@@ -2,7 +2,7 @@
 // Exceptions of the C++ rooms as classes of Python: each derived from cmrc.Error and from the matching built-in class.
 #include <pybind11/pybind11.h>
 
-#include "python/bindings/text.hpp"
+#include "python/bindings/interpreter/text.hpp"
 
 namespace python {
 

@@ -8,9 +8,9 @@
 #include "cmrc/run/simulation.hpp"
 #include "cmrc/run/snapshot_origin.hpp"
 #include "python/bindings/bindings.hpp"
-#include "python/bindings/cmrc.hpp"
-#include "python/bindings/errors.hpp"
-#include "python/bindings/float_environment.hpp"
+#include "python/bindings/cmrc/cmrc.hpp"
+#include "python/bindings/interpreter/errors.hpp"
+#include "python/bindings/interpreter/float_environment.hpp"
 #include "report/version.hpp"
 
 namespace {

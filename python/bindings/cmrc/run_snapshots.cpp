@@ -3,7 +3,7 @@
 #include <string_view>
 
 #include "cmrc/run/simulation.hpp"
-#include "python/bindings/cmrc.hpp"
+#include "python/bindings/cmrc/cmrc.hpp"
 #include "report/events/event.hpp"
 
 void bind_run_snapshots(py::module_& m) {

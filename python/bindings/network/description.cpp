@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "machine/networks/network_file.hpp"
-#include "python/bindings/devices.hpp"
-#include "python/bindings/network.hpp"
+#include "python/bindings/c40/devices.hpp"
+#include "python/bindings/network/network.hpp"
 
 namespace {
 

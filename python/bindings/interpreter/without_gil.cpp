@@ -1,4 +1,4 @@
-#include "python/bindings/without_gil.hpp"
+#include "python/bindings/interpreter/without_gil.hpp"
 
 #include <atomic>
 #include <chrono>

@@ -4,7 +4,7 @@
 #include "plant/parameters/check.hpp"
 #include "plant/parameters/config.hpp"
 #include "plant/scene/scene.hpp"
-#include "python/bindings/plant.hpp"
+#include "python/bindings/plant/plant.hpp"
 
 using namespace plant;
 

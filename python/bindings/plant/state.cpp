@@ -1,7 +1,7 @@
 // A dock's snapshot for Python: copied, and as bytes for builds of the same layout alone.
 #include "plant/dock/state.hpp"
-#include "python/bindings/plant.hpp"
-#include "python/bindings/state.hpp"
+#include "python/bindings/interpreter/state.hpp"
+#include "python/bindings/plant/plant.hpp"
 
 using namespace plant;
 

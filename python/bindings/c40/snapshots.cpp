@@ -4,8 +4,8 @@
 #include <string>
 #include <utility>
 
-#include "python/bindings/c40.hpp"
-#include "python/bindings/errors.hpp"
+#include "python/bindings/c40/c40.hpp"
+#include "python/bindings/interpreter/errors.hpp"
 #include "state/archive.hpp"
 #include "state/file.hpp"
 

@@ -6,7 +6,7 @@
 #include "plant/parameters/check.hpp"
 #include "plant/parameters/config.hpp"
 #include "plant/scene/wind.hpp"
-#include "python/bindings/plant.hpp"
+#include "python/bindings/plant/plant.hpp"
 
 using namespace plant;
 

@@ -11,13 +11,13 @@
 #include <vector>
 
 #include "python/bindings/bindings.hpp"
-#include "python/bindings/chip_inspection.hpp"
-#include "python/bindings/ctrl_c.hpp"
+#include "python/bindings/c40/chip_inspection.hpp"
+#include "python/bindings/c40/devices.hpp"
 #include "python/bindings/debug.hpp"
-#include "python/bindings/devices.hpp"
-#include "python/bindings/errors.hpp"
-#include "python/bindings/network.hpp"
-#include "python/bindings/state.hpp"
+#include "python/bindings/interpreter/ctrl_c.hpp"
+#include "python/bindings/interpreter/errors.hpp"
+#include "python/bindings/interpreter/state.hpp"
+#include "python/bindings/network/network.hpp"
 #include "state/archive.hpp"
 #include "state/file.hpp"
 

@@ -2,7 +2,7 @@
 #include <pybind11/stl.h>
 
 #include "plant/crane/crane_motion.hpp"
-#include "python/bindings/plant.hpp"
+#include "python/bindings/plant/plant.hpp"
 
 using namespace plant;
 

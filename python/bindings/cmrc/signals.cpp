@@ -9,7 +9,7 @@
 #include "cmrc/measures/course.hpp"
 #include "cmrc/run/simulation.hpp"
 #include "plant/dock/dock.hpp"
-#include "python/bindings/cmrc.hpp"
+#include "python/bindings/cmrc/cmrc.hpp"
 
 py::dict signals_of(const plant::Dock& dock, const std::shared_ptr<const cmrc::Reference>& reference) {
   const auto& rows = dock.signals();

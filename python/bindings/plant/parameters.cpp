@@ -8,7 +8,7 @@
 
 #include "plant/parameters/config.hpp"
 #include "plant/parameters/parameter_rows.hpp"
-#include "python/bindings/plant.hpp"
+#include "python/bindings/plant/plant.hpp"
 
 using namespace plant;
 

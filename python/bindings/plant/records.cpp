@@ -5,8 +5,8 @@
 #include <string>
 
 #include "plant/dock/dock.hpp"
-#include "python/bindings/dock_event.hpp"
-#include "python/bindings/plant.hpp"
+#include "python/bindings/plant/dock_event.hpp"
+#include "python/bindings/plant/plant.hpp"
 
 using namespace plant;
 

@@ -2,8 +2,8 @@
 #include <pybind11/stl.h>
 
 #include "c40/values/float40.hpp"
-#include "python/bindings/c40.hpp"
-#include "python/bindings/chip_inspection.hpp"
+#include "python/bindings/c40/c40.hpp"
+#include "python/bindings/c40/chip_inspection.hpp"
 
 using c40::Float40;
 using c40::Word;

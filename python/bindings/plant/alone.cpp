@@ -9,10 +9,10 @@
 #include "io/stop.hpp"
 #include "plant/crane/crane_alone.hpp"
 #include "plant/vehicles/agv_alone.hpp"
-#include "python/bindings/ctrl_c.hpp"
-#include "python/bindings/one_user.hpp"
-#include "python/bindings/plant.hpp"
-#include "python/bindings/state.hpp"
+#include "python/bindings/interpreter/ctrl_c.hpp"
+#include "python/bindings/interpreter/one_user.hpp"
+#include "python/bindings/interpreter/state.hpp"
+#include "python/bindings/plant/plant.hpp"
 
 using namespace plant;
 

@@ -2,8 +2,8 @@
 #include <pybind11/stl.h>
 
 #include "cmrc/run/compare_with_ideal.hpp"
-#include "python/bindings/ctrl_c.hpp"
-#include "python/bindings/on_progress.hpp"
+#include "python/bindings/cmrc/on_progress.hpp"
+#include "python/bindings/interpreter/ctrl_c.hpp"
 
 void bind_why_late(py::module_& core) {
   using namespace py::literals;
