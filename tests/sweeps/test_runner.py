@@ -4,6 +4,7 @@ import io
 import logging
 import os
 import subprocess
+from collections.abc import Callable
 from concurrent.futures import Future
 from pathlib import Path
 from types import SimpleNamespace
@@ -70,6 +71,16 @@ def test_a_worker_that_dies_is_replaced_and_so_is_the_process_that_forks_them(mo
         forker.stdout.close()
 
 
+def overlapping(shared: cluster._Shared, read: Callable[[], Any]) -> list[Any]:
+    """What is read after each step of two sweeps, and of a third one that begins before the second one ends."""
+    steps = (shared.__enter__, shared.__enter__, shared.__exit__, shared.__enter__, shared.__exit__, shared.__exit__)
+    found = []
+    for step in steps:
+        step()
+        found.append(read())
+    return found
+
+
 def test_the_messages_of_dask_return_with_the_end_of_the_last_sweep() -> None:
     """Sweeps of several threads share its loggers."""
     handler = logging.StreamHandler()
@@ -77,15 +88,22 @@ def test_the_messages_of_dask_return_with_the_end_of_the_last_sweep() -> None:
     logger = logging.getLogger("distributed")
     logger.addHandler(handler)
     try:
-        silence = cluster._Silence()
-        levels = []
-        for step in (silence.__enter__, silence.__enter__, silence.__exit__, silence.__enter__, silence.__exit__,
-                     silence.__exit__):  # fmt: skip
-            step()
-            levels.append(handler.level)
+        levels = overlapping(cluster._Shared(cluster._no_messages), lambda: handler.level)
         assert levels == [logging.CRITICAL] * 5 + [logging.INFO]
     finally:
         logger.removeHandler(handler)
+
+
+def test_the_settings_of_dask_return_with_the_end_of_the_last_sweep() -> None:
+    """Sweeps of several threads share its settings: one that ended first put its own back, and the last one's stayed."""
+    dask = pytest.importorskip("dask")
+    before = dict(dask.config.config)
+    key = "distributed.scheduler.allowed-failures"
+    outside = dask.config.get(key, None)
+    assert outside != 0
+    found = overlapping(cluster._settings, lambda: dask.config.get(key, None))
+    assert found == [0] * 5 + [outside]
+    assert dask.config.config == before
 
 
 class OneAtATime:

@@ -11,9 +11,9 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from typing import Any
 
 from cmrc.extras import needed
@@ -39,34 +39,45 @@ QUIET = {
 """Dask's own monitoring costs a local sweep as much as its work, and its results are not used."""
 
 
-class _Silence:
-    """Dask's messages are not shown. The sweeps of all threads share its loggers: the last one that ends sets their
-    levels back."""
+class _Shared:
+    """A context of the whole process that the sweeps of all threads share: the first one enters it, the last one
+    leaves it."""
 
-    def __init__(self) -> None:
+    def __init__(self, make: Callable[[], AbstractContextManager[Any]]) -> None:
+        self._make = make
         self._lock = threading.Lock()
         self._users = 0
-        self._levels: list[tuple[logging.Handler, int]] = []
 
     def __enter__(self) -> None:
         with self._lock:
+            if self._users == 0:
+                self._context = self._make()
+                self._context.__enter__()
             self._users += 1
-            if self._users > 1:
-                return
-            handlers = [handler for name in ("distributed", "bokeh") for handler in logging.getLogger(name).handlers]
-            self._levels = [(one, one.level) for one in handlers if isinstance(one, logging.StreamHandler)]
-            for handler, _ in self._levels:
-                handler.setLevel(logging.CRITICAL)
 
     def __exit__(self, *_: object) -> None:
         with self._lock:
             self._users -= 1
             if self._users == 0:
-                for handler, level in self._levels:
-                    handler.setLevel(level)
+                self._context.__exit__(None, None, None)
 
 
-_silence = _Silence()
+@contextmanager
+def _no_messages() -> Iterator[None]:
+    """Dask's messages are not shown."""
+    handlers = [handler for name in ("distributed", "bokeh") for handler in logging.getLogger(name).handlers]
+    levels = [(one, one.level) for one in handlers if isinstance(one, logging.StreamHandler)]
+    for handler, _ in levels:
+        handler.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        for handler, level in levels:
+            handler.setLevel(level)
+
+
+_silence = _Shared(_no_messages)
+_settings = _Shared(lambda: needed("dask", "sweep", "cmrc.sweep").config.set({**SETTINGS, **QUIET}))
 
 
 class Workers:
@@ -173,8 +184,8 @@ def workers(address: str | None, count: int | None, security: Mapping[str, Any] 
         ):
             yield found
         return
-    dask, distributed = needed("dask", "sweep", "cmrc.sweep"), needed("distributed", "sweep", "cmrc.sweep")
-    with dask.config.set(SETTINGS):
+    distributed = needed("distributed", "sweep", "cmrc.sweep")
+    with _settings:
         if count is not None:
             raise SweepError(
                 "workers: a cluster with an address has workers of its own; one of address and workers is expected"
@@ -217,9 +228,9 @@ def _local(count: int, scratch: str) -> Iterator[Workers]:
     """``scratch``: the folder in which Dask makes its own."""
     processes = _Processes(count, scratch)
     try:
-        dask, distributed = needed("dask", "sweep", "cmrc.sweep"), needed("distributed", "sweep", "cmrc.sweep")
+        distributed = needed("distributed", "sweep", "cmrc.sweep")
         with (
-            dask.config.set({**SETTINGS, **QUIET, "temporary-directory": scratch}),
+            _settings,
             _silence,
             distributed.LocalCluster(
                 n_workers=0,
@@ -228,6 +239,7 @@ def _local(count: int, scratch: str) -> Iterator[Workers]:
                 silence_logs=False,
                 host="127.0.0.1",
                 scheduler_port=0,
+                scheduler_kwargs={"local_directory": scratch},
             ) as cluster,
         ):
             client = distributed.Client(cluster, set_as_default=False)
