@@ -1,6 +1,8 @@
 """Layouts in which the controller cannot do its job are refused, with the place and what would be right
 (docs/layout.md)."""
 
+import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +11,7 @@ import numpy as np
 import pytest
 from cmrc import _core
 from cmrc_test import run_setup
+from locations import ROOT
 
 core = _core.cmrc
 ONE = "[[containers]]\nx_m = 3.0\ny_m = 24.0\n"
@@ -20,7 +23,7 @@ def dock(tmp_path: Path, layout: str, **settings: Any) -> Any:
     return run_setup.dock_of(core.config(settings={"dock.layout": str(file), **settings}))
 
 
-LENGTH = 12.192  # m, of a container
+LENGTH, HEIGHT = 12.192, 2.591  # m, of a container
 
 
 def end_to_end(gap: float, y: float = 24.0, tier: int = 0) -> str:
@@ -296,6 +299,18 @@ def test_the_scanner_sees_a_container_at_the_end_of_its_row(tmp_path: Path) -> N
     result = cmrc.run(dsps=2, duration_s=3.0, settings=settings)
     assert result.report["tasks"]["grab_path"]["released"] == 1
     assert np.ptp(result.signals["psi_rad"]) > 1e-4
+
+
+def test_the_gap_that_is_needed_follows_from_the_tolerance_of_identify(tmp_path: Path) -> None:
+    """The kernel searches where a cell is within its tolerance of the tier; a cell that a gap of this width lies half in
+    is lower by twice the tolerance."""
+    source = (ROOT / "c40_programs" / "kernels" / "identify_constants.asm").read_text(encoding="utf-8")
+    inverse_square = re.search(r"^K_ID_TOLERANCE .*\n *\.float ([0-9.]+)", source, re.MULTILINE)
+    assert inverse_square
+    least = 2 * float(inverse_square[1]) ** -0.5 / HEIGHT * _core.plant.Layout().scan_dx
+    dock(tmp_path, end_to_end(least + 1e-4))
+    with pytest.raises(cmrc.ConfigError, match=f"expected is a gap of at least {math.ceil(1e3 * least)} mm"):
+        dock(tmp_path, end_to_end(least - 1e-4))
 
 
 def test_an_ideal_run_has_one_dsp() -> None:
