@@ -392,7 +392,7 @@ std::vector<report::Share> Ledger::occupied(unsigned number, Time now) const {
   return shares;
 }
 
-std::optional<JobKind> Ledger::kind_of(std::size_t block) const {
+std::optional<report::JobName> Ledger::job_with(std::size_t block) const {
   const auto found = open_.find(block);
   return found == open_.end() ? std::nullopt : std::optional(found->second.kind);
 }
