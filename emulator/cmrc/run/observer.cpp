@@ -275,6 +275,11 @@ report::Distribution RunObserver::refresh_duration(std::optional<Time> under_way
   return all;
 }
 
+void RunObserver::close_refreshes(bool under_way, Time end, RunWatcher& watcher) const {
+  if (posted_) watcher.refreshing(posted_->times, end);
+  if (under_way) watcher.refreshing(ledger_.refresh(), end);
+}
+
 void RunObserver::fault(const machine::ChipFault& fault) {
   ++faults_.at(fault.slot);
   standstill_.stops(fault.slot, fault.time);
