@@ -65,7 +65,7 @@ def test_a_page_beside_it_changes_nothing(tmp_path: Path) -> None:
 
 
 def test_the_host_puts_a_block_back_after_its_dsp_was_reset(tmp_path: Path) -> None:
-    """The DSP runs another block by then, which goes on."""
+    """The DSP runs another block by then, and continues."""
     scene = ["--preset", "saturated", "--dsps", "1", "--duration", "0.1", *PRELOADED]
     drawn = draw(tmp_path, *scene, *event(tmp_path, 0.05, "reset", dsp=0))
     timeline.check_order(drawn.timeline)

@@ -1,7 +1,6 @@
 // What only draws a run does not end it: an error in it ends the drawing.
 #include <doctest/doctest.h>
 
-#include <ios>
 #include <ostream>
 #include <stdexcept>
 #include <streambuf>
@@ -81,7 +80,7 @@ TEST_CASE("a timeline that cannot be recorded is lost, and its run is the same")
   cmrc::Simulation plain(config), drawn(config);
   FullDisk disk;
   std::ostream out(&disk);
-  out.exceptions(std::ios::badbit);
+  out.exceptions(std::ostream::badbit);
   cmrc::PerfettoRecorder recorder(drawn, out, cmrc::PerfettoDetail::tasks, report::Window{});
   plain.run();
   drawn.run();
