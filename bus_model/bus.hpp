@@ -222,6 +222,8 @@ class Bus {
   unsigned targets() const;
   const MasterConfig& master_config(unsigned master) const;
   bool was_stalled() const { return was_stalled_; }
+  /// The attempt that is on the bus, or begins next, as it will end; null: none.
+  const Attempt* under_way() const { return running_ ? &attempt_ : nullptr; }
   /// Data phases of all attempts that have ended.
   std::uint64_t words_moved() const;
   const std::string& master_name(unsigned master) const;

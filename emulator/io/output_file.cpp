@@ -184,6 +184,8 @@ void OutputFile::replace_target() {
   beside_.reset();
 }
 
+void note_lost(std::string what) { lost.push_back(std::move(what)); }
+
 const std::vector<std::string>& lost_outputs() { return lost; }
 
 void OutputFile::commit_or_note() {

@@ -54,7 +54,9 @@ class OutputFile {
   std::ostream stream_;
 };
 
-/// The errors of commit_or_note so far. The program prints them at its end, and fails.
+/// An output is lost, for this reason; the others are written.
+void note_lost(std::string what);
+/// The errors of commit_or_note, and what note_lost was given, so far. The program prints them at its end, and fails.
 const std::vector<std::string>& lost_outputs();
 
 }  // namespace io

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <exception>
+#include <stdexcept>
 #include <unordered_map>
 
 #include "bus_model/bus.hpp"
@@ -26,7 +28,7 @@ constexpr std::int64_t bus_slices_max = 16'384;
 constexpr Time shortest_slice = std::chrono::milliseconds{1};
 
 /// The kind of an interval; from `job` on a job of kind n - `job`.
-enum What : std::uint8_t { off, failed, asleep, awake, job };
+enum What : std::uint8_t { off, broken, asleep, awake, job };
 
 std::int64_t tick(Time time) { return time / lane_tick; }
 
@@ -159,13 +161,13 @@ std::vector<Recorder::Lane> Recorder::lanes_in_order() {
       if (at > lane.from && at < lane.to && failing != fails) {
         Lane part = lane;
         part.to = at;
-        part.what = fails ? failed : off;
+        part.what = fails ? broken : off;
         all.push_back(part);
         lane.from = at;
       }
       if (at < lane.to) fails = failing;
     }
-    lane.what = fails ? failed : off;
+    lane.what = fails ? broken : off;
     all.push_back(lane);
   }
   std::ranges::stable_sort(all, {}, [](const Lane& lane) { return std::pair(lane.from, lane.slot); });
@@ -240,11 +242,20 @@ void Recorder::put_buses(Columns& columns, const report::RunReport& report) cons
   }
 }
 
+void Recorder::failed() {
+  try {
+    throw;
+  } catch (const std::exception& error) {
+    if (!problem_) problem_ = error.what();
+  }
+}
+
 std::string Recorder::recording(const report::RunReport& report, const std::string& title) {
+  if (problem_) throw std::runtime_error(fmt::format("nothing was recorded after an error: {}", *problem_));
   const Time now = simulation_.time();
   samples_.take(now);
   intervals_.finish(now);
-  simulation_.close_watch();
+  simulation_.close_watch(*this);
   const machine::Clock& clock = simulation_.machine().chip_clock();
 
   Columns columns;

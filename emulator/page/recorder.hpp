@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,15 +33,17 @@ class Recorder : public cmrc::RunWatcher, public cmrc::DspIntervalListener, publ
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  /// The recording of what has run, for a run that has ended. \param report of that run
+  /// The recording of what has run, for a run that has ended. \param report of that run \throws std::runtime_error if
+  /// an error has ended the recording before
   std::string recording(const report::RunReport& report, const std::string& title);
 
   // cmrc::RunWatcher, DspIntervalListener
   void slot_is(unsigned slot, cmrc::SlotState state, Time at) override { intervals_.slot_is(slot, state, at); }
   void booted(unsigned slot, Time at) override { intervals_.booted(slot, at); }
   void took(unsigned slot, const cmrc::TakenBlock& block) override { intervals_.took(slot, block); }
-  void left(unsigned slot, report::Run::End end, Time at, const std::vector<std::int64_t>& cycles) override {
-    intervals_.left(slot, end, at, cycles);
+  void left(unsigned slot, const report::JobName& job, report::Run::End end, Time at,
+            const std::vector<std::int64_t>& cycles) override {
+    intervals_.left(slot, job, end, at, cycles);
   }
   void held_up(unsigned slot, machine::Window window, Time from, Time to) override {
     intervals_.held_up(slot, window, from, to);
@@ -54,6 +57,8 @@ class Recorder : public cmrc::RunWatcher, public cmrc::DspIntervalListener, publ
 
   // report::EventSink: failures and resets only
   void event(const report::Event& event) override;
+  // Of both.
+  void failed() override;
 
  private:
   using JobKey = std::uint64_t;
@@ -92,6 +97,7 @@ class Recorder : public cmrc::RunWatcher, public cmrc::DspIntervalListener, publ
   std::map<unsigned, std::vector<std::pair<Time, bool>>> failures_;  // by slot: a failure (true) or a reset (false)
   Time lanes_until_ = Time::max();
   std::size_t left_out_ = 0;
+  std::optional<std::string> problem_;
 };
 
 }  // namespace page

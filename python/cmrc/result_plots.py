@@ -30,10 +30,11 @@ UNRECORDED = ("unfinished", "never_started", "lost")
 """Outcomes that are known at the end of the run only, and have no event."""
 _BLOCK = re.compile(
     r"(?P<time>\d+\.\d+) (?:"
-    r"\[dsp (?P<taker>\d+)\] (?P<taken>claim|finish) block=\S+ kind=(?P<kind>\d+)"
+    r"\[dsp (?P<taker>\d+)\] (?P<taken>claim|finish) block=(?P<block>\S+) kind=(?P<kind>\d+)"
     r"|\[dsp (?P<stopped>\d+)\] (?:fault|reset state=0)"
-    r"|\[host\] scripted action=(?:0|1|3|5) number=(?P<broken>\d+)"  # machine::Action fail, freeze, unplug, reset
-    r"|\[host\] requeue .*owner=(?P<late>\d+))"
+    # machine::Action fail, freeze, hang, unplug, reset
+    r"|\[host\] scripted action=(?:0|1|2|3|5) number=(?P<broken>\d+)"
+    r"|\[host\] requeue block=(?P<back>\S+) .*owner=(?P<late>\d+))"
 )
 _MISS = re.compile(r"(\d+\.\d+) \[host\] miss ")
 
@@ -62,9 +63,9 @@ def legend(axes: Axes, **more: Any) -> None:
 def gantt(result: Result, axes: Axes, from_s: float, to_s: float) -> None:
     """The blocks of each DSP from ``from_s`` to ``to_s``: a bar per block, a cross per miss.
 
-    A bar begins with the claim, and ends with the block, its DSP (failed, halted, in reset, unplugged), the watchdog's
-    putting it back, or the run. A cross is at the instant of the event ``miss``; a job that had not ended with the run
-    has no event, and its cross is at its deadline, if the report lists it (``report.misses_max``).
+    A bar begins with the claim, and ends with the block, its DSP (failed, hung, halted, in reset, unplugged), the
+    watchdog's putting it back, or the run. A cross is at the instant of the event ``miss``; a job that had not ended
+    with the run has no event, and its cross is at its deadline, if the report lists it (``report.misses_max``).
 
     Raises ValueError for a result without events (``cmrc.run(..., keep_events=True)``), and for an empty window.
     """
@@ -109,13 +110,18 @@ def runs(result: Result) -> Iterator[tuple[int, str, float, float]]:
     """DSP, kind, begin and end in s of every block in the result's events."""
     kinds = _kinds(result.report)
     running: dict[int, tuple[str, float]] = {}
+    block: dict[int, str] = {}
     for found in _BLOCK.finditer(result.events or ""):
         time = float(found["time"])
         slot = int(found["taker"] or found["stopped"] or found["broken"] or found["late"])
+        # A DSP that was given up may have been reset since, and run another block.
+        if found["back"] is not None and found["back"] != block.get(slot):
+            continue
         if (begun := running.pop(slot, None)) is not None:
             yield slot, *begun, time
         if found["taken"] == "claim":
             running[slot] = (kinds[int(found["kind"])], time)
+            block[slot] = found["block"]
     for slot, begun in running.items():
         yield slot, *begun, float(result.report["simulated_s"])
 

@@ -92,3 +92,24 @@ def test_an_output_is_no_other_one(tmp_path: Path) -> None:
     arguments = [NETWORKS / "ring.asm", "--topology", "ring:4", "--perfetto", "t", "--link-trace", "t"]
     done = subprocess.run([EMULATOR, "exec", *arguments], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 2 and "--link-trace" in done.stderr and not (tmp_path / "t").exists()
+
+
+# A program that waits long enough for what its pins are sent.
+WAITS = "        .text\nstart:  ldi 100,ar0\nw:      db ar0,w\n        nop\ndone:   b done\n"
+
+
+@pytest.mark.parametrize(
+    ("actions", "levels"),
+    [
+        ([], [(0, 1)]),
+        (["1,pulse,index,0.5"], [(0, 1), (1000, 0), (1500, 1)]),
+        (["0,low,index", "1.5,high,index"], [(0, 0), (1500, 1)]),
+        (["2,low,index"], [(0, 1), (2000, 0)]),
+    ],
+)
+def test_a_net_is_high_until_it_falls(tmp_path: Path, actions: list[str], levels: list[tuple[int, int]]) -> None:
+    (tmp_path / "wait.asm").write_text(WAITS)
+    drawn, _ = execute(
+        tmp_path, "wait.asm", "--net", "index: >0.IIOF2", *(word for one in actions for word in ("--action", one))
+    )
+    assert drawn.values[drawn.track("net index")] == levels

@@ -13,6 +13,9 @@ from locations import ROOT
 CASES: dict[str, dict[str, Any]] = {
     "doorbell": {"dsps": 2, "duration_s": 0.3},
     "overload": {"dsps": 1, "duration_s": 0.1, "preset": "saturated"},
+    "parts": {"dsps": 2, "duration_s": 0.06, "preset": "saturated", "slice_cycles": 20000},
+    "parts that end": {"dsps": 1, "duration_s": 0.1, "slice_cycles": 20000},
+    "heavy": {"duration_s": 0.1, "preset": "heavy"},
     "spin": {"dsps": 2, "duration_s": 0.05, "idle_policy": "spin", "turn_order": 3},
     "failures": {
         "dsps": 3,
@@ -65,6 +68,15 @@ def test_a_kind_has_the_cycles_of_its_report(result: cmrc.Result) -> None:
             assert groups[kind]["jobs"] == task["execution_ps"]["count"]
             assert groups[kind]["causes"] == task["execution_cycles"], kind
     assert "pid" in groups
+
+
+def test_jobs_that_are_not_finished_are_counted_once() -> None:
+    """Each job that is open at the end had finished parts; two run now."""
+    result = cmrc.run(profile=True, **CASES["parts"])
+    assert result.profile is not None
+    groups = {group["name"]: group for group in result.profile.data["groups"]}
+    unfinished = sum(task["unfinished"] for task in result.report["tasks"].values())
+    assert groups["not finished"]["jobs"] == unfinished > 1
 
 
 def test_jobs_lie_between_their_two_flag_writes(run, tmp_path: Path) -> None:

@@ -66,6 +66,29 @@ def test_what_is_written_is_read_back(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [tmp_path / "a.out"]
 
 
+@pytest.mark.parametrize("version", ["0", "1", "2"])
+def test_names_keep_their_letters(tmp_path: Path, emulator: Path, version: str) -> None:
+    """The eighth byte of the first name is in the middle of a letter: older versions have it in the header."""
+    names = ["of secté and more", "né", "odd name 温度"]
+    (tmp_path / "a.asm").write_text("".join(f'\t.sect "{name}"\n\tnop\n' for name in names), encoding="utf-8")
+    link = ["link", "a.obj", "-o", "a.out", "--map-output", "a.map", "--coff-version", version]
+    for command in (["asm", "--object", "a.asm", "-o", "a.obj"], link):
+        subprocess.run([emulator, *command], cwd=tmp_path, check=True, capture_output=True)
+    assert [s.name for s in toolchain.read_coff(tmp_path / "a.out").sections] == names
+    listing = subprocess.run([emulator, "disasm", "a.out"], cwd=tmp_path, check=True, capture_output=True).stdout
+    for name in names:
+        assert name in listing.decode() and name in (tmp_path / "a.map").read_text("utf-8")
+
+
+@pytest.mark.parametrize(
+    ("name", "shown"),
+    [(b".caf\xe9", ".caf\\xE9"), (b"a\nb\tc\x1bd", "a\\x0Ab\\x09c\\x1Bd"), (b"caf\xc3\xa9", "caf\u00e9")],
+)
+def test_a_name_that_is_no_text_is_shown_by_its_bytes(name: bytes, shown: str) -> None:
+    data = old_executable(0).replace(b".text\0\0\0", name.ljust(8, b"\0"))
+    assert toolchain.read_coff_bytes(data).sections[0].name == shown
+
+
 def test_equal_programs_give_equal_files_and_the_header_is_that_of_version_2(tmp_path: Path) -> None:
     for name in ("a", "b"):
         toolchain.write_coff(toolchain.assemble(SOURCE), tmp_path / name)

@@ -52,10 +52,29 @@ TEST_CASE("a block is lost from the first report on that its DSP is off") {
   intervals.took(0, block);
   intervals.slot_is(0, SlotState::off, us(30));
   intervals.slot_is(0, SlotState::off, us(50));
-  intervals.left(0, End::taken_away, us(70), {});
+  intervals.left(0, block.job, End::taken_away, us(70), {});
   intervals.finish(us(100));
   REQUIRE(kept.all.size() == 3);
   CHECK((kept.all[0].doing == SlotState::awake && kept.all[0].to == us(10)));
   CHECK((kept.all[1].doing == SlotState::busy && kept.all[1].to == us(30) && kept.all[1].end == End::failed));
   CHECK((kept.all[2].doing == SlotState::off && kept.all[2].from == us(30) && kept.all[2].to == us(100)));
+}
+
+TEST_CASE("a block that is put back late does not end the block that its DSP runs by then") {
+  Kept kept;
+  cmrc::DspIntervals intervals(kept);
+  cmrc::TakenBlock lost, next;
+  lost.job.number = 1, next.job.number = 2;
+  lost.at = us(10), next.at = us(40);
+  intervals.slot_is(0, SlotState::awake, us(0));
+  intervals.took(0, lost);
+  intervals.slot_is(0, SlotState::off, us(20));
+  intervals.booted(0, us(30));
+  intervals.took(0, next);
+  intervals.left(0, lost.job, End::taken_away, us(50), {});
+  intervals.left(0, next.job, End::done, us(60), {});
+  intervals.finish(us(70));
+  REQUIRE(kept.all.size() == 6);
+  CHECK((kept.all[1].doing == SlotState::busy && kept.all[1].to == us(20) && kept.all[1].end == End::failed));
+  CHECK((kept.all[4].doing == SlotState::busy && kept.all[4].to == us(60) && kept.all[4].end == End::done));
 }

@@ -20,7 +20,8 @@ using report::PerfettoTrace;
 /// A counter that writes one value per nanosecond: the last one.
 class Level {
  public:
-  Level(PerfettoTrace& trace, PerfettoTrace::Track track) : trace_(trace), track_(track) {}
+  Level(PerfettoTrace& trace, PerfettoTrace::Track track, std::int64_t first = 0)
+      : trace_(trace), track_(track), value_(first) {}
   void add(Time at, std::int64_t change) { set(at, value_ + change); }
   void set(Time at, std::int64_t value) {
     if (at / std::chrono::nanoseconds{1} != changed_ / std::chrono::nanoseconds{1}) tell();
@@ -36,7 +37,7 @@ class Level {
   PerfettoTrace& trace_;
   PerfettoTrace::Track track_;
   Time changed_{};
-  std::int64_t value_ = 0;
+  std::int64_t value_;
   std::optional<std::int64_t> written_;
 };
 
@@ -57,8 +58,12 @@ class Drawing {
     }
     for (std::size_t n = 0; n < network.chip_count(); ++n)
       chips_.push_back({trace_.add_group(fmt::format("chip {}", network.chip_name(n)))});
-    for (std::size_t n = 0; n < network.net_count(); ++n)
-      nets_.emplace_back(trace_, trace_.add_counter(fmt::format("net {}", network.net(n).description().name), "level"));
+    for (std::size_t n = 0; n < network.net_count(); ++n) {
+      const machine::Net& net = network.net(n);
+      const bool first = net.level() != (net.edges() % 2 != 0);  // before its edges
+      nets_.emplace_back(trace_, trace_.add_counter(fmt::format("net {}", net.description().name), "level"),
+                         first ? 1 : 0);
+    }
     events_ = trace_.add_slices("events", 0, "Losses, cuts, resets");
   }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <exception>
 #include <filesystem>
 #include <ostream>
 
@@ -12,6 +13,7 @@
 #include "cmrc/run/ideal_run.hpp"
 #include "io/file_roles.hpp"
 #include "io/print.hpp"
+#include "io/reason.hpp"
 #include "machine/system/machine.hpp"
 #include "page/html.hpp"
 
@@ -57,6 +59,16 @@ std::string page_title(const RunOptions& options, const cmrc::Config& config) {
       options.config ? std::filesystem::path(*options.config).stem().string() : options.preset.value_or("base");
   return fmt::format("{}: {} DSP{}, {:g} s", io::printable(name), config.machine.dsps,
                      config.machine.dsps == 1 ? "" : "s", config.run.duration_s);
+}
+
+/// Makes one output. An error in it loses this output, and not the others.
+template <class Make>
+void alone(const std::string& name, const Make& make) {
+  try {
+    make();
+  } catch (const std::exception& error) {
+    io::note_lost(fmt::format("{}: not written: {}", name, io::reason(error)));
+  }
 }
 
 }  // namespace
@@ -118,21 +130,22 @@ void RunOutputs::write(const report::RunReport& report, const cmrc::Simulation& 
     report_->commit_or_note();
   }
   if (page_) {
-    page_->stream() << page::html(page_recorder_->recording(report, page_title_), page_title_);
-    page_->commit_or_note();
+    alone(*options_.page, [&] {
+      page_->stream() << page::html(page_recorder_->recording(report, page_title_), page_title_);
+      page_->commit_or_note();
+    });
   }
   if (trace_) trace_->commit_or_note();
-  if (perfetto_) perfetto_->finish();
+  if (perfetto_) alone(*options_.perfetto, [&] { perfetto_->finish(); });
   for (const auto& file : instructions_) file->commit_or_note();
   if (!options_.quiet) io::print("{}", to_text(report));
   if (options_.profile) {
-    const report::Profile profile = simulation.profile_report();
-    if (!profile_) {
-      io::print("{}", to_text(profile));
-    } else {
+    alone(profile_ ? *options_.profile : "--profile", [&] {
+      const report::Profile profile = simulation.profile_report();
+      if (!profile_) return io::print("{}", to_text(profile));
       profile_->stream() << (options_.profile->ends_with(".json") ? to_json(profile) : to_text(profile));
       profile_->commit_or_note();
-    }
+    });
   }
   if (options_.trace_window && trace_window_.from > simulation.time())
     io::print(stderr, "--trace-window: {} has no events; the run ended at {} s, before {} s\n", *options_.trace,

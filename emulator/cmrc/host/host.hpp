@@ -95,6 +95,7 @@ class Host : public machine::HostProgram, private HostServices, private ErrorAct
   void add_wind(report::WindReport& wind) const;
   /// The tick whose refresh has not ended.
   std::optional<Time> refresh_under_way() const;
+  const Processes& processes() const { return processes_; }
   const ContainerCycles& cycles() const { return cycles_; }
   const Errors& errors() const { return errors_; }
   const TaskList& list() const { return list_; }

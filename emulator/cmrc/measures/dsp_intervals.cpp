@@ -68,9 +68,10 @@ void DspIntervals::took(unsigned slot, const TakenBlock& block) {
   lane(slot).now.block = block;
 }
 
-void DspIntervals::left(unsigned slot, report::Run::End end, Time at, const std::vector<std::int64_t>& cycles) {
+void DspIntervals::left(unsigned slot, const report::JobName& job, report::Run::End end, Time at,
+                        const std::vector<std::int64_t>& cycles) {
   Lane& of = lane(slot);
-  if (!of.begun || of.now.doing != SlotState::busy) return;
+  if (!of.begun || of.now.doing != SlotState::busy || of.now.block.job != job) return;
   if (end == report::Run::End::taken_away) return lose_block(of, end, at);
   of.now.end = end;
   of.now.cycles = cycles;

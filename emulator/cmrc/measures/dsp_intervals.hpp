@@ -53,7 +53,8 @@ class DspIntervals final : public RunWatcher {
   void slot_is(unsigned slot, SlotState state, Time at) override;
   void booted(unsigned slot, Time at) override;
   void took(unsigned slot, const TakenBlock& block) override;
-  void left(unsigned slot, report::Run::End end, Time at, const std::vector<std::int64_t>& cycles) override;
+  void left(unsigned slot, const report::JobName& job, report::Run::End end, Time at,
+            const std::vector<std::int64_t>& cycles) override;
   void held_up(unsigned slot, machine::Window window, Time from, Time to) override;
   void refused(unsigned slot, Time at) override;
   void list(unsigned owner, Time at) override;

@@ -136,12 +136,12 @@ void Ledger::claimed(std::size_t block, unsigned number, Time at, CauseTimes cau
 void Ledger::leave(Open& open, Time at, report::Run::End end) {
   if (!open.slot) return;
   slot(*open.slot).occupied[static_cast<std::size_t>(open.kind)] += open.occupies_until(at);
-  if (watcher_ != nullptr) watcher_->left(*open.slot, end, at, open.spent);
+  if (watcher_ != nullptr) watcher_->left(*open.slot, open.name, end, at, open.spent);
   report::Run& run = *open.tries.back().run;
   if (run.end != report::Run::End::running) return;  // it had failed before
   run.end = end;
   run.ended = at;
-  timeline_.left(run.slot, at);
+  timeline_.left(run.slot, open.name, at);
 }
 
 bool Ledger::finished(std::size_t block, unsigned number, Time at, const CauseTimes& causes, bool part) {
@@ -354,7 +354,9 @@ void Ledger::book_end(Time now, const std::function<CauseTimes(unsigned)>& cause
 void Ledger::introduce(RunWatcher& watcher, const std::function<Word(std::size_t)>& generation) const {
   timeline_.introduce(watcher);
   for (const auto& [block, open] : open_)
-    if (open.slot && !open.finished) watcher.took(*open.slot, {open.name, block, generation(block), open.claimed()});
+    // Of a DSP that has failed nothing runs; it may have been reset, and run another block.
+    if (open.slot && !open.finished && !open.failed)
+      watcher.took(*open.slot, {open.name, block, generation(block), open.claimed()});
 }
 
 void Ledger::close(Time now, const std::function<CauseTimes(unsigned)>& causes, const Rest& rest,
@@ -392,9 +394,9 @@ std::vector<report::Share> Ledger::occupied(unsigned number, Time now) const {
   return shares;
 }
 
-std::optional<JobKind> Ledger::kind_of(std::size_t block) const {
+std::optional<report::JobName> Ledger::job_with(std::size_t block) const {
   const auto found = open_.find(block);
-  return found == open_.end() ? std::nullopt : std::optional(found->second.kind);
+  return found == open_.end() ? std::nullopt : std::optional(found->second.name);
 }
 
 void Ledger::list_state(state::Visitor& list) {

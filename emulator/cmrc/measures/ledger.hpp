@@ -115,7 +115,8 @@ class Ledger {
   std::uint64_t misses() const { return misses_; }
   /// Picoseconds that a DSP was occupied, by job kind.
   std::vector<report::Share> occupied(unsigned slot, Time now) const;
-  std::optional<JobKind> kind_of(std::size_t block) const;
+  /// The job that has this block.
+  std::optional<report::JobName> job_with(std::size_t block) const;
   const std::string& name(JobKind kind) const { return names_.at(static_cast<std::size_t>(kind)); }
   const BlockAudit& audit() const { return audit_; }
   void list_state(state::Visitor& list);

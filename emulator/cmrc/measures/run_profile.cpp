@@ -72,7 +72,7 @@ RunProfile::RunProfile(machine::Machine& machine) : machine_(machine) {
   }
 }
 
-// A job's counts are separate from its kind's, because it may never finish. Their memory is reused.
+// A run's counts are separate from its kind's, because it may never finish. Their memory is reused.
 std::unique_ptr<RunProfile::Span> RunProfile::fresh() {
   if (spare_.empty()) return std::make_unique<Span>();
   auto span = std::move(spare_.back());
@@ -80,13 +80,18 @@ std::unique_ptr<RunProfile::Span> RunProfile::fresh() {
   return span;
 }
 
-void RunProfile::book(Kind& kind, std::unique_ptr<Span> span) {
-  ++kind.jobs;
-  kind.sum.counts.add(span->counts);
-  accumulate(kind.sum.outside, span->outside);
+void RunProfile::add(Span& to, std::unique_ptr<Span> span) {
+  to.counts.add(span->counts);
+  accumulate(to.outside, span->outside);
   span->counts.clear();
   span->outside = {};
+  span->job.reset();
   spare_.push_back(std::move(span));
+}
+
+void RunProfile::book(Kind& kind, std::unique_ptr<Span> span) {
+  ++kind.jobs;
+  add(kind.sum, std::move(span));
 }
 
 std::unique_ptr<RunProfile::Span> RunProfile::end_job(unsigned number) {
@@ -105,10 +110,11 @@ c40::Causes RunProfile::outside_of_job(unsigned number) const {
   return outside;
 }
 
-void RunProfile::taken(unsigned number) {
+void RunProfile::taken(unsigned number, Time issued) {
   if (auto left = end_job(number)) book(unfinished_, std::move(left));
   Slot& slot = *slots_.at(number);
   slot.job = fresh();
+  slot.job->taken = issued;
   slot.at_start = machine_.spent(number).causes;
   slot.stream.count_into(slot.job->counts);
 }
@@ -117,13 +123,33 @@ void RunProfile::done(unsigned slot, machine::Offset offset, Time issued) {
   if (auto span = end_job(slot)) slots_[slot]->ended.push_back({offset, issued, std::move(span)});
 }
 
-void RunProfile::landed(unsigned number, machine::Offset offset, Time issued, std::optional<JobKind> job) {
+void RunProfile::claimed(unsigned number, Time issued, const std::optional<report::JobName>& job) {
+  Slot& slot = *slots_.at(number);
+  if (slot.job != nullptr && slot.job->taken == issued) slot.job->job = job;
+  for (Ended& ended : slot.ended)
+    if (ended.span->taken == issued) ended.span->job = job;
+}
+
+// A job in parts is one job, of its kind only when it is finished: as in the report.
+void RunProfile::landed(unsigned number, machine::Offset offset, Time issued, const Result& result) {
   auto& ended = slots_.at(number)->ended;
   const auto it = std::ranges::find_if(ended, [&](const Ended& e) { return e.offset == offset && e.issued == issued; });
   if (it == ended.end()) return;
-  if (job && kinds_.size() <= static_cast<std::size_t>(*job)) kinds_.resize(static_cast<std::size_t>(*job) + 1);
-  book(job ? kinds_[static_cast<std::size_t>(*job)] : unfinished_, std::move(it->span));
+  std::unique_ptr<Span> span = std::move(it->span);
   ended.erase(it);
+  if (!result.job) return book(unfinished_, std::move(span));
+  const auto before = std::ranges::find(continued_, *result.job, &Continued::job);
+  if (before != continued_.end()) add(*before->parts, std::move(span));
+  if (result.part) {
+    if (before == continued_.end()) continued_.push_back({*result.job, std::move(span)});
+    return;
+  }
+  if (before != continued_.end()) {
+    span = std::move(before->parts);
+    continued_.erase(before);
+  }
+  if (kinds_.size() <= result.job->kind) kinds_.resize(result.job->kind + 1);
+  book(kinds_[result.job->kind], std::move(span));
 }
 
 void RunProfile::reset(unsigned number) {
@@ -179,7 +205,7 @@ report::Profile RunProfile::report(const std::vector<report::TaskReport>& tasks,
   return profile;
 }
 
-// Includes the job of each DSP's present run, and ends whose write has not landed.
+// Includes the finished parts of jobs that continue, the block that each DSP runs, and ends whose write has not landed.
 RunProfile::Kind RunProfile::unfinished_now() const {
   Kind all;
   const auto include = [&all](std::uint64_t jobs, const ProfileCounts& counts, const Causes& outside) {
@@ -187,11 +213,16 @@ RunProfile::Kind RunProfile::unfinished_now() const {
     all.sum.counts.add(counts);
     accumulate(all.sum.outside, outside);
   };
+  const auto include_run = [&](const Span& span, const Causes& outside) {
+    const bool counted = span.job && std::ranges::find(continued_, *span.job, &Continued::job) != continued_.end();
+    include(counted ? 0 : 1, span.counts, outside);
+  };
   include(unfinished_.jobs, unfinished_.sum.counts, unfinished_.sum.outside);
+  for (const Continued& job : continued_) include(1, job.parts->counts, job.parts->outside);
   for (unsigned number = 0; number < slots_.size(); ++number) {
     const Slot& slot = *slots_[number];
-    for (const Ended& ended : slot.ended) include(1, ended.span->counts, ended.span->outside);
-    if (slot.job != nullptr) include(1, slot.job->counts, outside_of_job(number));
+    for (const Ended& ended : slot.ended) include_run(*ended.span, ended.span->outside);
+    if (slot.job != nullptr) include_run(*slot.job, outside_of_job(number));
   }
   return all;
 }

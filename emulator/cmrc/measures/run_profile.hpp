@@ -30,10 +30,16 @@ class RunProfile {
   void trace(unsigned slot, c40::TraceSink* sink) { slots_.at(slot)->stream.hand_on_to(sink); }
 
   /// The DSP issues the write that claims a block (0Fh) or ends it (FFh).
-  void taken(unsigned slot);
+  void taken(unsigned slot, Time issued);
   void done(unsigned slot, machine::Offset offset, Time issued);
-  /// The result of a write of FFh: the job that it has ended, or none.
-  void landed(unsigned slot, machine::Offset offset, Time issued, std::optional<JobKind> job);
+  /// The write of 0Fh has reached the block of this job.
+  void claimed(unsigned slot, Time issued, const std::optional<report::JobName>& job);
+  /// What a write of FFh has ended: a job, or a part of one that continues; or nothing.
+  struct Result {
+    std::optional<report::JobName> job;
+    bool part = false;
+  };
+  void landed(unsigned slot, machine::Offset offset, Time issued, const Result& result);
   /// Ends the DSP's present job.
   void reset(unsigned slot);
 
@@ -45,10 +51,17 @@ class RunProfile {
                          const toolchain::Image& rom) const;
 
  private:
-  /// A job's cycles, and the part of them outside all instructions.
+  /// The cycles of a run of a block, and the part of them outside all instructions.
   struct Span {
     c40::ProfileCounts counts;
     c40::Causes outside{};
+    Time taken{};
+    std::optional<report::JobName> job{};  // once its claim has landed
+  };
+  /// The finished parts of a job that continues.
+  struct Continued {
+    report::JobName job;
+    std::unique_ptr<Span> parts;
   };
   struct Ended {
     machine::Offset offset;
@@ -70,12 +83,14 @@ class RunProfile {
   c40::Causes outside_of_job(unsigned slot) const;
   Kind unfinished_now() const;
   std::unique_ptr<Span> fresh();
+  void add(Span& to, std::unique_ptr<Span> span);
   void book(Kind& kind, std::unique_ptr<Span> span);
 
   const machine::Machine& machine_;
   c40::ProfileCounts executive_;
   std::vector<std::unique_ptr<Slot>> slots_;
-  std::vector<Kind> kinds_;  // by JobKind
+  std::vector<Kind> kinds_;           // by JobKind
+  std::vector<Continued> continued_;  // jobs in parts that are not finished, some of them given up
   Kind unfinished_;
   std::vector<std::unique_ptr<Span>> spare_;
 };

@@ -69,9 +69,10 @@ class RunWatcher {
   /// The DSP's program runs, and has reported over the link.
   virtual void booted(unsigned /*slot*/, Time /*at*/) {}
   virtual void took(unsigned /*slot*/, const TakenBlock&) {}
-  /// The block that the DSP claimed does not belong to it any more. \param cycles of the run by cause (the ledger's);
-  /// empty: not known
-  virtual void left(unsigned /*slot*/, report::Run::End, Time /*at*/, const std::vector<std::int64_t>& /*cycles*/) {}
+  /// The block of this job that the DSP claimed does not belong to it any more. The DSP may have been reset since, and
+  /// run the block of another job. \param cycles of the run by cause (the ledger's); empty: not known
+  virtual void left(unsigned /*slot*/, const report::JobName&, report::Run::End, Time /*at*/,
+                    const std::vector<std::int64_t>& /*cycles*/) {}
   /// The DSP waited for an access through a window. Called at `to`, before later events of this DSP.
   virtual void held_up(unsigned /*slot*/, machine::Window, Time /*from*/, Time /*to*/) {}
   /// The DSP requested the list's semaphore, which another master has.
@@ -85,12 +86,23 @@ class RunWatcher {
   /// After ended() of the same job.
   virtual void missed(const MissedWaits&) {}
 
-  /// The host's refresh ended at `end`, with this number of blocks in the list.
+  /// At the beginning of a watch: this process runs, as the event `process` names it (docs/trace.md).
+  virtual void process_runs(unsigned /*number*/, unsigned /*agv*/) {}
+  /// The host's refresh ended at `end`, with this number of blocks in the list. Refreshes end in the order of their
+  /// beginnings; one may begin before the end of the one before.
   virtual void refreshed(const RefreshTimes&, Time /*end*/, std::size_t /*blocks*/) {}
+  /// At the end of the run: a refresh is under way.
+  virtual void refreshing(const RefreshTimes&, Time /*now*/) {}
   /// A master was on a bus, from attempt.frame to attempt.last of the bus's clock; for each bus in the order of time.
   virtual void on_bus(machine::BusId, const pci::Attempt&, const machine::Clock&) {}
+  /// At the end of the run: a master is on a bus, and has been so far.
+  virtual void still_on_bus(machine::BusId, const pci::Attempt&, const machine::Clock&) {}
   /// The drives have latched; the dock has advanced to `now`.
   virtual void latched(const plant::Dock&, Time /*now*/) {}
+
+  /// Called while an exception of one of these functions is handled; no call follows. Unless overridden, the exception
+  /// ends the run.
+  virtual void failed() { throw; }
 };
 
 }  // namespace cmrc

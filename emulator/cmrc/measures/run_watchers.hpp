@@ -1,5 +1,6 @@
 #pragma once
-// Combines several watchers of a run into one.
+// Combines several watchers of a run into one. What only draws a run must not be able to end it: a watcher that throws
+// is left out from then on.
 #include <vector>
 
 #include "cmrc/measures/run_watcher.hpp"
@@ -13,7 +14,8 @@ class RunWatchers final : public RunWatcher {
   void slot_is(unsigned slot, SlotState state, Time at) override;
   void booted(unsigned slot, Time at) override;
   void took(unsigned slot, const TakenBlock& block) override;
-  void left(unsigned slot, report::Run::End end, Time at, const std::vector<std::int64_t>& cycles) override;
+  void left(unsigned slot, const report::JobName& job, report::Run::End end, Time at,
+            const std::vector<std::int64_t>& cycles) override;
   void held_up(unsigned slot, machine::Window window, Time from, Time to) override;
   void refused(unsigned slot, Time at) override;
   void list(unsigned owner, Time at) override;
@@ -24,6 +26,9 @@ class RunWatchers final : public RunWatcher {
   void latched(const plant::Dock& dock, Time now) override;
 
  private:
+  template <class Call>
+  void each(const Call& call);
+
   std::vector<RunWatcher*> all_;
 };
 

@@ -51,11 +51,10 @@ void Timeline::took(unsigned number, const report::JobName& job, Time at) {
   change(number, {at, SlotState::busy, job});
 }
 
-void Timeline::left(unsigned number, Time at) {
-  if (number < slots_.size() && !slots_[number].states.empty() &&
-      slots_[number].states.back().state == SlotState::busy) {
-    change(number, {at, SlotState::awake, {}});
-  }
+void Timeline::left(unsigned number, const report::JobName& job, Time at) {
+  if (number >= slots_.size() || slots_[number].states.empty()) return;
+  const State& present = slots_[number].states.back();
+  if (present.state == SlotState::busy && present.job == job) change(number, {at, SlotState::awake, {}});
 }
 
 void Timeline::list(unsigned owner, Time at) {

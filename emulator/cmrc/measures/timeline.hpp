@@ -37,8 +37,8 @@ class Timeline {
   void doorbell(unsigned slot, SlotState state, Time at);
   /// The DSP runs this job from `at` on.
   void took(unsigned slot, const report::JobName& job, Time at);
-  /// The DSP has finished the job, or lost it; no change if it runs none.
-  void left(unsigned slot, Time at);
+  /// The DSP has finished this job, or lost it; no change if it does not run this job.
+  void left(unsigned slot, const report::JobName& job, Time at);
   /// The list's semaphore belongs to `owner` (DSP slot + 1, machine::host_owner) from `at` on, or is free.
   void list(unsigned owner, Time at);
   /// A DSP waited for an access through a window; called for DSPs without a block.

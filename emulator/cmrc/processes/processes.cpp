@@ -191,6 +191,15 @@ void Processes::end(Run& run, Word notify, HostServices& services) {
   }
 }
 
+void Processes::each_running(const std::function<void(unsigned number, Robot agv)>& tell) const {
+  const auto one = [&](const Run& run) {
+    if (run.process != nullptr && !run.silent) tell(run.process->number, run.agv ? *run.agv + 1 : 0);
+  };
+  std::ranges::for_each(free_runs_, one);
+  one(crane_run_);
+  std::ranges::for_each(agv_runs_, one);
+}
+
 Task Processes::user_block(const std::string& name, Robot robot) const {
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     if ("user." + tasks_[i].name != name) continue;

@@ -55,6 +55,8 @@ class Processes {
   void each_passed(std::int64_t tick, const std::function<bool(const Task&)>& in_the_way, const Passed& passed) const;
   /// The work of the crane and of every AGV is finished (processes 7 and 8 have ended).
   bool job_done() const;
+  /// The processes that run and were reported, each with its AGV as HostServices::process has it.
+  void each_running(const std::function<void(unsigned number, Robot agv)>& tell) const;
   /// AGVs whose range sensors the host reads at this refresh.
   std::vector<unsigned> sensors_to_read(std::int64_t tick);
   /// A reading: mm to the nearest echo in the vehicle's way.

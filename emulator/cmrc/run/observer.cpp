@@ -114,7 +114,7 @@ std::optional<std::size_t> RunObserver::flag_of(machine::Offset offset) const {
 void RunObserver::dsp_issue(unsigned slot, machine::Window, machine::Offset offset, machine::Word value, Time issued) {
   snapshots_[slot].push_back({issued, offset, causes_(slot)});
   if (profile_ == nullptr) return;
-  if (value == words_.flag_taken) profile_->taken(slot);
+  if (value == words_.flag_taken) profile_->taken(slot, issued);
   if (value == words_.flag_done) profile_->done(slot, offset, issued);
 }
 
@@ -155,6 +155,7 @@ void RunObserver::claim(unsigned slot, std::size_t block, Time issued, Time now)
   const auto at = [&](Word word) { return peek_(words_.block(block) + word); };
   ledger_.claimed(block, slot, issued, take_snapshot(slot, words_.block(block) + words_.flag, issued),
                   at(words_.generation));
+  if (profile_ != nullptr) profile_->claimed(slot, issued, ledger_.job_with(block));
   log_.add({now,
             report::dsp(slot),
             EventKind::claim,
@@ -166,7 +167,7 @@ void RunObserver::finish(unsigned slot, std::size_t block, Time issued, Time now
   const machine::Offset flag = words_.block(block) + words_.flag;
   const bool part = (blocks_[block][words_.notify] & words_.must_continue) != 0;
   const bool ended = ledger_.finished(block, slot, issued, take_snapshot(slot, flag, issued), part);
-  if (profile_ != nullptr) profile_->landed(slot, flag, issued, ended ? ledger_.kind_of(block) : std::nullopt);
+  if (profile_ != nullptr) profile_->landed(slot, flag, issued, {ended ? ledger_.job_with(block) : std::nullopt, part});
   log_.add({now,
             report::dsp(slot),
             EventKind::finish,
@@ -194,7 +195,7 @@ void RunObserver::idle(unsigned slot, bool idle, Time now) {
 
 void RunObserver::dsp_write_dropped(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value,
                                     Time issued, Time now) {
-  if (profile_ != nullptr && window == machine::Window::a) profile_->landed(slot, offset, issued, std::nullopt);
+  if (profile_ != nullptr && window == machine::Window::a) profile_->landed(slot, offset, issued, {});
   log_.add({now,
             report::dsp(slot),
             EventKind::dropped_write,
@@ -272,6 +273,11 @@ report::Distribution RunObserver::refresh_duration(std::optional<Time> under_way
   if (posted_) all.add((end - posted_->tick).count());
   if (under_way) all.add((end - *under_way).count());
   return all;
+}
+
+void RunObserver::close_refreshes(bool under_way, Time end, RunWatcher& watcher) const {
+  if (posted_) watcher.refreshing(posted_->times, end);
+  if (under_way) watcher.refreshing(ledger_.refresh(), end);
 }
 
 void RunObserver::fault(const machine::ChipFault& fault) {

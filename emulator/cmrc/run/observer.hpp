@@ -87,6 +87,8 @@ class RunObserver : public machine::Observer, public HostListener {
   const report::Distribution& semaphore_hold() const { return hold_; }
   /// From the tick until the host is done and the list is released. \param under_way the tick of one that is not done
   report::Distribution refresh_duration(std::optional<Time> under_way, Time end) const;
+  /// Reports the refreshes that refresh_duration() adds at the end. \param under_way whether one is not done
+  void close_refreshes(bool under_way, Time end, RunWatcher& watcher) const;
   /// By joint: its errors, as PID computed them.
   const std::array<SquareSum, 5>& pid_error() const { return pid_error_; }
   /// The integral of the squared torque codes, s.

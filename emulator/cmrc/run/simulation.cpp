@@ -62,6 +62,7 @@ void Simulation::watch(RunWatcher& watcher) {
   Parts& p = *parts_;
   p.ledger.introduce(watcher,
                      [&p](std::size_t block) { return p.machine.peek(p.words.block(block) + p.words.generation); });
+  p.host.processes().each_running([&](unsigned number, unsigned agv) { watcher.process_runs(number, agv); });
   p.watchers.add(watcher);
   p.observer.watch(&p.watchers);
   p.machine.watch_buses([&p](machine::BusId bus, const pci::Attempt& attempt, const machine::Clock& clock) {
@@ -71,11 +72,16 @@ void Simulation::watch(RunWatcher& watcher) {
 
 std::vector<std::string> Simulation::causes() { return job_causes(); }
 
-void Simulation::close_watch() {
+void Simulation::close_watch(RunWatcher& watcher) {
   Parts& p = *parts_;
+  const Time now = p.machine.time();
   p.ledger.close(
-      p.machine.time(), [&p](unsigned slot) { return job_causes(p.machine, slot); },
-      [&p](Ledger& account) { p.host.count_rest(p.machine.time(), account); }, p.watchers);
+      now, [&p](unsigned slot) { return job_causes(p.machine, slot); },
+      [&](Ledger& account) { p.host.count_rest(now, account); }, watcher);
+  p.observer.close_refreshes(p.host.refresh_under_way().has_value(), now, watcher);
+  p.machine.each_attempt_under_way([&](machine::BusId bus, const pci::Attempt& attempt, const machine::Clock& clock) {
+    watcher.still_on_bus(bus, attempt, clock);
+  });
 }
 
 void Simulation::trace(unsigned slot, c40::TraceSink& sink) {

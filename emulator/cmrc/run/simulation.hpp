@@ -66,9 +66,9 @@ class Simulation {
   /// The watcher gets reports about DSPs, jobs, refreshes and buses from now on, and first their present state; it must
   /// outlive the run. To be called before run(), and after restore().
   void watch(RunWatcher& watcher);
-  /// Reports the open jobs to the watchers, as report_so_far() counts them. To be called once, if the run does not
-  /// continue.
-  void close_watch();
+  /// Reports to one watcher what is under way: the open jobs as report_so_far() counts them, refreshes, attempts on
+  /// buses. To be called once for each watcher, if the run does not continue.
+  void close_watch(RunWatcher& watcher);
   /// Names of a job's causes, in the order of a watcher's cycles.
   static std::vector<std::string> causes();
   /// The sink gets the instructions of one DSP; it must outlive the run. To be called before run().

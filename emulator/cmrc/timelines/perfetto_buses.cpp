@@ -58,7 +58,7 @@ void PerfettoBuses::tell(Bus& bus, std::int64_t millisecond) {
   bus.millisecond = millisecond;
 }
 
-void PerfettoBuses::on_bus(machine::BusId id, const pci::Attempt& attempt, const machine::Clock& clock) {
+void PerfettoBuses::on_bus(machine::BusId id, const pci::Attempt& attempt, const machine::Clock& clock, bool ended) {
   Bus& bus = buses_.at(static_cast<std::size_t>(id));
   const pci::Clocks until = attempt.last + 1;
   for (pci::Clocks at = attempt.frame; at < until;) {
@@ -68,10 +68,10 @@ void PerfettoBuses::on_bus(machine::BusId id, const pci::Attempt& attempt, const
     bus.masters.at(attempt.master).clocks += next - at;
     at = next;
   }
-  if (bus.slices) slice(bus, attempt, clock.at(attempt.frame), clock.at(until));
+  if (bus.slices) slice(bus, attempt, clock.at(attempt.frame), clock.at(until), ended);
 }
 
-void PerfettoBuses::slice(const Bus& bus, const pci::Attempt& attempt, Time from, Time to) {
+void PerfettoBuses::slice(const Bus& bus, const pci::Attempt& attempt, Time from, Time to, bool ended) {
   if (from >= window_.to || to <= window_.from) return;
   const std::string address = fmt::format("{:X}h", attempt.address);
   const Trace::Note notes[] = {
@@ -81,9 +81,9 @@ void PerfettoBuses::slice(const Bus& bus, const pci::Attempt& attempt, Time from
       {"target",
        attempt.target < 0 ? std::string_view("nobody") : bus.targets.at(static_cast<std::size_t>(attempt.target))},
       {"waited_clocks", attempt.frame - attempt.requested},
-      {"end", name(attempt.kind)}};
+      {"end", ended ? name(attempt.kind) : std::string_view("running")}};
   trace_.begin(*bus.slices, from, bus.masters.at(attempt.master).name,
-               std::span(notes).first(attempt.kind == pci::Attempt::Kind::data ? 5 : 6));
+               std::span(notes).first(ended && attempt.kind == pci::Attempt::Kind::data ? 5 : 6));
   trace_.end(*bus.slices, to);
 }
 

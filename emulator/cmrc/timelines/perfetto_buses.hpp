@@ -19,7 +19,8 @@ class PerfettoBuses {
   using Trace = report::PerfettoTrace;
 
   PerfettoBuses(Trace& trace, const machine::Machine& machine, bool each, report::Window window);
-  void on_bus(machine::BusId bus, const pci::Attempt& attempt, const machine::Clock& clock);
+  /// \param ended false: at the end of the run the attempt is under way, and this is what has been of it
+  void on_bus(machine::BusId bus, const pci::Attempt& attempt, const machine::Clock& clock, bool ended);
   void finish();
 
  private:
@@ -37,7 +38,7 @@ class PerfettoBuses {
   };
 
   void tell(Bus& bus, std::int64_t millisecond);
-  void slice(const Bus& bus, const pci::Attempt& attempt, report::Time from, report::Time to);
+  void slice(const Bus& bus, const pci::Attempt& attempt, report::Time from, report::Time to, bool ended);
 
   Trace& trace_;
   const report::Window window_;

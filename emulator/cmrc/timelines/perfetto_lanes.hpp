@@ -27,7 +27,11 @@ class PerfettoLanes {
   Trace& trace_;
   std::string name_;
   Trace::Track parent_;
-  std::vector<Trace::Track> tracks_;
+  struct Lane {
+    Trace::Track track;
+    report::Time until{};
+  };
+  std::vector<Lane> lanes_;
 };
 
 }  // namespace cmrc

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <exception>
+#include <stdexcept>
 
 #include "cmrc/configuration/config.hpp"
 #include "cmrc/measures/timeline.hpp"
@@ -69,7 +71,7 @@ PerfettoBuses PerfettoRecorder::add_tracks() {
     dsps_.push_back(dsp);
   }
   const Trace::Track host = trace_.add_group("host");
-  refreshes_ = trace_.add_slices("refreshes", host);
+  refreshes_.emplace(trace_, "refreshes", host);
   list_length_ = trace_.add_counter("list length", "blocks", host);
   if (all) list_owner_ = trace_.add_slices("list held by", host);
   jobs_group_ = trace_.add_group("jobs", 0, "From release to end, and late: from the deadline to the end");
@@ -82,13 +84,16 @@ PerfettoBuses PerfettoRecorder::add_tracks() {
 void PerfettoRecorder::interval(const DspInterval& interval) {
   Dsp& dsp = dsps_.at(interval.slot);
   const bool awake = interval.doing == SlotState::awake || interval.doing == SlotState::busy;
-  const bool drawn = within(interval.from, interval.to);
-  if (trace_.depth(dsp.track) > 0 && !(awake && drawn)) close_executive(dsp, interval.from);
-  if (!drawn) return;
-  if (awake && trace_.depth(dsp.track) == 0) trace_.begin(dsp.track, interval.from, "executive");
-  if (interval.doing == SlotState::awake) {
+  if (!awake)
+    sleep(dsp, interval.from);
+  else if (!dsp.awake)
+    dsp.awake = interval.from;
+  // Also outside the window: a slice that extends into it is drawn whole.
+  if (interval.doing == SlotState::awake)
     for (std::size_t i = 0; i < held_up_count; ++i) dsp.held_up[i] += interval.held_up[i];
-  } else if (interval.doing == SlotState::busy) {
+  if (!within(interval.from, interval.to)) return;
+  if (awake && trace_.depth(dsp.track) == 0) trace_.begin(dsp.track, *dsp.awake, "executive");
+  if (interval.doing == SlotState::busy) {
     block(dsp, interval);
   } else if (interval.doing == SlotState::off) {
     trace_.begin(dsp.track, interval.from, "off");
@@ -113,9 +118,11 @@ void PerfettoRecorder::block(Dsp& dsp, const DspInterval& interval) {
   trace_.end(dsp.track, interval.to);
 }
 
-void PerfettoRecorder::close_executive(Dsp& dsp, Time at) {
-  std::vector<Trace::Note> notes;
+void PerfettoRecorder::sleep(Dsp& dsp, Time at) {
+  dsp.awake.reset();
   const auto held_up = std::exchange(dsp.held_up, {});
+  if (trace_.depth(dsp.track) == 0) return;
+  std::vector<Trace::Note> notes;
   if (detail_ != PerfettoDetail::tasks) add_held_up(notes, held_up);  // a fifteenth of a long file
   trace_.end(dsp.track, at, notes);
 }
@@ -202,38 +209,50 @@ void PerfettoRecorder::missed(const MissedWaits& waits) {
 
 void PerfettoRecorder::refreshed(const RefreshTimes& times, Time end, std::size_t blocks) {
   if (!within(times.began, end)) return;
-  trace_.begin(refreshes_, times.began, "refresh");
-  trace_.end(refreshes_, end);
+  refreshes_->slice(times.began, end, "refresh");
   if (length_reported_ == blocks) return;
   trace_.count(list_length_, end, static_cast<std::int64_t>(blocks));
   length_reported_ = blocks;
 }
 
+void PerfettoRecorder::refreshing(const RefreshTimes& times, Time now) {
+  const Trace::Note notes[] = {{"end", "running"}};
+  if (within(times.began, now)) refreshes_->slice(times.began, now, "refresh", notes);
+}
+
 // ---- processes and events ----
 
+PerfettoLanes& PerfettoRecorder::processes_of(const std::string& robot) {
+  const auto found = processes_.find(robot);
+  if (found != processes_.end()) return found->second;
+  return processes_.try_emplace(robot, trace_, robot, processes_group_).first->second;
+}
+
+void PerfettoRecorder::process_runs(unsigned number, unsigned agv) {
+  under_way_[{number, agv}] = {simulation_.time(), true};
+}
+
+// The event names the AGV also for a process of the crane, which is then at work for this AGV.
 void PerfettoRecorder::process(const report::Event& event) {
-  const auto [number, started, robot] = std::tuple(event.arguments[0], event.arguments[1], event.arguments[2]);
-  const std::pair key{number, robot};
+  const auto [number, started, agv] = std::tuple(event.arguments[0], event.arguments[1], event.arguments[2]);
+  const std::pair key{number, agv};
   if (started != 0) {
-    under_way_[key] = event.time;
+    under_way_[key] = {event.time, false};
     return;
   }
-  const auto since = under_way_.find(key);
-  if (since == under_way_.end()) return;  // begun before a snapshot
-  if (within(since->second, event.time)) {
-    const auto found = processes_.find(robot);
-    PerfettoLanes& lanes =
-        found != processes_.end()
-            ? found->second
-            : processes_
-                  .try_emplace(robot, trace_, robot == 0 ? std::string("crane") : fmt::format("agv {}", robot - 1),
-                               processes_group_)
-                  .first->second;
-    const Process* row = simulation_.config().processes.find(number);
-    lanes.slice(since->second, event.time,
-                fmt::format("{} {}", number, row == nullptr ? std::string("process") : row->name));
-  }
-  under_way_.erase(since);
+  const auto found = under_way_.find(key);
+  if (found == under_way_.end() || event.time < found->second.since) return;  // it had ended before the snapshot
+  const UnderWay run = found->second;
+  under_way_.erase(found);
+  if (!within(run.since, event.time)) return;
+  const Process* row = simulation_.config().processes.find(number);
+  const bool of_agv = agv != 0 && (row == nullptr || row->robot == Robots::agv);
+  std::vector<Trace::Note> notes;
+  if (agv != 0 && !of_agv) notes.push_back({"agv", static_cast<std::int64_t>(agv) - 1});
+  if (run.earlier) notes.push_back({"begun", "before the snapshot"});
+  processes_of(of_agv ? fmt::format("agv {}", agv - 1) : "crane")
+      .slice(run.since, event.time, fmt::format("{} {}", number, row == nullptr ? std::string("process") : row->name),
+             notes);
 }
 
 void PerfettoRecorder::event(const report::Event& event) {
@@ -262,17 +281,25 @@ void PerfettoRecorder::event(const report::Event& event) {
   trace_.instant(events_, event.time, report::name(event.component) + " " + report::name(event.kind), notes);
 }
 
+void PerfettoRecorder::failed() {
+  try {
+    throw;
+  } catch (const std::exception& error) {
+    if (!problem_) problem_ = error.what();
+  }
+}
+
 void PerfettoRecorder::finish() {
+  if (problem_) throw std::runtime_error(*problem_);
   const Time now = simulation_.machine().time();
   intervals_.finish(now);
-  for (Dsp& dsp : dsps_) {
-    if (trace_.depth(dsp.track) > 0) close_executive(dsp, now);
-  }
-  simulation_.close_watch();
+  for (Dsp& dsp : dsps_) sleep(dsp, now);
+  simulation_.close_watch(*this);
   list(Timeline::nobody, now);
   while (!under_way_.empty()) {
     const auto [number, robot] = under_way_.begin()->first;
-    process({std::max(now, under_way_.begin()->second), report::host, EventKind::process, {number, 0, robot, 0, 0}});
+    process(
+        {std::max(now, under_way_.begin()->second.since), report::host, EventKind::process, {number, 0, robot, 0, 0}});
   }
   buses_.finish();
 }

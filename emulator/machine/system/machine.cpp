@@ -81,6 +81,11 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
   void run_until(Time limit);
   void act(const ScriptedEvent& event, Time now);
   void observe(Observer* observer);
+  /// The bus's statistics are of the clocks before this one.
+  pci::Clocks counted_until(BusId id) const {
+    const auto bus = static_cast<std::size_t>(id);
+    return std::max(buses[bus].now(), bus_clocks[bus].tick_at_or_before(time));
+  }
 
   void ring(unsigned slot, pci::Clocks clock) override {
     dsps.at(slot).schedule_edge(memory_clock().at(clock + config.interrupt_clocks));
@@ -376,10 +381,7 @@ Spent Machine::spent(unsigned slot) const { return parts_->dsps.at(slot).spent(p
 const Clock& Machine::chip_clock() const { return parts_->around->chip_clock; }
 unsigned Machine::buses() const { return static_cast<unsigned>(parts_->buses.size()); }
 const pci::Bus& Machine::bus(BusId id) const { return parts_->buses.at(static_cast<std::size_t>(id)); }
-pci::BusStatistics Machine::bus_statistics(BusId id) const {
-  return bus(id).statistics(
-      std::max(bus(id).now(), parts_->bus_clocks[static_cast<std::size_t>(id)].tick_at_or_before(parts_->time)));
-}
+pci::BusStatistics Machine::bus_statistics(BusId id) const { return bus(id).statistics(parts_->counted_until(id)); }
 std::vector<std::string> Machine::audit() const {
   std::vector<std::string> faults = parts_->adapter.audit();
   for (const SlotWire& wire : parts_->wires)
@@ -402,6 +404,21 @@ void Machine::poke(Offset offset, Word word) { parts_->sram.words().at(offset) =
 void Machine::watch_buses(BusWatch watch) {
   parts_->bus_watch = std::move(watch);
   parts_->observe(parts_->around->observer);
+}
+
+void Machine::each_attempt_under_way(const BusWatch& tell) const {
+  for (unsigned i = 0; i < buses(); ++i) {
+    const auto id = static_cast<BusId>(i);
+    const pci::Clocks until = parts_->counted_until(id);
+    const pci::Attempt* running = bus(id).under_way();
+    if (running == nullptr || running->frame >= until) continue;
+    pci::Attempt so_far = *running;
+    so_far.last = std::min(so_far.last, until - 1);
+    so_far.words = so_far.last < so_far.first
+                       ? 0
+                       : std::min(so_far.words, static_cast<unsigned>((so_far.last - so_far.first) / so_far.step) + 1);
+    tell(id, so_far, parts_->bus_clocks[i]);
+  }
 }
 
 void Machine::watch_shared(SharedWatch watch) {

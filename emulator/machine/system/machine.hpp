@@ -134,6 +134,8 @@ class Machine {
   /// in this order; an empty function: none. Changes nothing.
   using BusWatch = std::function<void(BusId, const pci::Attempt&, const Clock&)>;
   void watch_buses(BusWatch watch);
+  /// Calls `tell` for each attempt that is on a bus now, as far as it has come.
+  void each_attempt_under_way(const BusWatch& tell) const;
   /// The beginning of a cycle of a DSP, at its present clock.
   Time time_of(unsigned slot, std::int64_t cycle) const;
   Word symbol(std::string_view name) const;  ///< of the program; std::out_of_range names it

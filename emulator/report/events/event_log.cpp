@@ -9,6 +9,7 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <exception>
 #include <stdexcept>
 
 #include "state/visitor.hpp"
@@ -123,8 +124,15 @@ void EventLog::drain(Time until) {
                        : std::ranges::lower_bound(all, until, {}, [](const Event& event) { return event.time; });
   const auto settled = std::span(all.begin(), end);
   if (!settled.empty()) digest_->update(settled.data(), settled.size_bytes());
-  for (EventSink* sink : sinks_)
-    for (const Event& event : settled) sink->event(event);
+  std::erase_if(sinks_, [&](EventSink* sink) {
+    try {
+      for (const Event& event : settled) sink->event(event);
+      return false;
+    } catch (const std::exception&) {
+      sink->failed();
+      return true;
+    }
+  });
   std::ranges::copy(end, all.end(), all.begin());
   waiting_ -= settled.size();
   drain_at_ = waiting_ + batch;  // each event is sorted a bounded number of times, however far chips run ahead

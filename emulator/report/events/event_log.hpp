@@ -18,6 +18,8 @@ class EventSink {
  public:
   virtual ~EventSink() = default;
   virtual void event(const Event& event) = 0;
+  /// Called while an exception of event() is handled; no event follows. Unless overridden, the exception ends the run.
+  virtual void failed() { throw; }
 };
 
 /// Puts events in order of (time, component, order of arrival) and hashes them (SHA-256, docs/trace.md).

@@ -216,6 +216,4 @@ void PerfettoTrace::count(Track track, Time at, double value) {
   write(track, {.type = Type::counter, .at = at, .value = value});
 }
 
-bool PerfettoTrace::free_at(Track track, Time at) const { return nanoseconds(at) >= tracks_.at(track).last_ns; }
-
 }  // namespace report

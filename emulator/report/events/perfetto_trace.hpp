@@ -53,8 +53,6 @@ class PerfettoTrace {
 
   /// Number of open slices of a track.
   std::size_t depth(Track track) const { return tracks_.at(track).open; }
-  /// Whether a slice may begin at this time: the time is not before the last begin or end.
-  bool free_at(Track track, Time at) const;
 
  private:
   struct State {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "io/input_file.hpp"
+#include "io/print.hpp"
 #include "isa/types.hpp"
 #include "toolchain/objects/coff.hpp"
 #include "toolchain/objects/coff_format.hpp"
@@ -29,11 +30,14 @@ class CoffReader {
     read_symbols();
     for (std::size_t i = 0; i < section_count_; ++i) read_relocations(i, table + i * section_size_);
     for (std::size_t i = 0; i < section_count_; ++i) read_lines(object_.sections[i], table + i * section_size_);
+    for (ObjectSection& section : object_.sections) section.name = shown(section.name);
+    for (ObjectSymbol& symbol : object_.symbols) symbol.name = shown(symbol.name);
+    for (std::string& file : object_.files) file = shown(file);
     return std::move(object_);
   }
 
  private:
-  [[noreturn]] void fail(const std::string& why) const { throw CoffError(fmt::format("{}: {}", name_, why)); }
+  [[noreturn]] void fail(const std::string& why) const { throw CoffError(fmt::format("{}: {}", name_, shown(why))); }
 
   void need(std::uint64_t offset, std::uint64_t size, std::string_view what) const {
     if (offset > bytes_.size() || size > bytes_.size() - offset)
@@ -60,12 +64,18 @@ class CoffReader {
     need(offset, size, what);
     std::string out;
     for (std::size_t i = 0; i < size && bytes_[offset + i] != std::byte{0}; ++i)
-      out += printable(static_cast<char>(bytes_[offset + i]));
+      out += static_cast<char>(bytes_[offset + i]);
     return out;
   }
 
-  /// For messages and Python strings: a damaged file may contain any bytes.
-  static char printable(char c) { return c >= ' ' && c <= '~' ? c : '?'; }
+  /// For messages and Python strings: a damaged file may contain any bytes. The names change when all are read: the
+  /// header's eight bytes of a longer name may end within a character.
+  static std::string shown(const std::string& name) {
+    std::string out;
+    for (const char c : io::printable(name))
+      out += c == '\n' || c == '\t' ? fmt::format("\\x{:02X}", c) : std::string(1, c);
+    return out;
+  }
 
   /// Tools on big-endian hosts wrote the headers in their byte order, but not the words.
   void read_magic() {
