@@ -19,7 +19,8 @@ struct ProbedAccess {
   bool interrupt = false;  ///< the entry to an interrupt saves the PC
   int channel = -1;        ///< the DMA channel; -1: the processor
   Address pc = 0;          ///< address of the instruction; for the DMA: the processor's PC
-  Cycles cycle = 0;        ///< when the access is done: for an instruction, when the next one begins
+  /// The access has been done in a chip that was run up to here: for an instruction, when the next one begins.
+  Cycles cycle = 0;
 };
 
 /// Must not change the chip.
