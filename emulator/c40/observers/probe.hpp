@@ -30,6 +30,8 @@ class Probe {
   /// A chosen instruction is next, from this cycle on; called once for a cycle.
   virtual void reaches(Address pc, Cycles cycle) = 0;
   virtual void accessed(const ProbedAccess& access) = 0;
+  /// The chip stops before SWI, which calls a debugger.
+  virtual void called(Address /*pc*/, Cycles /*cycle*/) {}
 };
 
 struct AddressRange {
@@ -74,6 +76,9 @@ class ProbePoint {
   void forget() { noted_.clear(); }
   void note(const ProbedAccess& access) {
     if (sees(access.address)) noted_.push_back(access);
+  }
+  void called(Address pc, Cycles cycle) {
+    if (probe_ != nullptr) probe_->called(pc, cycle);
   }
   bool has_noted() const { return !noted_.empty(); }
   /// The instruction is complete.
