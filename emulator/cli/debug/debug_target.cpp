@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <string>
-#include <vector>
 
 #include "cli/arguments/network_arguments.hpp"
 #include "cli/arguments/settings.hpp"
