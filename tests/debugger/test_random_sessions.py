@@ -149,7 +149,7 @@ class Session:
         return goal, []
 
     def backward(self) -> tuple[int, list[int]]:
-        for k in range(self.at - 1, 0, -1):
+        for k in range(self.at - 1, -1, -1):
             if met := [condition.number for condition in self.conditions if condition.meets(k)]:
                 return k, met
         return 0, []
