@@ -137,6 +137,7 @@ const std::vector<Console::Row>& Console::rows() {
 
 Console::Console(Debugger& debugger, Print print) : debugger_(debugger), print_(std::move(print)) {
   debugger_.output = [this](const std::string& text) { print_(text); };
+  for (std::size_t n = 0; n < debugger_.programs().size(); ++n) now_[n] = machine::debug::registers(debuggee().chip(n));
 }
 
 const Console::Row* Console::row_named(std::string_view name) const {

@@ -247,6 +247,7 @@ void Session::tell_stop(const std::string& why) {
   reported_end_ = false;
   std::string reason = why;
   if (reason.empty()) switch (stop.reason) {
+      case Stop::Reason::software_interrupt:
       case Stop::Reason::breakpoint: reason = "breakpoint"; break;
       case Stop::Reason::watchpoint: reason = "data breakpoint"; break;
       case Stop::Reason::fault: reason = "exception"; break;

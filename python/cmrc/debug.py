@@ -48,7 +48,8 @@ class Hit:
 @dataclass(frozen=True)
 class Stop:
     """Where the machine is. ``reason``: ``start``, ``breakpoint``, ``watchpoint``, ``event``, ``step``, ``moved``,
-    ``paused``, ``over`` or ``fault``. ``chip`` is the one that stopped the machine."""
+    ``paused``, ``over``, ``fault`` or ``software_interrupt`` (before SWI). ``chip`` is the one that stopped the
+    machine."""
 
     reason: str
     time_ps: int
@@ -302,11 +303,15 @@ class Debugger:
                 return stop
 
     def run(self) -> Iterator[Stop]:
-        """Every stop from here on until nothing more happens: ``for stop in debugger.run(): ...``."""
+        """Every stop from here on until nothing more happens: ``for stop in debugger.run(): ...``. A chip that is left
+        before SWI does not continue."""
+        left = None
         while True:
             stop = self.go()
-            if stop.reason == "over":
+            place = (stop.reason, stop.time_ps)
+            if stop.reason == "over" or (stop.reason == "software_interrupt" and place == left):
                 return
+            left = place
             yield stop
 
     def step(self, how: str = "instruction", *, chip: int | None = None) -> Stop:

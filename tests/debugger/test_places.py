@@ -150,6 +150,19 @@ def test_a_processor_runs_by_itself_as_without_its_debugger() -> None:
 # ---- a change by hand at the end ----
 
 
+def test_the_end_is_met_from_inside_its_last_instruction() -> None:
+    for debugger in front_ends(ENDS.replace("nop", "b done", 1)):
+        end = debugger.go()
+        assert end.reason == "over"
+        for back_ps in (100_000, 50_000, 25_000, 1):
+            debugger.go_to_ps(end.time_ps - back_ps)
+            number = debugger.break_at("done")
+            assert [hit.number for hit in debugger.go().hits] == [number]
+            assert debugger.stop.time_ps == end.time_ps
+            debugger.remove(number)
+            assert debugger.go().time_ps == end.time_ps and debugger.stop.reason == "over"
+
+
 def test_a_changed_pc_at_the_end_goes_on_from_there(tmp_path: Path) -> None:
     write(tmp_path, ends_asm=ENDS)
     shown = by_commands(

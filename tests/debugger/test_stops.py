@@ -265,6 +265,49 @@ values: .word {source}, {destination}, {words}, 00c00008h
     assert writer is not None and "DMA channel 0" in writer.text and writer.time_ps == times[7]
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_a_word_of_a_dma_is_there_at_the_stop_and_not_before(seed: int) -> None:
+    rng = random.Random(seed)
+    beside = ["nop", "addi 1,r1", "sti r1,@tab", "mpyi 3,r3", "rpts 3\n        addi 1,r4", "ldi @src,r2"]
+    body = "".join(f"        {rng.choice(beside)}\n" for _ in range(30))
+    program = package.assemble(f"""
+        .data
+src:    .word 11,22,33,44
+dst:    .space 4
+tab:    .word 00c40004h, src, 1, 4, dst, 1, 0, 0
+        .text
+start:  ldpk hi16(tab)
+        ldhi 10h,ar1
+        or 0a0h,ar1
+        ldi @tab+1,r0
+        sti r0,*+ar1(1)
+        ldi 1,r0
+        sti r0,*+ar1(2)
+        sti r0,*+ar1(5)
+        ldi 4,r0
+        sti r0,*+ar1(3)
+        ldi @tab+4,r0
+        sti r0,*+ar1(4)
+        ldi @tab,r0
+        sti r0,*ar1
+{body}done:   b done
+""")
+    debugger = package.Processor(program).debug()
+    debugger.watch("dst", 4, on="change")
+    for n in range(4):
+        (hit,) = debugger.go().hits
+        assert hit.value == debugger.value(f"[dst + {n}]") == 11 * (n + 1)
+        at = debugger.stop.time_ps
+        # From an instant at which the word is still old, its change comes.
+        only = debugger.watch(f"dst+{n}", on="change")
+        for back_ps in range(0, 4 * CYCLE_PS, CYCLE_PS):
+            debugger.go_to_ps(at - back_ps)
+            if debugger.value(f"[dst + {n}]") == 0:
+                assert only in [hit.number for hit in debugger.go().hits] or debugger.stop.time_ps < at
+        debugger.remove(only)
+        debugger.go_to_ps(at)
+
+
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_stop_shows_the_state_of_a_run_without_a_debugger(seed: int, tmp_path: Path) -> None:
     rng = random.Random(seed)

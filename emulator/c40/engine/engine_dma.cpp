@@ -12,8 +12,6 @@
 namespace c40 {
 namespace {
 
-/// The read stage of the next instruction is one cycle before its execute stage.
-constexpr Cycles read_lead = 1;
 /// A DMA with the higher priority can keep the processor from its bus for 2^32 words: after this number of cycles,
 /// run_until returns to its caller.
 constexpr Cycles starved_cycles = 10'000;

@@ -49,7 +49,10 @@ const StopInfo& Engine::stop(Stepped why) {
       info.port = access_.port();
       break;
     case Stepped::horizon: info.reason = StopInfo::Reason::horizon; break;
-    case Stepped::software_interrupt: info.reason = StopInfo::Reason::software_interrupt; break;
+    case Stepped::software_interrupt:
+      info.reason = StopInfo::Reason::software_interrupt;
+      probe_.called(state_.core.pc, state_.cycle);
+      break;
     case Stepped::fault:
       info.reason = StopInfo::Reason::fault;
       info.fault = fault_;

@@ -19,7 +19,8 @@ struct ProbedAccess {
   bool interrupt = false;  ///< the entry to an interrupt saves the PC
   int channel = -1;        ///< the DMA channel; -1: the processor
   Address pc = 0;          ///< address of the instruction; for the DMA: the processor's PC
-  Cycles cycle = 0;        ///< when the access is done: for an instruction, when the next one begins
+  /// The access has been done in a chip that was run up to here: for an instruction, when the next one begins.
+  Cycles cycle = 0;
 };
 
 /// Must not change the chip.
@@ -29,6 +30,8 @@ class Probe {
   /// A chosen instruction is next, from this cycle on; called once for a cycle.
   virtual void reaches(Address pc, Cycles cycle) = 0;
   virtual void accessed(const ProbedAccess& access) = 0;
+  /// The chip stops before SWI, which calls a debugger.
+  virtual void called(Address /*pc*/, Cycles /*cycle*/) {}
 };
 
 struct AddressRange {
@@ -73,6 +76,9 @@ class ProbePoint {
   void forget() { noted_.clear(); }
   void note(const ProbedAccess& access) {
     if (sees(access.address)) noted_.push_back(access);
+  }
+  void called(Address pc, Cycles cycle) {
+    if (probe_ != nullptr) probe_->called(pc, cycle);
   }
   bool has_noted() const { return !noted_.empty(); }
   /// The instruction is complete.

@@ -57,7 +57,7 @@ Word DmaSide::read(Address address, Cycles at) {
   return value;
 }
 
-// The word was moved in the cycle before.
+// The DMA follows the processor's read stage: a processor that has come to this cycle has left the DMA's cycle behind.
 void DmaSide::tell_probe(int channel, Address address, Word before, Word value, bool write, Cycles at) {
   chip_.probe.tell({.address = address,
                     .before = before,
@@ -65,7 +65,7 @@ void DmaSide::tell_probe(int channel, Address address, Word before, Word value, 
                     .write = write,
                     .channel = channel,
                     .pc = chip_.state.core.pc,
-                    .cycle = at + 1});
+                    .cycle = at + 1 + read_lead});
 }
 
 void DmaSide::write(Address address, Word value, Cycles at) {

@@ -22,6 +22,10 @@
 
 namespace c40 {
 
+/// How far the DMA is behind the processor: the read stage of the next instruction is one cycle before its execute
+/// stage.
+inline constexpr Cycles read_lead = 1;
+
 /// A resource that one access, or two, can use at a time.
 enum class Unit : std::uint8_t { ram0, ram1, rom, local, global, peripheral, none };
 inline constexpr std::size_t unit_count = 7;

@@ -56,6 +56,13 @@ void set_boot(machine::NetworkChip& chip, const ExecOptions& options) {
   chip.board.has_pins = chip.boot = true;
 }
 
+/// --until as exec has it; words are for whoever runs the chip.
+void set_ends(machine::NetworkChip& chip, const ExecOptions& options) {
+  for (const std::string& text : options.until)
+    if (text.find("==") == std::string::npos)
+      chip.other_ends.push_back(parse_address(chip_text(text, 1, "--until").rest, chip.program.get(), "--until"));
+}
+
 machine::NetworkDescription read_description(const ExecOptions& options) {
   if (options.network) {
     if (!options.programs.empty() || !options.links.empty() || !options.nets.empty() || options.topology ||
@@ -84,20 +91,23 @@ machine::NetworkDescription read_description(const ExecOptions& options) {
   if (options.boards.size() > 1 && options.boards.size() != chips)
     throw InputError(
         fmt::format("--board: one for all chips or {} are expected, not {}", chips, options.boards.size()));
-  if (options.memory_max && options.boards.empty())
+  const bool alone = is_alone(options);
+  if (options.memory_max && options.boards.empty() && !alone)
     throw InputError("--memory-max: --board flat is expected; other boards have as much RAM as they say");
   std::vector<machine::BoardDescription> boards;
   for (const std::string& board : options.boards) boards.push_back(board_named(options, board));
+  if (boards.empty() && alone) boards.push_back(board_named(options, "default"));
   std::vector<std::shared_ptr<const toolchain::Image>> images;
   for (const std::string& program : options.programs)
-    images.push_back(std::make_shared<toolchain::Image>(
-        read_program(program, options.include_directories, program.ends_with(".hex") ? options.load_at : std::nullopt,
-                     is_source_name(program) ? options.dialect : std::nullopt)));
+    images.push_back(std::make_shared<toolchain::Image>(read_program(
+        program, options.include_directories, alone || program.ends_with(".hex") ? options.load_at : std::nullopt,
+        alone || is_source_name(program) ? options.dialect : std::nullopt)));
   std::vector<std::string> names;
   for (std::size_t n = 0; n < chips; ++n) {
     machine::NetworkChip chip;
     if (!images.empty()) chip.program = images[images.size() == 1 ? 0 : n];
     if (!boards.empty()) chip.board = boards[boards.size() == 1 ? 0 : n];
+    chip.is_alone = alone;
     if (options.entry) chip.entry = parse_address(*options.entry, chip.program.get(), "--entry");
     network.chips.push_back(std::move(chip));
     names.push_back(fmt::format("{}", n));
@@ -106,7 +116,9 @@ machine::NetworkDescription read_description(const ExecOptions& options) {
     if (chips != 1) throw InputError(fmt::format("--boot: one chip boots so, and {} are given", chips));
     set_boot(network.chips.front(), options);
   }
-  for (const std::string& text : options.until) set_until(network, text);
+  if (alone) set_ends(network.chips.front(), options);
+  for (const std::string& text : options.until)
+    if (!alone) set_until(network, text);
   for (const std::string& link : options.links) network.links.push_back(machine::parse_link(link, names));
   for (const std::string& net : options.nets) network.nets.push_back(net_of(net, names));
   return network;
@@ -127,6 +139,7 @@ void add_words(machine::NetworkDescription& network, const ExecOptions& options)
   };
   for (const std::string& text : options.loads) {
     const std::size_t at = text.rfind('@') == std::string::npos ? 0 : text.rfind('@') + 1;
+    if (at < 2 && is_alone(options)) throw InputError(fmt::format("--load: \"{}\" is not FILE@ADDRESS", text));
     if (at < 2) throw InputError(fmt::format("--load: \"{}\" is not FILE@CHIP:ADDRESS, which a network needs", text));
     add("--load", std::string_view(text).substr(at), text.substr(0, at), "FILE@CHIP:ADDRESS");
   }
@@ -141,6 +154,11 @@ void add_words(machine::NetworkDescription& network, const ExecOptions& options)
 }
 
 }  // namespace
+
+bool is_alone(const ExecOptions& options) {
+  return options.programs.size() <= 1 && !options.network && !options.topology && options.links.empty() &&
+         options.nets.empty();
+}
 
 machine::NetworkDescription described(const ExecOptions& options) {
   machine::NetworkDescription network = read_description(options);

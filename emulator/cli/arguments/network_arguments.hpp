@@ -11,6 +11,9 @@ namespace cli {
 /// InputError, machine::NetworkError, toolchain::AssemblyError, toolchain::CoffError
 machine::NetworkDescription described(const ExecOptions& options);
 
+/// One chip that is in no network.
+bool is_alone(const ExecOptions& options);
+
 /// "12.5,cut,0.3:1.0". \throws InputError
 machine::NetworkAction action_of(const std::string& text, const machine::Network& network);
 

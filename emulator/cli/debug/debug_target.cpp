@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <string>
+
 #include "cli/arguments/network_arguments.hpp"
 #include "cli/arguments/settings.hpp"
 #include "cli/exec/exec_memory.hpp"
+#include "cli/exec/exec_report.hpp"
+#include "cli/exec/exec_run.hpp"
 #include "cli/output_files/snapshots.hpp"
 #include "cmrc/run/dock_debuggee.hpp"
 #include "machine/debug/network_debuggee.hpp"
@@ -13,6 +17,15 @@ namespace cli {
 namespace {
 
 bool is_network(const ExecOptions& exec) { return !exec.programs.empty() || exec.network || exec.boot; }
+
+/// The words of --until ADDRESS==WORD, which end the run of one chip.
+machine::debug::NetworkDebuggee::EndWords end_words(ExecOptions exec, const machine::Network& network) {
+  std::erase_if(exec.until, [](const std::string& text) { return text.find("==") == std::string::npos; });
+  if (exec.until.empty()) return {};
+  auto words = parse_until(exec, network.program(0)).words;
+  for (const auto& [address, word] : words) read_dump(network.chip(0), address, 1, "--until");
+  return words;
+}
 
 DebugTarget network_of(const DebugOptions& options) {
   const RunOptions& run = options.run;
@@ -29,7 +42,8 @@ DebugTarget network_of(const DebugOptions& options) {
   DebugTarget target;
   target.network = std::make_unique<machine::Network>(described(options.exec));
   for (const std::string& text : options.exec.actions) target.network->schedule(action_of(text, *target.network));
-  target.debuggee = std::make_unique<machine::debug::NetworkDebuggee>(*target.network);
+  target.debuggee =
+      std::make_unique<machine::debug::NetworkDebuggee>(*target.network, end_words(options.exec, *target.network));
   return target;
 }
 

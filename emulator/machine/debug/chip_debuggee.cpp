@@ -46,6 +46,7 @@ void ChipDebuggee::run_until(Time time) {
     if (meaning(stop.reason) == StopMeaning::asks_again) continue;
     at_end = meaning(stop.reason) == StopMeaning::breakpoint;
     over_ = end_of(stop);
+    calls_ = stop.reason == c40::StopInfo::Reason::software_interrupt;
   }
   now_ = over_ ? std::max(now_, std::min(time, chip_.cycle() * period)) : std::max(now_, time);
 }
@@ -57,7 +58,9 @@ std::optional<std::string> ChipDebuggee::end_of(const c40::StopInfo& stop) const
                          stop.access.address);
     case StopMeaning::port_access:
     case StopMeaning::port_wait: return fmt::format("{} waits", c40::describe(stop.port));
-    case StopMeaning::fault: return fault_of(chip_, stop).message;
+    case StopMeaning::fault:
+      if (stop.reason == c40::StopInfo::Reason::software_interrupt) return waits_before_swi(chip_.pc());
+      return fault_of(chip_, stop).message;
     case StopMeaning::breakpoint: return rests();
     default: break;
   }
@@ -73,13 +76,17 @@ std::optional<std::string> ChipDebuggee::rests() const {
   return std::nullopt;
 }
 
+// A chip that has not ended yet finds its end by itself: a probe is to hear of it.
 void ChipDebuggee::look_again() {
-  if (!chip_.halted()) over_ = rests();
+  if (!over_ || chip_.halted()) return;
+  over_ = rests();
+  calls_ = false;
 }
 
 void ChipDebuggee::list_state(state::Visitor& list) {
   list("chip", chip_);
   list("over", over_);
+  list("calls", calls_);
   if (ignored_ != nullptr) list("ignored", *ignored_);
   if (devices_ == nullptr) return;
   list("devices", *devices_);

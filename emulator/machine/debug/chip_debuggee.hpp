@@ -24,6 +24,9 @@ class ChipDebuggee final : public Debuggee {
   void set_trace(std::size_t, c40::TraceSink* sink) override;
   Time now() const override { return now_; }
   std::optional<std::string> over() const override { return over_; }
+  std::optional<std::size_t> calls() const override {
+    return over_ && calls_ ? std::optional<std::size_t>(0) : std::nullopt;
+  }
   void look_again() override;
   void changed_by_hand(std::optional<std::size_t>) override { look_again(); }
   void run_until(Time time) override;
@@ -48,6 +51,7 @@ class ChipDebuggee final : public Debuggee {
   const toolchain::Image& program_;
   Time now_;
   std::optional<std::string> over_;
+  bool calls_ = false;  ///< over_ is an SWI
   c40::TraceSink* before_ = nullptr;
 };
 

@@ -20,6 +20,9 @@ namespace machine::debug {
 using c40::Address;
 using c40::Word;
 
+/// What a debugger says of a chip that stands before SWI.
+std::string waits_before_swi(Address pc);
+
 /// An event that is more than an access to one chip's memory: a claim, a missed deadline, a word on a link.
 struct DebugEvent {
   Time time{};
@@ -84,6 +87,8 @@ class Debuggee {
   virtual Time now() const = 0;
   /// Why nothing more will happen; none: the run can continue.
   virtual std::optional<std::string> over() const = 0;
+  /// The chip that stands before SWI and continues where its PC is set, if it is over for that reason.
+  virtual std::optional<std::size_t> calls() const { return std::nullopt; }
   /// To be called when an answer may have come for which the debuggee waited.
   virtual void look_again() {}
   /// To be called after registers or words were changed from outside: what had come to an end may continue.

@@ -24,8 +24,14 @@ std::string_view name(Stop::Reason reason) {
     case Stop::Reason::paused: return "paused";
     case Stop::Reason::over: return "over";
     case Stop::Reason::fault: return "fault";
+    case Stop::Reason::software_interrupt: return "software_interrupt";
   }
   return "?";
+}
+
+std::string waits_before_swi(Address pc) {
+  return fmt::format("SWI at {:08X}h calls the debugger; the chip stands before it, and continues where its PC is set",
+                     pc);
 }
 
 std::optional<std::string> Debuggee::holds_pc(std::size_t n) {
@@ -55,11 +61,18 @@ const Stop& Debugger::stopped(Stop::Reason reason, std::optional<std::size_t> ch
   return stop_;
 }
 
+/// Nothing more happens.
+const Stop& Debugger::ended() {
+  const std::optional<std::size_t> chip = debuggee_.calls();
+  return stopped(chip ? Stop::Reason::software_interrupt : Stop::Reason::over, chip, *debuggee_.over());
+}
+
 void Debugger::require_chip(std::size_t chip) const {
   if (chip >= programs_.size())
     throw DebugError(fmt::format("there is no chip {}; 0 to {} are there", chip, programs_.size() - 1));
 }
 
+std::string at_stack(Address sp) { return fmt::format("sp == {}", sp); }
 std::string seconds(Time time) { return fmt::format("{:.12g} s", static_cast<double>(time.count()) * 1e-12); }
 
 }  // namespace machine::debug

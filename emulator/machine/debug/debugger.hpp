@@ -47,7 +47,6 @@ struct Trigger {
   std::string log{};         ///< not empty: print this text, with {expressions}, and continue
   std::uint64_t ignore = 0;  ///< number of hits to ignore
   bool enabled = true;
-  bool once = false;   ///< removed after it has stopped the machine
   std::string text{};  ///< in the user's words
 
   /// Whether both stop at the same hits, without regard to counts.
@@ -84,7 +83,18 @@ struct Hit {
 };
 
 struct Stop {
-  enum class Reason : std::uint8_t { start, breakpoint, watchpoint, event, step, moved, paused, over, fault };
+  enum class Reason : std::uint8_t {
+    start,
+    breakpoint,
+    watchpoint,
+    event,
+    step,
+    moved,
+    paused,
+    over,
+    fault,
+    software_interrupt,  ///< before SWI, which calls the debugger
+  };
   Reason reason = Reason::start;
   Time time{};
   std::optional<std::size_t> chip;  ///< the chip to show
@@ -176,12 +186,27 @@ class Debugger {
 
  private:
   class HitRecorder;
+  /// Where a chip is, or was.
+  struct Place {
+    std::size_t chip = 0;
+    Time time{};
+    Address pc = 0, sp = 0;
+  };
+  /// What a chip did: an instruction, or the entry of an interrupt; `pc` is then where it returns to.
+  struct Instruction {
+    Time begins{}, ends{};
+    Address pc = 0, sp = 0;  ///< SP before it
+    c40::Causes causes{};
+    bool interrupt = false;
+  };
   /// A change by hand, repeated whenever its instant is passed.
   struct Change {
     Time time{};
     std::function<void()> make;
   };
   struct Manner;
+  class Temporary;
+  class Only;
 
   bool asked_to_stop();
   void require_chip(std::size_t chip) const;
@@ -189,6 +214,7 @@ class Debugger {
   const Stop& stopped(Stop::Reason reason, std::optional<std::size_t> chip, std::string text,
                       std::vector<Hit> hits = {});
   const Stop& report(std::vector<Hit> hits);
+  const Stop& ended();
   void run_to(Time time);
   void move_to(Time time);
   void move_and_listen(Time time, const Manner& manner);
@@ -205,6 +231,10 @@ class Debugger {
   Trigger event_of(std::size_t chip, Step step);
   template <class Fits>
   std::optional<Time> instruction_before(std::size_t chip, Time time, Fits fits);
+  std::optional<Place> before(const Place& place);
+  std::optional<Place> before_over(const Place& place);
+  std::optional<Time> line_before(const Place& place, bool over_calls);
+  const std::vector<Instruction>& past_of(std::size_t chip, Time time, Time window);
   void look_at_past(std::size_t chip, Time from, Time to);
   void change(std::function<void()> by_hand, std::string text, std::optional<std::size_t> moved = {});
 
@@ -222,14 +252,9 @@ class Debugger {
   std::size_t changed_ = 0;  ///< number of the changes that have been made at the machine's instant
   /// Instructions of a chip, for steps backwards.
   struct Past {
-    struct Instruction {
-      Time begins{};
-      Address pc = 0, sp = 0;  ///< SP before the instruction
-      c40::Causes causes{};
-    };
     std::size_t chip = 0;
     Time from{}, to{};
-    std::vector<Instruction> instructions{};
+    std::vector<Instruction> instructions{};  ///< by time
   };
   std::optional<Past> past_;
   Stop stop_;

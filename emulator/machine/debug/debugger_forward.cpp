@@ -32,11 +32,14 @@ bool Debugger::holds(const Hit& hit) { return !hit.open || recorder_->holds(hit)
 std::vector<Hit> Debugger::search(Time until, const Manner& manner) {
   hear_what_is_under_way(manner);
   const auto chip_at_breakpoint = [this] {
-    return std::ranges::any_of(triggers_, [this](const auto& entry) {
-      for (std::size_t n = 0; n < programs_.size(); ++n)
-        if (entry.second.enabled && entry.second.stops(n, debuggee_.chip(n).pc())) return true;
-      return false;
-    });
+    for (std::size_t n = 0; n < programs_.size(); ++n) {
+      const Address pc = debuggee_.chip(n).pc();
+      const auto word = debuggee_.peek(n, pc);
+      if (word && calls_debugger(*word)) return true;
+      for (const auto& [number, trigger] : triggers_)
+        if (trigger.enabled && trigger.stops(n, pc)) return true;
+    }
+    return false;
   };
   constexpr int small_steps = 256;
   // Some events are reported late: those up to `until` are known only behind it.
@@ -104,6 +107,7 @@ const Stop& Debugger::report(std::vector<Hit> hits) {
     const auto trigger = triggers_.find(hit.trigger);
     if (&hit == &hits.front()) {
       chip = hit.chip;
+      if (hit.trigger == swi_number) reason = Stop::Reason::software_interrupt;
       if (hit.trigger != temporary && trigger != triggers_.end()) {
         const Trigger::Kind kind = trigger->second.kind;
         reason = kind == Trigger::Kind::code    ? Stop::Reason::breakpoint
@@ -117,25 +121,35 @@ const Stop& Debugger::report(std::vector<Hit> hits) {
       if (trigger != triggers_.end() && trigger->second.kind == Trigger::Kind::event) text += hit.text;
       continue;
     }
-    text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", hit.trigger, hit.text);
+    const std::string number = hit.trigger == swi_number ? "" : fmt::format("{}: ", hit.trigger);
+    text += fmt::format("{}{}{}", text.empty() ? "" : "; ", number, hit.text);
   }
-  for (const Hit& hit : hits)
-    if (const auto trigger = triggers_.find(hit.trigger); trigger != triggers_.end() && trigger->second.once)
-      triggers_.erase(trigger);
-  std::erase_if(hits, [](const Hit& hit) { return hit.trigger == temporary; });
+  std::erase_if(hits, [](const Hit& hit) { return hit.trigger == temporary || hit.trigger == swi_number; });
   return stopped(reason, chip, std::move(text), std::move(hits));
 }
 
+/// The stop condition of a step, which must not outlive it, however the step ends.
+class Debugger::Temporary {
+ public:
+  explicit Temporary(std::map<unsigned, Trigger>& triggers) : triggers_(triggers) {}
+  Temporary(const Temporary&) = delete;
+  Temporary& operator=(const Temporary&) = delete;
+  ~Temporary() { triggers_.erase(temporary); }
+
+ private:
+  std::map<unsigned, Trigger>& triggers_;
+};
+
 const Stop& Debugger::resume(Time until, const Manner& manner) {
+  const Temporary step(triggers_);
   interrupted_ = false;
   debuggee_.look_again();
-  if (const auto why = debuggee_.over()) return stopped(Stop::Reason::over, {}, *why);
+  if (debuggee_.over()) return ended();
   std::vector<Hit> hits;
   try {
     hits = search(until, manner);
   } catch (const DebugError&) {
     recorder_->close();
-    triggers_.erase(temporary);
     stopped(Stop::Reason::paused, {}, fmt::format("paused at {}", seconds(now())));
     throw;
   }
@@ -144,9 +158,8 @@ const Stop& Debugger::resume(Time until, const Manner& manner) {
     move_and_listen(at, manner);
     if (now() == at) return report(std::move(hits));
   }
-  triggers_.erase(temporary);
   if (asked_to_stop()) return stopped(Stop::Reason::paused, {}, fmt::format("paused at {}", seconds(now())));
-  if (const auto why = debuggee_.over()) return stopped(Stop::Reason::over, {}, *why);
+  if (debuggee_.over()) return ended();
   return stopped(Stop::Reason::moved, {}, fmt::format("at {}", seconds(now())));
 }
 
@@ -165,7 +178,7 @@ const Stop& Debugger::step(std::size_t chip, Step step) {
         throw DebugError(fmt::format("{}: no caller of {} is found on its stack", debuggee_.chip_name(chip),
                                      programs_[chip].name(frames[0].pc)));
       const Frame& caller = frames[1];
-      return run_to_code(chip, caller.returns_to, caller.at ? fmt::format("u(sp) == {}", *caller.at - 1) : "");
+      return run_to_code(chip, caller.returns_to, caller.at ? at_stack(*caller.at - 1) : "");
     }
     case Step::claim:
     case Step::refresh:
@@ -180,8 +193,7 @@ Trigger Debugger::event_of(std::size_t chip, Step step) {
   Trigger trigger{.kind = Trigger::Kind::event,
                   .name = step == Step::claim     ? "claim"
                           : step == Step::refresh ? "refresh"
-                                                  : "any",
-                  .once = true};
+                                                  : "any"};
   if (step == Step::claim) trigger.chip = chip;
   check(trigger);
   return trigger;
@@ -191,8 +203,7 @@ const Stop& Debugger::run_to_code(std::size_t chip, Address address, std::string
   triggers_.insert_or_assign(temporary, Trigger{.kind = Trigger::Kind::code,
                                                 .chip = chip,
                                                 .places = {{std::nullopt, address}},
-                                                .condition = std::move(condition),
-                                                .once = true});
+                                                .condition = std::move(condition)});
   return resume(never, {});
 }
 
@@ -201,7 +212,8 @@ const Stop& Debugger::step_over(std::size_t chip) {
   const auto word = debuggee_.peek(chip, pc);
   const auto back = word ? returns_from_call(pc, *word) : std::nullopt;
   if (!back) return resume(never, {.steps = chip});
-  return run_to_code(chip, *back, fmt::format("sp == {}", debuggee_.chip(chip).register_value(isa::Register::SP)));
+  return run_to_code(chip, *back,
+                     at_stack(static_cast<Address>(debuggee_.chip(chip).register_value(isa::Register::SP))));
 }
 
 /// Steps to an instruction of another source line. Code without lines is stepped by instructions.

@@ -92,12 +92,12 @@ void Debugger::hear_what_is_under_way(const Manner& manner) {
 const Stop& Debugger::go_to(Time time) {
   interrupted_ = false;
   time = std::max(time, beginning());
-  if (debuggee_.over() && time >= now()) return stopped(Stop::Reason::over, {}, *debuggee_.over());
+  if (debuggee_.over() && time >= now()) return ended();
   // A later instant; but perhaps a snapshot lies between.
   if (const auto place = history_->before(time); place && place->time > now()) recorder_->close(), load_before(time);
   move_to(time);
   if (now() < time) {
-    if (const auto why = debuggee_.over()) return stopped(Stop::Reason::over, {}, *why);
+    if (debuggee_.over()) return ended();
     return stopped(Stop::Reason::paused, {}, fmt::format("paused at {}", seconds(now())));
   }
   return stopped(Stop::Reason::moved, {}, fmt::format("at {}", seconds(now())));

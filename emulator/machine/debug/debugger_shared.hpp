@@ -8,7 +8,8 @@
 
 namespace machine::debug {
 
-inline constexpr unsigned temporary = 0;  ///< number of the trigger of a step
+inline constexpr unsigned temporary = 0;     ///< number of the trigger of a step
+inline constexpr unsigned swi_number = ~0u;  ///< number of a hit without a trigger: a chip has come to SWI
 
 /// The manner of a search.
 struct Debugger::Manner {
@@ -17,5 +18,7 @@ struct Debugger::Manner {
 
 /// "0.125 s"
 std::string seconds(Time time);
+/// The condition of a step that ends where its routine's stack is as deep as before.
+std::string at_stack(Address sp);
 
 }  // namespace machine::debug

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 
+#include "isa/types.hpp"
+#include "machine/debug/debugger_shared.hpp"
+
 namespace machine::debug {
 namespace {
 
@@ -22,13 +25,20 @@ bool is_meant(Trigger::On on, bool write, bool changed) {
 /// The part for one chip.
 class Debugger::HitRecorder::ChipEar final : public c40::Probe, public c40::TraceSink {
  public:
-  ChipEar(HitRecorder& ear, std::size_t chip) : recorder_(ear), chip_(chip) {}
+  ChipEar(HitRecorder& ear, std::size_t chip) : recorder_(ear), chip_(chip) {
+    recorder_.debuggee_.chip(chip_).set_probe(this, {});
+  }
+  ~ChipEar() override {
+    plan({}, false, false);
+    recorder_.debuggee_.chip(chip_).set_probe(nullptr, {});
+  }
+  ChipEar(const ChipEar&) = delete;
+  ChipEar& operator=(const ChipEar&) = delete;
 
   void plan(c40::ProbePlan plan, bool each_instruction, bool rules) {
     c40::Chip& chip = recorder_.debuggee_.chip(chip_);
     if (plan.code != plan_.code || plan.data != plan_.data) {
-      const bool nothing = plan.code.empty() && plan.data.empty();
-      chip.set_probe(nothing ? nullptr : this, plan);
+      chip.set_probe(this, plan);
       plan_ = std::move(plan);
     }
     if (each_instruction != traces_) recorder_.debuggee_.set_trace(chip_, each_instruction ? this : nullptr);
@@ -49,6 +59,7 @@ class Debugger::HitRecorder::ChipEar final : public c40::Probe, public c40::Trac
 
   void reaches(Address pc, c40::Cycles cycle) override { recorder_.reached(chip_, pc, time(cycle)); }
   void accessed(const c40::ProbedAccess& access) override { recorder_.accessed(chip_, access, time(access.cycle)); }
+  void called(Address pc, c40::Cycles cycle) override { recorder_.came_to_swi(chip_, pc, time(cycle)); }
   void instruction(const c40::TraceRecord& record) override {
     ends_ = record.cycle + record.cycles;
     if (rules_) rules_->instruction(record);
@@ -56,6 +67,7 @@ class Debugger::HitRecorder::ChipEar final : public c40::Probe, public c40::Trac
   }
   void interrupt(Word vector, c40::Cycles cycle) override {
     if (rules_) rules_->interrupt(vector, cycle);
+    recorder_.interrupted(chip_, time(cycle), time(recorder_.debuggee_.chip(chip_).cycle()));
   }
 
  private:
@@ -78,7 +90,6 @@ Debugger::HitRecorder::HitRecorder(Debuggee& debuggee, const std::vector<Program
 }
 
 Debugger::HitRecorder::~HitRecorder() {
-  for (auto& chip : chips_) chip->plan({}, false, false);
   debuggee_.listen(nullptr, {});
   debuggee_.watch_shared(nullptr, {});
 }
@@ -243,13 +254,8 @@ void Debugger::HitRecorder::shared_access(const SharedAccess& access) {
 void Debugger::HitRecorder::executed(std::size_t chip, const c40::TraceRecord& record) {
   if (!open_) return;
   const Time ends = debuggee_.time_of(chip, record.cycle + record.cycles);
-  if (each_ == chip) {
-    if (!stepped && ends > after_) stepped = ends;
-    if (keeps_instructions) {
-      const auto sp = static_cast<Address>(debuggee_.chip(chip).register_value(isa::Register::SP));
-      instructions.push_back({debuggee_.time_of(chip, record.cycle), ends, record.pc, sp, record.causes});
-    }
-  }
+  if (step_may_end(chip, ends) && keeps_instructions)
+    instructions.push_back({debuggee_.time_of(chip, record.cycle), ends, record.pc, stack_of(chip), record.causes});
   for (const auto& [number, trigger] : armed_) {
     if (trigger.kind != Trigger::Kind::processor_register || trigger.chip.value_or(chip) != chip) continue;
     const auto reg = isa::register_named(trigger.name);
@@ -263,6 +269,34 @@ void Debugger::HitRecorder::executed(std::size_t chip, const c40::TraceRecord& r
              .pc = record.pc,
              .value = static_cast<Word>(change.value)});
   }
+}
+
+/// Whether each step of the chip counts; one that ends after the beginning of the search ends it.
+bool Debugger::HitRecorder::step_may_end(std::size_t chip, Time ends) {
+  if (each_ != chip) return false;
+  if (!stepped && ends > after_) stepped = ends;
+  return true;
+}
+
+Address Debugger::HitRecorder::stack_of(std::size_t chip) const {
+  return static_cast<Address>(debuggee_.chip(chip).register_value(isa::Register::SP));
+}
+
+void Debugger::HitRecorder::interrupted(std::size_t chip, Time begins, Time ends) {
+  if (!open_ || !step_may_end(chip, ends) || !keeps_instructions) return;
+  const Address sp = stack_of(chip), returns_to = debuggee_.chip(chip).peek(sp);
+  instructions.push_back({.begins = begins, .ends = ends, .pc = returns_to, .sp = sp, .interrupt = true});
+}
+
+// SWI is not executed. So a step of its chip ends there, too, where the chip already was.
+void Debugger::HitRecorder::came_to_swi(std::size_t chip, Address pc, Time time) {
+  if (!open_ || !hears_calls || time < after_ || (time == after_ && each_ != chip)) return;
+  hits.push_back({.trigger = swi_number,
+                  .time = time,
+                  .chip = chip,
+                  .text = fmt::format("{} before SWI, which calls the debugger, at {}", debuggee_.chip_name(chip),
+                                      place(chip, pc)),
+                  .pc = pc});
 }
 
 void Debugger::HitRecorder::broke_rule(std::size_t chip, const c40::Diagnostic& breach, c40::Cycles cycle) {

@@ -30,16 +30,12 @@ class Debugger::HitRecorder final : private DebugEventListener, private SharedLi
   void look_at_values(Time now);
 
   std::vector<Hit> hits;  ///< in the order of recording
-  /// An instruction of the chip whose every instruction counts.
-  struct Instruction {
-    Time begins{}, ends{};
-    Address pc = 0, sp = 0;  ///< SP after the instruction
-    c40::Causes causes{};
-  };
+  /// What the chip whose every instruction counts has done; SP is that after it.
   std::vector<Instruction> instructions;
   bool keeps_instructions = false;
-  /// The end of the first recorded instruction.
+  /// The end of the first recorded instruction, or of an interrupt's entry.
   std::optional<Time> stepped;
+  bool hears_calls = true;  ///< an SWI is a hit
 
   /// Whether a condition holds at the machine's instant. \throws DebugError
   bool holds(const Hit& hit);
@@ -51,10 +47,14 @@ class Debugger::HitRecorder final : private DebugEventListener, private SharedLi
   void reached(std::size_t chip, Address pc, Time time);
   void accessed(std::size_t chip, const c40::ProbedAccess& access, Time time);
   void executed(std::size_t chip, const c40::TraceRecord& record);
+  void interrupted(std::size_t chip, Time begins, Time ends);
+  void came_to_swi(std::size_t chip, Address pc, Time time);
+  bool step_may_end(std::size_t chip, Time ends);
   void broke_rule(std::size_t chip, const c40::Diagnostic& breach, c40::Cycles cycle);
   void add(unsigned number, const Trigger& trigger, Hit hit);
   Expression& condition_of(unsigned number, const Trigger& trigger, std::size_t chip);
   std::string place(std::size_t chip, Address pc) const;
+  Address stack_of(std::size_t chip) const;
   bool shared(const Trigger& trigger) const;
 
   Debuggee& debuggee_;

@@ -337,6 +337,18 @@ std::optional<Address> returns_from_call(Address address, Word word) {
   return address + (is_delayed(*instruction) ? 4 : 1);
 }
 
+bool calls_debugger(Word word) {
+  const isa::Decoded decoded = isa::decode(word);
+  const auto* instruction = std::get_if<isa::Instruction>(&decoded);
+  return instruction != nullptr && instruction->row->operation == isa::Operation::swi;
+}
+
+bool returns_from_interrupt(Word word) {
+  const isa::Decoded decoded = isa::decode(word);
+  const auto* instruction = std::get_if<isa::Instruction>(&decoded);
+  return instruction != nullptr && instruction->row->operation == isa::Operation::reti;
+}
+
 std::vector<Frame> call_stack(Debuggee& debuggee, std::size_t n, const ProgramView& program) {
   const c40::Chip& chip = debuggee.chip(n);
   std::vector<Frame> frames{{chip.pc(), std::nullopt, 0}};

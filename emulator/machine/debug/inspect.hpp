@@ -123,5 +123,9 @@ std::vector<ShownRegister> peripherals(const c40::Chip& chip);
 
 /// Whether a word is a call (CALL, CALLcond, LAJ, LAJcond, TRAPcond, LATcond), and its return address.
 std::optional<Address> returns_from_call(Address address, Word word);
+/// Whether a word is SWI.
+bool calls_debugger(Word word);
+/// Whether a word is RETIcond or RETIcondD.
+bool returns_from_interrupt(Word word);
 
 }  // namespace machine::debug

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "io/stop.hpp"
 #include "machine/debug/error.hpp"
 #include "state/archive.hpp"
 
@@ -35,8 +36,8 @@ bool is_end(ChipStatus status) {
 
 }  // namespace
 
-NetworkDebuggee::NetworkDebuggee(Network& network)
-    : network_(network), now_(network.now()), reported_(network.events().size()) {
+NetworkDebuggee::NetworkDebuggee(Network& network, EndWords ends)
+    : network_(network), end_words_(std::move(ends)), now_(network.now()), reported_(network.events().size()) {
   for (std::size_t n = 0; n < network.chip_count(); ++n) status_.push_back(network.status(n));
 }
 NetworkDebuggee::~NetworkDebuggee() { network_.watch_memory({}); }
@@ -52,26 +53,58 @@ const toolchain::Image& NetworkDebuggee::program(std::size_t n) const { return n
 Time NetworkDebuggee::time_of(std::size_t n, c40::Cycles cycle) const { return network_.clock(n).at(cycle); }
 std::string NetworkDebuggee::describe(std::size_t n) {
   if (network_.status(n) == ChipStatus::running) return "running";
-  return network_.describe(n);
+  return described(n);
+}
+std::string NetworkDebuggee::described(std::size_t n) const {
+  return network_.calls_debugger(n) ? waits_before_swi(network_.chip(n).pc()) : network_.describe(n);
 }
 void NetworkDebuggee::set_trace(std::size_t n, c40::TraceSink* sink) { network_.set_trace(n, sink); }
 
 std::optional<std::string> NetworkDebuggee::over() const {
   if (!ended_) return std::nullopt;
+  if (!holds_.empty()) return holds_;
+  if (network_.description().chips.front().is_alone) return described(0);
   std::string text(ended_->reason == NetworkStop::Reason::deadlock ? "no event is left"
                                                                    : "all chips have come to rest");
-  for (std::size_t n = 0; n < network_.chip_count(); ++n)
-    text += fmt::format("; {}: {}", chip_name(n), network_.describe(n));
+  for (std::size_t n = 0; n < network_.chip_count(); ++n) text += fmt::format("; {}: {}", chip_name(n), described(n));
   return text;
 }
 
+std::optional<std::size_t> NetworkDebuggee::calls() const {
+  for (std::size_t n = 0; ended_ && n < network_.chip_count(); ++n)
+    if (network_.calls_debugger(n)) return n;
+  return std::nullopt;
+}
+
 void NetworkDebuggee::changed_by_hand(std::optional<std::size_t> moved) {
-  ended_.reset();
+  ended_.reset(), holds_.clear();
   network_.changed_by_hand(moved);
   for (std::size_t n = 0; n < status_.size(); ++n) status_[n] = network_.status(n);
 }
 
 void NetworkDebuggee::run_until(Time time) {
+  if (end_words_.empty()) return advance_to(time);
+  look_at_words();
+  while (!ended_ && now_ < time && !io::stop_asked()) {
+    const c40::Cycles cycle = network_.chip(0).cycle();
+    const Time instruction_ends = time_of(0, cycle);
+    advance_to(std::min(time, instruction_ends > now_ ? instruction_ends : time_of(0, cycle + 1)));
+    look_at_words();
+  }
+}
+
+/// After each instruction.
+void NetworkDebuggee::look_at_words() {
+  if (ended_ || time_of(0, network_.chip(0).cycle()) > now_) return;
+  for (const auto& [address, word] : end_words_)
+    if (peek(0, address) == word) {
+      ended_ = NetworkStop{.reason = NetworkStop::Reason::ended, .time = now_};
+      holds_ = fmt::format("{:08X}h holds {:08X}h, at {:08X}h", address, word, network_.chip(0).pc());
+      return;
+    }
+}
+
+void NetworkDebuggee::advance_to(Time time) {
   if (ended_) return;
   const NetworkStop stop = network_.run_until(time);
   if (stop.reason == NetworkStop::Reason::ended || stop.reason == NetworkStop::Reason::deadlock) ended_ = stop;
@@ -97,7 +130,7 @@ void NetworkDebuggee::tell_new() {
   }
   for (std::size_t n = 0; n < status_.size(); ++n) {
     const ChipStatus status = network_.status(n);
-    if (std::exchange(status_[n], status) == status || !is_end(status)) continue;
+    if (std::exchange(status_[n], status) == status || !is_end(status) || network_.calls_debugger(n)) continue;
     const std::string kind = status == ChipStatus::fault ? "fault" : "end";
     if (!wanted(kind)) continue;
     const Time at = std::max(network_.clock(n).at(network_.chip(n).cycle()), Time{0});
@@ -113,7 +146,7 @@ std::string NetworkDebuggee::save() { return state::save(network_); }
 
 void NetworkDebuggee::load(std::string_view state) {
   state::load(network_, state);
-  ended_.reset();
+  ended_.reset(), holds_.clear();
   now_ = network_.now();
   reported_ = network_.events().size();
   for (std::size_t n = 0; n < status_.size(); ++n) status_[n] = network_.status(n);

@@ -1,5 +1,7 @@
 #pragma once
-/// A network of chips in a debugger, or one chip as a network of one.
+/// A network of chips in a debugger, or one chip alone.
+#include <utility>
+#include <vector>
 
 #include "machine/debug/debuggee.hpp"
 #include "machine/networks/network.hpp"
@@ -8,8 +10,11 @@ namespace machine::debug {
 
 class NetworkDebuggee final : public Debuggee {
  public:
+  /// Words that end the run of one chip, as soon as memory holds their values.
+  using EndWords = std::vector<std::pair<Address, Word>>;
+
   /// The network must outlive it.
-  explicit NetworkDebuggee(Network& network);
+  explicit NetworkDebuggee(Network& network, EndWords ends = {});
   ~NetworkDebuggee() override;
 
   std::size_t chips() const override;
@@ -21,6 +26,7 @@ class NetworkDebuggee final : public Debuggee {
   void set_trace(std::size_t n, c40::TraceSink* sink) override;
   Time now() const override { return now_; }
   std::optional<std::string> over() const override;
+  std::optional<std::size_t> calls() const override;
   void changed_by_hand(std::optional<std::size_t> moved) override;
   void run_until(Time time) override;
   Time slice() const override { return std::chrono::milliseconds{1}; }
@@ -37,10 +43,15 @@ class NetworkDebuggee final : public Debuggee {
   std::string page(std::string_view name) override;
 
  private:
+  void advance_to(Time time);
+  void look_at_words();
   void tell_new();
+  std::string described(std::size_t n) const;
   std::string devices_page();
 
   Network& network_;
+  EndWords end_words_;
+  std::string holds_;  ///< the word that has ended the run
   Time now_{0};
   std::optional<NetworkStop> ended_;
   DebugEventListener* listener_ = nullptr;

@@ -171,6 +171,7 @@ void Network::ready_to_start(Node& node) {
   if (node.description.add_words) node.description.add_words(node.chip);
   node.chip.stop_at_ends(true);
   if (node.description.until) node.chip.add_breakpoint(*node.description.until);
+  for (const Address end : node.description.other_ends) node.chip.add_breakpoint(end);
   start(node);
 }
 
@@ -184,6 +185,7 @@ void Network::start(Node& node) {
     }
   }
   node.chip.set_pc(node.description.entry.value_or(node.description.program->entry));
+  if (node.description.is_alone) return;
   const auto chips = static_cast<Word>(nodes_.size());
   const std::array<Word, 4> values{static_cast<Word>(node.number), chips,
                                    description_.shape[0] == 0 ? chips : description_.shape[0],

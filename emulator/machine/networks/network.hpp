@@ -81,6 +81,8 @@ struct NetworkChip {
   bool is_in_rom = false;  ///< it boots what the board's ROMs hold: `program` only lends its symbols, lines and ends
   /// Behind windows of its board, besides the board's own.
   std::vector<BoardDevices::Place> devices{};
+  bool is_alone = false;                   ///< no network: R0 to R3 are those of a reset
+  std::vector<c40::Address> other_ends{};  ///< as `until`
 };
 
 /// A memory that several chips access through windows of their boards. It does one access at a time; after an
@@ -263,6 +265,8 @@ class Network {
   ChipStatus status(std::size_t n) const;
   /// One sentence: why the chip stopped; or for what it waits, where and since when.
   std::string describe(std::size_t n) const;
+  /// The chip stands before SWI: a fault, but in a debugger.
+  bool calls_debugger(std::size_t n) const;
   /// The devices behind the windows of a chip's board; null: none.
   BoardDevices* devices(std::size_t n);
   /// The chip at the other end of the link for which `n` waits.

@@ -94,7 +94,8 @@ bool Network::Node::at_breakpoint() {
 
 /// The status of a chip whose program ends at its PC, or waits there; none: it runs on.
 std::optional<ChipStatus> Network::Node::rest() const {
-  if (description.until == chip.pc()) return ChipStatus::until;
+  const auto& others = description.other_ends;
+  if (description.until == chip.pc() || std::ranges::find(others, chip.pc()) != others.end()) return ChipStatus::until;
   if (wakes() || chip.program_end() != isa::ProgramEnd::halt) return std::nullopt;
   if (chip.dma_active() || (chip.watches_ports() && can_interrupt(chip)) || reacts_to_pins())
     return ChipStatus::sleeping;

@@ -184,6 +184,11 @@ std::string Network::describe_dma(const Node& node) const {
   return fmt::format("{}", fmt::join(waits, "; "));
 }
 
+bool Network::calls_debugger(std::size_t n) const {
+  const Node& node = *nodes_.at(n);
+  return node.status == ChipStatus::fault && node.stop.fault->kind == c40::Fault::Kind::software_interrupt;
+}
+
 std::string Network::describe(std::size_t n) const {
   const Node& node = *nodes_.at(n);
   if (node.patience.loop)
