@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <set>
 
 #include "debugger/console_words.hpp"
 #include "io/nearest.hpp"
+#include "io/text_form.hpp"
 #include "isa/ascii.hpp"
 #include "isa/types.hpp"
 #include "machine/debug/expression.hpp"
@@ -186,16 +186,17 @@ bool Console::unattended(std::string_view line, const std::string& place) {
 }
 
 void Console::script(const std::string& path) {
-  std::ifstream in(path);
-  if (!in) throw DebugError(fmt::format("{}: cannot be read", path));
   if (depth_ > 10) throw DebugError(fmt::format("{}: files nested more than 10 deep", path));
+  const std::string text = io::read_text<DebugError>(path, "a file of commands");
   ++depth_;
   paused_ = false;
   int number = 0;
-  for (std::string line; continues_ && !paused_ && std::getline(in, line);) {
+  for (std::size_t at = mark_of_utf8(text); continues_ && !paused_ && at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    const std::string_view line = ascii::trimmed(std::string_view(text).substr(at, end - at));
+    at = end + 1;
     ++number;
-    if (number == 1) line.erase(0, mark_of_utf8(line));
-    if (!ascii::trimmed(line).empty()) unattended(line, fmt::format("{}:{}", path, number));
+    if (!line.empty()) unattended(line, fmt::format("{}:{}", path, number));
   }
   --depth_;
 }
