@@ -3,13 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <fstream>
 #include <set>
 
 #include "debugger/console_words.hpp"
 #include "io/nearest.hpp"
+#include "io/text_form.hpp"
 #include "isa/ascii.hpp"
 #include "isa/types.hpp"
 #include "machine/debug/expression.hpp"
@@ -41,7 +40,7 @@ const std::vector<Console::Row>& Console::rows() {
   static const std::vector<Row> all{
       {{"break", "b"},
        "PLACE [chip N] [ignore N] [log TEXT] [if EXPRESSION]",
-       "stop before an instruction: label, label+4, 300000h, FILE:LINE",
+       "stop before an instruction: label, label+4, 300000h, FILE:LINE, \"FILE WITH BLANKS:LINE\"",
        [](Console& c, Words& w) { c.stop_at_code(w); }},
       {{"watch", "w"},
        "PLACE[,WORDS]|REGISTER [write|read|access|change] [chip N] [ignore N] [log TEXT] [if EXPRESSION]",
@@ -187,156 +186,19 @@ bool Console::unattended(std::string_view line, const std::string& place) {
 }
 
 void Console::script(const std::string& path) {
-  std::ifstream in(path);
-  if (!in) throw DebugError(fmt::format("{}: cannot be read", path));
   if (depth_ > 10) throw DebugError(fmt::format("{}: files nested more than 10 deep", path));
+  const std::string text = io::read_text<DebugError>(path, "a file of commands");
   ++depth_;
   paused_ = false;
   int number = 0;
-  for (std::string line; continues_ && !paused_ && std::getline(in, line);) {
+  for (std::size_t at = mark_of_utf8(text); continues_ && !paused_ && at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    const std::string_view line = ascii::trimmed(std::string_view(text).substr(at, end - at));
+    at = end + 1;
     ++number;
-    if (number == 1) line.erase(0, mark_of_utf8(line));
-    if (!ascii::trimmed(line).empty()) unattended(line, fmt::format("{}:{}", path, number));
+    if (!line.empty()) unattended(line, fmt::format("{}:{}", path, number));
   }
   --depth_;
-}
-
-// ---- stop conditions ----
-
-namespace {
-
-/// A word "FIELD=VALUE" of an event.
-template <class Words>
-bool take_field(Words& words, Trigger& trigger) {
-  const std::string_view word = words.peek();
-  const std::size_t equals = word.find('=');
-  if (equals == std::string_view::npos || equals == 0) return false;
-  trigger.fields.emplace(std::string(word.substr(0, equals)), std::string(word.substr(equals + 1)));
-  words.next();
-  return true;
-}
-
-/// "chip N", "ignore N", "log TEXT", "if EXPRESSION" in any order; of an event "FIELD=VALUE", too. `log` and `if` take
-/// the rest of the line; `log` ends at " if ".
-template <class Words>
-void read_options(Words& words, Trigger& trigger) {
-  for (;;) {
-    if (trigger.kind == Trigger::Kind::event && take_field(words, trigger)) continue;
-    if (words.take("chip") || words.take("dsp")) {
-      trigger.chip = words.count("chip");
-    } else if (words.take("ignore")) {
-      trigger.ignore = words.count("ignore");
-    } else if (words.take("if")) {
-      trigger.condition = words.all();
-      if (trigger.condition.empty()) throw DebugError("if: an expression is expected");
-      return;
-    } else if (words.take("log")) {
-      std::string text = words.all();
-      if (const std::size_t at = text.rfind(" if "); at != std::string::npos) {
-        trigger.condition = text.substr(at + 4);
-        text.resize(at);
-      }
-      if (text.empty()) throw DebugError("log: a text is expected; it may contain {expressions}");
-      trigger.log = text;
-      return;
-    } else {
-      return words.end();
-    }
-  }
-}
-
-}  // namespace
-
-void Console::added(unsigned number) {
-  const Trigger& trigger = debugger_.triggers().at(number);
-  print_(fmt::format(
-      "{}: {}{}", number, trigger.text,
-      trigger.kind == Trigger::Kind::processor_register ? " (this chip runs by single instructions now: slow)" : ""));
-}
-
-void Console::stop_at_code(Words& words) {
-  const std::string place(words.next());
-  if (place.empty()) throw DebugError("break: a place is expected: a label, label+4, 300000h, FILE:LINE");
-  Trigger trigger{.kind = Trigger::Kind::code};
-  read_options(words, trigger);
-  if (trigger.chip && *trigger.chip >= debugger_.programs().size())
-    throw DebugError(fmt::format("there is no chip {}", *trigger.chip));
-  trigger.places = machine::debug::code_named(debugger_.programs(), trigger.chip, place);
-  std::vector<machine::debug::CodePlace> shown = trigger.places;
-  for (auto& one : shown)
-    if (trigger.chip) one.chip = trigger.chip;
-  trigger.text = "before " + machine::debug::text_of(shown, debugger_.programs(), debuggee());
-  added(debugger_.add(trigger));
-}
-
-void Console::stop_at_words(Words& words) {
-  std::string place(words.next());
-  if (place.empty()) throw DebugError("watch: a place or a register is expected");
-  Trigger trigger{.kind = Trigger::Kind::word};
-  const std::string access(words.peek());
-  for (const auto& [name, on] : {std::pair{"write", Trigger::On::write}, std::pair{"read", Trigger::On::read},
-                                 std::pair{"access", Trigger::On::access}, std::pair{"change", Trigger::On::change}})
-    if (words.take(name)) trigger.on = on;
-  read_options(words, trigger);
-  if (!trigger.chip) trigger.chip = chip_;
-  if (isa::register_named(place)) {
-    if (trigger.on == Trigger::On::read || trigger.on == Trigger::On::access)
-      throw DebugError(fmt::format("watch {} {}: of a register, only changes can be watched", place, access));
-    trigger.kind = Trigger::Kind::processor_register;
-    trigger.name = place;
-    trigger.text = fmt::format("after a change of {} of {}", place, debuggee().chip_name(*trigger.chip));
-    return added(debugger_.add(trigger));
-  }
-  if (const std::size_t comma = place.find(','); comma != std::string::npos) {
-    const auto count = toolchain::find_address(place.substr(comma + 1), nullptr);
-    if (!count || *count == 0) throw DebugError(fmt::format("watch {}: PLACE,WORDS is expected", place));
-    trigger.words = *count;
-    place.resize(comma);
-  }
-  if (*trigger.chip >= debugger_.programs().size()) throw DebugError(fmt::format("there is no chip {}", *trigger.chip));
-  trigger.address = address_at(place, *trigger.chip);
-  constexpr std::array names{"writes to", "reads of", "accesses to", "changes of"};
-  trigger.text = fmt::format("after {} {} ({:08X}h{}) as {} sees it", names[static_cast<std::size_t>(trigger.on)],
-                             debugger_.program(*trigger.chip).name(trigger.address), trigger.address,
-                             trigger.words == 1 ? "" : fmt::format(", {} words", trigger.words),
-                             debuggee().chip_name(*trigger.chip));
-  added(debugger_.add(trigger));
-}
-
-void Console::stop_at_event(Words& words) {
-  Trigger trigger{.kind = Trigger::Kind::event, .name = std::string(words.next())};
-  if (trigger.name.empty()) throw DebugError("on: an event is expected (see: kinds)");
-  trigger.text = "at " + trigger.name + " " + std::string(ascii::trimmed(words.rest));
-  read_options(words, trigger);
-  added(debugger_.add(trigger));
-}
-
-void Console::stop_at_value(Words& words) {
-  Trigger trigger{.kind = Trigger::Kind::value, .chip = chip_, .name = words.all()};
-  if (trigger.name.empty()) throw DebugError("when: an expression is expected");
-  trigger.text = "when " + trigger.name;
-  added(debugger_.add(trigger));
-}
-
-unsigned Console::number(Words& words) const {
-  const auto number = words.count("a stop condition's number");
-  words.end();
-  return static_cast<unsigned>(number);
-}
-
-void Console::forget(Words& words) { debugger_.remove(number(words)); }
-void Console::enable(Words& words) { debugger_.enable(number(words), true); }
-void Console::disable(Words& words) { debugger_.enable(number(words), false); }
-
-void Console::show_stops(Words& words) {
-  words.end();
-  if (debugger_.triggers().empty()) return print_("no stop conditions");
-  for (const auto& [number, trigger] : debugger_.triggers())
-    print_(fmt::format("{}: {}{}{}{}{}, met {} times{}", number, trigger.text,
-                       trigger.condition.empty() ? "" : " if " + trigger.condition,
-                       trigger.ignore == 0 ? "" : fmt::format(", the first {} ignored", trigger.ignore),
-                       trigger.log.empty() ? "" : ", tells: " + trigger.log, "", trigger.hits,
-                       trigger.enabled ? "" : " (disabled)"));
 }
 
 // ---- running ----
@@ -409,7 +271,7 @@ void Console::step(Step step, bool backwards, Words& words) {
 }
 
 void Console::show_last_write(Words& words) {
-  const std::string place(words.next());
+  const std::string place = words.place();
   words.end();
   if (place.empty()) throw DebugError("lastwrite: a place is expected");
   const auto writer = debugger_.last_write(chip_, address_at(place, chip_));
@@ -436,7 +298,7 @@ void Console::set(Words& words) {
     throw DebugError("set: PLACE = EXPRESSION or REGISTER = EXPRESSION is expected");
   const std::string target(ascii::trimmed(std::string_view(text).substr(0, equals))),
       value(ascii::trimmed(std::string_view(text).substr(equals + 1)));
-  if (isa::register_named(target) || isa::expansion_named(target) || target == "pc" || target == "PC")
+  if (isa::register_named(target) || isa::expansion_named(target) || ascii::same("pc", target))
     return debugger_.set_register(chip_, target, value);
   const Address address = address_at(target, chip_);
   const auto number = Expression(value, debuggee(), debugger_.programs(), chip_).value();
@@ -446,10 +308,8 @@ void Console::set(Words& words) {
   debugger_.set_word(chip_, address, static_cast<Word>(number.integer));
 }
 
-Address Console::address_at(const std::string& place, std::size_t chip) {
-  const auto value = Expression(place, debuggee(), debugger_.programs(), chip).value();
-  if (!value.address && !value.is_word()) throw DebugError(fmt::format("{} is not an address: 32 bits are", place));
-  return value.address.value_or(static_cast<Address>(value.integer));
+Address Console::address_at(const std::string& place, std::size_t chip, bool by_register) {
+  return machine::debug::word_named(place, debuggee(), debugger_.programs(), chip, by_register);
 }
 
 void Console::assert_that(Words& words) {
@@ -460,7 +320,12 @@ void Console::assert_that(Words& words) {
   status_ = 1;
 }
 
-void Console::read_script(Words& words) { script(words.all()); }
+void Console::read_script(Words& words) {
+  const std::string file = words.all();
+  words.rest = file;
+  const std::string quoted = words.place();
+  script(words.empty() ? quoted : file);
+}
 
 void Console::help(Words& words) {
   words.end();
@@ -484,7 +349,7 @@ std::vector<std::string> Console::completions(std::string_view line) const {
     return {found.begin(), found.end()};
   }
   for (const auto& [name, value] : debugger_.program(chip_).image().symbols) offer(name);
-  for (const auto& [kind, what] : debugger_.event_kinds()) offer(kind);
+  for (const machine::debug::EventKind& kind : debugger_.event_kinds()) offer(kind.name);
   for (const std::string& name : debugger_.debuggee().value_names()) offer(name);
   for (const std::string& name : debugger_.debuggee().page_names()) offer(name);
   for (const ShownRegister& reg : machine::debug::registers(debugger_.debuggee().chip(chip_)))

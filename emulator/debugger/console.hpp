@@ -20,7 +20,7 @@ class Console {
   /// Executes a command where nobody sees the answer: if it fails, that is the end, with status 2, and if it is an
   /// assertion that is false, with status 1. \param place where it stands, for the message. False: the end.
   bool unattended(std::string_view line, const std::string& place);
-  /// Executes the commands of a file like that, one per line; # begins a comment.
+  /// Executes the commands of a file like that, one per line; # begins a comment. \throws machine::debug::DebugError
   void script(const std::string& path);
   /// 0; 1: an assertion was false; 2: an unattended command failed
   int status() const { return status_; }
@@ -70,7 +70,7 @@ class Console {
   void step(machine::debug::Step step, bool backwards, Words& words);
 
   unsigned number(Words& words) const;
-  machine::debug::Address address_at(const std::string& place, std::size_t chip);
+  machine::debug::Address address_at(const std::string& place, std::size_t chip, bool by_register = false);
   void tell(const machine::debug::Stop& stop);
   void added(unsigned number);
   machine::Time time_in(Words& words) const;

@@ -1,5 +1,6 @@
 // The commands that show something: registers, memory, code, the stack, pages.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -79,12 +80,12 @@ void Console::show_peripherals(Words& words) {
 }
 
 void Console::show_memory(Words& words) {
-  const std::string place(words.next());
+  const std::string place = words.place();
   if (place.empty()) throw DebugError("x: a place is expected");
   constexpr std::uint64_t most = 4096;
   const std::uint64_t wanted = words.empty() ? 8 : words.count("words"), count = std::min(wanted, most);
   words.end();
-  const Address first = address_at(place, chip_);
+  const Address first = address_at(place, chip_, true);
   for (Address at = 0; at < count; at += 8) {
     std::string line = fmt::format("{:08X}h", first + at);
     for (Address i = at; i < std::min<std::uint64_t>(at + 8, count); ++i) {
@@ -99,7 +100,7 @@ void Console::show_memory(Words& words) {
 }
 
 void Console::show_code(Words& words) {
-  const std::string place(words.next());
+  const std::string place = words.place();
   words.end();
   const ProgramView& program = debugger_.program(chip_);
   const Address pc = debuggee().chip(chip_).pc();
@@ -141,7 +142,12 @@ void Console::show_page(Words& words) {
 
 void Console::show_event_kinds(Words& words) {
   words.end();
-  for (const auto& [kind, what] : debugger_.event_kinds()) print_(fmt::format("  {:<16} {}", kind, what));
+  for (const machine::debug::EventKind& kind : debugger_.event_kinds()) {
+    std::vector<std::string_view> fields;
+    for (const machine::debug::EventField& field : kind.fields) fields.push_back(field.name);
+    print_(fmt::format("  {:<16} {}{}", kind.name, kind.what,
+                       fields.empty() ? "" : fmt::format(" ({})", fmt::join(fields, ", "))));
+  }
   print_("  any              each of them, except events at every bus clock or latch");
 }
 

@@ -5,8 +5,6 @@
 
 #include "debugger/dap_session.hpp"
 #include "isa/ascii.hpp"
-#include "isa/types.hpp"
-#include "machine/debug/expression.hpp"
 
 namespace debugger::dap {
 
@@ -160,7 +158,7 @@ Json Session::set_exception_breakpoints(const Json& arguments) {
   Json answers = Json::array();
   for (const Json& filter : list_of(arguments, "filters")) {
     const std::string kind = filter.get<std::string>();
-    if (std::ranges::none_of(there, [&](const auto& row) { return row.first == kind; }))
+    if (std::ranges::find(there, kind, &core_ns::EventKind::name) == there.end())
       answers.push_back(refused_breakpoint(fmt::format("there are no events {} here", kind)));
     else
       answers.push_back(add_breakpoint({.kind = Trigger::Kind::event, .name = kind}, Json::object(), by_exception_));
@@ -171,32 +169,37 @@ Json Session::set_exception_breakpoints(const Json& arguments) {
 /// The watched object is "CHIP:ADDRESS:WORDS" or "CHIP:REGISTER".
 Json Session::data_breakpoint_info(const Json& arguments) {
   const std::string name = text_of(arguments, "name");
-  std::size_t chip = chip_of_frame(arguments);
-  if (const auto reference = arguments.find("variablesReference");
-      reference != arguments.end() && reference->is_number_integer())
-    if (const auto found = registers_shown_.find(reference->get<std::int64_t>()); found != registers_shown_.end())
-      chip = found->second;
-  const Json types = {"read", "write", "readWrite"};
-  if (isa::register_named(name))
-    return {{"dataId", fmt::format("{}:{}", chip, name)},
-            {"description", fmt::format("{} of {}; that chip then runs by single instructions", name,
-                                        core().debuggee().chip_name(chip))},
-            {"accessTypes", {"write"}},
-            {"canPersist", true}};
+  const auto reference = arguments.find("variablesReference");
+  const bool is_shown = reference != arguments.end() && reference->is_number_integer() && *reference != 0;
+  const std::size_t chip_of_text = chip_of_frame(arguments);
   try {
-    const auto value = core_ns::Expression(name, core().debuggee(), core().programs(), chip).value();
-    if (!value.is_float) {
-      const Address address = value.address.value_or(static_cast<Address>(value.integer));
-      return {{"dataId", fmt::format("{}:{}:1", chip, address)},
-              {"description", fmt::format("the word at {:08X}h of {}", address, core().debuggee().chip_name(chip))},
-              {"accessTypes", types},
-              {"canPersist", true}};
+    Trigger watched;
+    if (!is_shown) {
+      watched = core().watched(chip_of_text, name);
+    } else if (const auto scope = registers_shown_.find(reference->get<std::int64_t>());
+               scope == registers_shown_.end()) {
+      throw DebugError(
+          fmt::format("{} is a part of what is shown; only whole registers and words can be watched", name));
+    } else {
+      watched = core().watched(scope->second.chip, name);
+      // What has a label of the same name is another word.
+      if (!scope->second.of_peripherals && watched.kind != Trigger::Kind::processor_register)
+        throw DebugError(fmt::format("{} is not a register that can be watched", name));
     }
-  } catch (const DebugError&) {
-    // The answer says that nothing can be watched.
+    const std::size_t chip = *watched.chip;
+    const std::string of = core().debuggee().chip_name(chip);
+    if (watched.kind == Trigger::Kind::processor_register)
+      return {{"dataId", fmt::format("{}:{}", chip, name)},
+              {"description", fmt::format("{} of {}; that chip then runs by single instructions", name, of)},
+              {"accessTypes", {"write"}},
+              {"canPersist", true}};
+    return {{"dataId", fmt::format("{}:{}:1", chip, watched.address)},
+            {"description", fmt::format("the word at {:08X}h of {}", watched.address, of)},
+            {"accessTypes", {"read", "write", "readWrite"}},
+            {"canPersist", true}};
+  } catch (const DebugError& error) {
+    return {{"dataId", nullptr}, {"description", error.what()}};
   }
-  return {{"dataId", nullptr},
-          {"description", fmt::format("{} is neither a word nor a register that can be watched", name)}};
 }
 
 Json Session::set_data_breakpoints(const Json& arguments) {

@@ -139,8 +139,12 @@ class Session {
   std::vector<BuiltIn> sources_;  ///< by reference, from 1
   /// The contents of `variables`, by reference from 1; new at every stop.
   std::vector<std::function<Json(bool hex)>> shown_;
-  std::map<std::int64_t, std::size_t>
-      registers_shown_;  ///< references of scopes whose variables are registers, and their chip
+  /// A scope whose variables are registers.
+  struct RegisterScope {
+    std::size_t chip = 0;
+    bool of_peripherals = false;
+  };
+  std::map<std::int64_t, RegisterScope> registers_shown_;  ///< by reference
 };
 
 }  // namespace debugger::dap

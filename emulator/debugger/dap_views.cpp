@@ -181,10 +181,11 @@ Json Session::scopes(const Json& arguments) {
   };
   registers_shown_[add("Registers", false, [this, chip, list](bool hex) {
     return list(core_ns::registers(core().debuggee().chip(chip)), hex);
-  })] = chip;
+  })] = {chip, false};
   all.back()["presentationHint"] = "registers";
-  add("Peripherals", true,
-      [this, chip, list](bool hex) { return list(core_ns::peripherals(core().debuggee().chip(chip)), hex); });
+  registers_shown_[add("Peripherals", true, [this, chip, list](bool hex) {
+    return list(core_ns::peripherals(core().debuggee().chip(chip)), hex);
+  })] = {chip, true};
   for (const std::string& page : core().debuggee().page_names())
     add(page, true, [this, page](bool) {
       Json lines = Json::array();
@@ -217,15 +218,16 @@ Json Session::variables(const Json& arguments) {
 
 Json Session::set_variable(const Json& arguments) {
   const auto found = registers_shown_.find(number_of(arguments, "variablesReference", 0));
-  if (found == registers_shown_.end())
+  if (found == registers_shown_.end() || found->second.of_peripherals)
     throw DebugError("only registers of a processor can be set here; use the memory view for memory");
   const std::string name = text_of(arguments, "name");
-  core().set_register(found->second, name, text_of(arguments, "value"));
+  const std::size_t chip = found->second.chip;
+  core().set_register(chip, name, text_of(arguments, "value"));
   const auto format = arguments.find("format");
   const bool hex = format != arguments.end() && format->value("hex", false);
-  for (const ShownRegister& reg : core_ns::registers(core().debuggee().chip(found->second)))
+  for (const ShownRegister& reg : core_ns::registers(core().debuggee().chip(chip)))
     if (reg.name == name) {
-      Json answer = variable(reg, hex, found->second);
+      Json answer = variable(reg, hex, chip);
       answer.erase("name");
       return answer;
     }
@@ -236,7 +238,7 @@ Json Session::evaluate(const Json& arguments) {
   const std::size_t chip = chip_of_frame(arguments);
   const auto value = Expression(text_of(arguments, "expression"), core().debuggee(), core().programs(), chip).value();
   Json body{{"result", value.text()}, {"type", value.is_float ? "float" : "word"}, {"variablesReference", 0}};
-  if (value.address) body["memoryReference"] = reference({chip, *value.address});
+  if (value.address) body["memoryReference"] = reference({value.chip.value_or(chip), *value.address});
   return body;
 }
 

@@ -10,11 +10,11 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <iostream>
 #include <memory>
 #include <utility>
 
 #include "debugger/console_words.hpp"
+#include "io/input_file.hpp"
 #include "io/print.hpp"
 
 namespace debugger {
@@ -93,6 +93,16 @@ class CtrlCInterrupts {
   CtrlCInterrupts& operator=(const CtrlCInterrupts&) = delete;
 };
 
+/// A line of standard input, or the beginning of one that is too long. A command is executed when its line is there, so
+/// that whoever writes the commands can wait for the answers. False: nothing is left.
+bool next_line(std::string& line) {
+  line.clear();
+  int c = std::getc(stdin);
+  const bool any = c != EOF;
+  for (; c != EOF && c != '\n' && line.size() <= io::largest_input; c = std::getc(stdin)) line += static_cast<char>(c);
+  return any;
+}
+
 }  // namespace
 
 bool attended() { return isatty(STDIN_FILENO) != 0; }
@@ -104,10 +114,16 @@ void print_line(const std::string& text) {
 
 void read_commands(Console& console) {
   int number = 0;
-  for (std::string line; std::getline(std::cin, line);) {
-    if (++number == 1) line.erase(0, mark_of_utf8(line));
-    if (!console.unattended(line, fmt::format("standard input:{}", number))) return;
+  for (std::string line; next_line(line);) {
+    const std::string place = fmt::format("standard input:{}", ++number);
+    if (line.size() > io::largest_input)
+      throw machine::debug::DebugError(
+          fmt::format("{}: a line longer than {} MiB; commands are expected", place, io::largest_input >> 20));
+    if (number == 1) line.erase(0, mark_of_utf8(line));
+    if (!console.unattended(line, place)) return;
   }
+  if (std::ferror(stdin) != 0)
+    throw machine::debug::DebugError("standard input: cannot be read; commands are expected");
 }
 
 void converse(Console& console, machine::debug::Debugger& debugger, const std::vector<std::string>& first) {

@@ -230,7 +230,13 @@ void bind_debug(py::module_& core) {
                names.push_back(d.get("chip_names").debuggee().chip_name(n));
              return names;
            })
-      .def("event_kinds", [](PythonDebugger& d) { return d.get("event_kinds").event_kinds(); })
+      .def("event_kinds",
+           [](PythonDebugger& d) {
+             std::vector<std::pair<std::string, std::string>> kinds;
+             for (const machine::debug::EventKind& kind : d.get("event_kinds").event_kinds())
+               kinds.emplace_back(kind.name, kind.what);
+             return kinds;
+           })
       .def("value_names", [](PythonDebugger& d) { return d.get("value_names").debuggee().value_names(); })
       .def(
           "page", [](PythonDebugger& d, const std::string& name) { return d.get("page").debuggee().page(name); },

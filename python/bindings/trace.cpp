@@ -12,13 +12,18 @@ namespace {
 
 /// The record of cmrc._core.c40.Processor.trace() back as the struct that the text is made of.
 std::string trace_line(const py::dict& record, unsigned slot, const machine::Labels* labels) {
+  c40::Causes causes{};
+  std::size_t cause = 0;
+  for (const auto& item : record["causes"].cast<py::dict>()) causes.at(cause++) = item.second.cast<c40::Cycles>();
+  if (record.contains("interrupt"))
+    return machine::to_text(
+        c40::InterruptRecord{record["cycle"].cast<c40::Cycles>(), record["interrupt"].cast<c40::Word>(), causes}, slot);
   c40::TraceRecord out;
   out.cycle = record["cycle"].cast<c40::Cycles>();
   out.pc = record["pc"].cast<c40::Address>();
   out.word = record["word"].cast<c40::Word>();
   out.cycles = record["cycles"].cast<c40::Cycles>();
-  std::size_t cause = 0;
-  for (const auto& item : record["causes"].cast<py::dict>()) out.causes.at(cause++) = item.second.cast<c40::Cycles>();
+  out.causes = causes;
   std::vector<c40::RegisterChange> registers;
   for (const auto& item : record["registers"].cast<py::dict>()) {
     const auto reg = isa::register_named(item.first.cast<std::string>());
@@ -66,5 +71,5 @@ void bind_trace(py::module_& core) {
       "Where two traces part: when, component, field, both values and lines (None: that trace has ended). None where "
       "they are alike. Raises ValueError for a text that is no trace.");
   room.def("line", &trace_line, py::arg("record"), py::arg("slot") = 0, py::arg("labels") = nullptr,
-           "The line of an instruction, from a record of c40.Processor.trace().");
+           "The line of an instruction or an interrupt, from a record of c40.Processor.trace().");
 }

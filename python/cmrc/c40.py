@@ -154,8 +154,8 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun, OneState):
             return _stop(self._core.step())
 
     def trace(self, max_cycles: int, *, slot: int = 0, labels: bool = False) -> list[str]:
-        """Runs like ``run`` and returns a line per instruction (docs/trace.md), without the header; with ``labels``,
-        the program's labels instead of addresses. Raises ValueError for ``labels`` without a program."""
+        """Runs like ``run`` and returns a line per instruction and interrupt (docs/trace.md), without the header; with
+        ``labels``, the program's labels instead of addresses. Raises ValueError for ``labels`` without a program."""
         arguments.whole("slot", slot, "a number", 0, 2**31 - 1)
         names = None
         if arguments.flag("labels", labels):
@@ -164,7 +164,7 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun, OneState):
             names = _core.trace.Labels(self.program)
         with self._run("trace"):
             records = self._core.trace(_cycles(max_cycles))
-        return [_core.trace.line(record, slot, names) for record in records if "pc" in record]
+        return [_core.trace.line(record, slot, names) for record in records]
 
     def complete_read(self, value: int, *, arbitration: int = 0, transfer: int = 0) -> None:
         """Answers the read that stopped a run: the word, and the cycles waited for the bus and its transfer."""

@@ -224,6 +224,7 @@ class Debugger:
     def on(
         self,
         kind: str,
+        /,
         *,
         chip: int | None = None,
         condition: str = "",
@@ -232,7 +233,8 @@ class Debugger:
         **fields: str | int,
     ) -> int:
         """Stops at an event: ``claim``, ``miss``, ... (``event_kinds()``), with these fields: ``on("claim", chip=2,
-        task="pid")``."""
+        task="pid")``. Numbers are integers, or texts such as ``0x50`` and ``50h``. An unknown field, and a value that
+        no event has, raise DebugError with those that there are."""
         return self._add(
             "event",
             chip=chip,

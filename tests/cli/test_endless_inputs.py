@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import resource
 import subprocess
 from pathlib import Path
@@ -32,6 +33,7 @@ def bounded() -> None:
     ["vectors", "/dev/zero"],
     ["trace-diff", "/dev/zero", "/dev/zero"],
     ["--resume", "/dev/zero"],
+    ["debug", "whole.asm", "-x", "/dev/zero"],
 ], ids=lambda command: " ".join(command))  # fmt: skip
 @pytest.mark.unsanitized
 def test_a_file_without_an_end_is_refused(command: list[str], emulator: Path, tmp_path: Path) -> None:
@@ -46,6 +48,34 @@ def test_a_file_without_an_end_is_refused(command: list[str], emulator: Path, tm
     assert ended.returncode == 2, ended.stderr
     assert any(words in ended.stderr for words in ("is larger than 64 MiB", "a line longer than")), ended.stderr
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("endless", ["/dev/zero", "."])
+@pytest.mark.unsanitized
+def test_commands_without_an_end_are_refused(endless: str, emulator: Path, tmp_path: Path) -> None:
+    (tmp_path / "whole.asm").write_text("start:  b start\n")
+    where = os.open(tmp_path / endless, os.O_RDONLY)
+    ended = subprocess.run(
+        [emulator, "debug", "whole.asm"],
+        cwd=tmp_path,
+        stdin=where,
+        capture_output=True,
+        text=True,
+        preexec_fn=bounded,
+        check=False,
+    )
+    os.close(where)
+    assert ended.returncode == 2, ended.stderr
+    assert "standard input" in ended.stderr and "commands are expected" in ended.stderr
+    sourced = subprocess.run(
+        [emulator, "debug", "whole.asm", "-e", f"source {endless}"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        preexec_fn=bounded,
+        check=False,
+    )
+    assert sourced.returncode == 2 and "a file of commands is expected" in sourced.stdout
 
 
 @pytest.mark.parametrize(("size", "says"), [(70 << 20, "not a snapshot"), (5 << 30, "is larger than 4096 MiB")])

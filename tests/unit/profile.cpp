@@ -66,14 +66,14 @@ TEST_CASE("an interrupt calls its routine wherever it begins, and counts of seve
   record.cycles = 4;
   record.causes[0] = 4;
   profile.instruction(record);
-  profile.interrupt(3, 0);
+  profile.interrupt({.vector = 3});
   record.word = assembled("nop");
   record.pc = 0x11;
   record.cycles = 1;
   record.causes[0] = 1;
   profile.instruction(record);
   profile.count_into(others);
-  profile.interrupt(3, 0);
+  profile.interrupt({.vector = 3});
   profile.instruction(record);
   record.pc = 0x30;
   profile.instruction(record);

@@ -114,12 +114,17 @@ struct TraceRecord {
   std::span<const RegisterChange> registers;
   std::span<const MemoryEvent> memory;
 };
+/// The entry into an interrupt.
+struct InterruptRecord {
+  Cycles cycle = 0;  ///< before the entry
+  Word vector = 0;   ///< its offset in the table
+  Causes causes{};   ///< of the entry's cycles
+};
 class TraceSink {
  public:
   virtual ~TraceSink() = default;
   virtual void instruction(const TraceRecord& record) = 0;
-  /// An interrupt was taken: offset of its vector in the table, cycle before the entry.
-  virtual void interrupt(Word vector, Cycles cycle) = 0;
+  virtual void interrupt(const InterruptRecord& record) = 0;
 };
 
 class Engine;

@@ -241,8 +241,10 @@ bool Engine::take_interrupt(Word vector) {
   interrupts::enter(core, vector);
   const int stack_waits = memory_.meet(*stack, top, true, state_.open_pages).access.waits;
   const int waits = stack_waits + memory_.meet(*table, entry, false, state_.open_pages).access.waits;
-  add(state_.causes, Cause::interrupt, timing::interrupt_entry_cost);
-  add(state_.causes, Cause::wait_state, waits);
+  Causes causes{};
+  add(causes, Cause::interrupt, timing::interrupt_entry_cost);
+  add(causes, Cause::wait_state, waits);
+  for (std::size_t i = 0; i < cause_count; ++i) state_.causes[i] += causes[i];
   state_.cycle += timing::interrupt_entry_cost + waits;
   probe_.tell({.address = top,
                .before = was,
@@ -256,7 +258,7 @@ bool Engine::take_interrupt(Word vector) {
   dma_side_.flushed(timing::interrupt_entry_cost + waits);
   if (peripherals_.dma_active()) dma_side_.mark_under_way();
   cache_.note_control(before);
-  if (trace != nullptr) trace->interrupt(vector, before);
+  if (trace != nullptr) trace->interrupt({before, vector, causes});
   tell({PeripheralEvent::Kind::interrupt, before, static_cast<int>(vector), peek(top)});
   return true;
 }

@@ -97,10 +97,10 @@ void Profile::instruction(const TraceRecord& record) {
   if (next_ != nullptr) next_->instruction(record);
 }
 
-void Profile::interrupt(Word vector, Cycles cycle) {
+void Profile::interrupt(const InterruptRecord& record) {
   until_arrival_ = 1;
   return_to_.reset();
-  if (next_ != nullptr) next_->interrupt(vector, cycle);
+  if (next_ != nullptr) next_->interrupt(record);
 }
 
 }  // namespace c40

@@ -63,7 +63,7 @@ class Profile final : public TraceSink {
   void hand_on_to(TraceSink* next) { next_ = next; }
 
   void instruction(const TraceRecord& record) override;
-  void interrupt(Word vector, Cycles cycle) override;
+  void interrupt(const InterruptRecord& record) override;
 
  private:
   ProfileCounts* counts_;

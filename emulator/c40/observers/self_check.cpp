@@ -125,10 +125,10 @@ void SelfCheck::instruction(const TraceRecord& record) {
   if (next_ != nullptr) next_->instruction(record);
 }
 
-void SelfCheck::interrupt(Word vector, Cycles cycle) {
+void SelfCheck::interrupt(const InterruptRecord& record) {
   interlocked_store_.reset();
   look();
-  if (next_ != nullptr) next_->interrupt(vector, cycle);
+  if (next_ != nullptr) next_->interrupt(record);
 }
 
 void SelfCheck::check_slots(const TraceRecord& record, const Instruction& branch) {

@@ -53,7 +53,7 @@ class SelfCheck final : public TraceSink {
   void run_ended();
 
   void instruction(const TraceRecord& record) override;
-  void interrupt(Word vector, Cycles cycle) override;
+  void interrupt(const InterruptRecord& record) override;
 
   /// Called for every broken rule, also a known one: `count` is the number so far.
   std::function<void(const Diagnostic&)> on_breach;

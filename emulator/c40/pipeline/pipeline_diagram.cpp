@@ -94,10 +94,10 @@ void PipelineDiagram::instruction(const TraceRecord& record) {
   rows_.push_back({cells, stalls.empty() ? instruction : fmt::format("{:<50}{}", instruction, stalls)});
 }
 
-void PipelineDiagram::interrupt(Word vector, Cycles cycle) {
-  if (next_ != nullptr) next_->interrupt(vector, cycle);
+void PipelineDiagram::interrupt(const InterruptRecord& record) {
+  if (next_ != nullptr) next_->interrupt(record);
   std::string cells(static_cast<std::size_t>(last_ - first_ + 1), ' ');
-  if (put(cells, cycle, 'I')) rows_.push_back({cells, fmt::format("interrupt {:02X}h", vector)});
+  if (put(cells, record.cycle, 'I')) rows_.push_back({cells, fmt::format("interrupt {:02X}h", record.vector)});
 }
 
 /// Every tenth cycle has its number, and the first one if there is room. Numbers too long for one line alternate

@@ -18,7 +18,7 @@ class PipelineDiagram final : public TraceSink {
   PipelineDiagram(Cycles first, Cycles last, std::function<std::string(Address, Word)> text, TraceSink* next = nullptr);
 
   void instruction(const TraceRecord& record) override;
-  void interrupt(Word vector, Cycles cycle) override;
+  void interrupt(const InterruptRecord& record) override;
 
   /// F fetch, D decode, R read, E execute; `-` extends the stage before it; `p`, `b` and `d` wait for a port, a shared
   /// bus and the DMA.

@@ -30,7 +30,7 @@ class Bus : public c40::TraceSink {
   void instruction(const c40::TraceRecord& record) override {
     events.insert(events.end(), record.memory.begin(), record.memory.end());
   }
-  void interrupt(Word, c40::Cycles) override {}
+  void interrupt(const c40::InterruptRecord&) override {}
   std::vector<c40::MemoryEvent> events;
 };
 

@@ -22,10 +22,10 @@ int debug(const DebugOptions& options) {
     if (!console.unattended(command, "-e")) return console.status();
   try {
     for (const std::string& script : options.scripts) console.script(script);
+    if (!by_scripts) debugger::read_commands(console);
   } catch (const machine::debug::DebugError& error) {
     throw InputError(error.what());
   }
-  if (!by_scripts) debugger::read_commands(console);
   return console.status();
 }
 

@@ -24,25 +24,26 @@ using report::EventKind;
 struct KindText {
   EventKind kind;
   const char* what;
+  bool of_dsp = false;
 };
 constexpr std::array kind_texts{
     KindText{EventKind::refresh, "the host refreshes the list"},
     KindText{EventKind::load, "the host loads a task block"},
-    KindText{EventKind::claim, "a DSP claims a task block"},
-    KindText{EventKind::finish, "a DSP has finished a task block"},
+    KindText{EventKind::claim, "a DSP claims a task block", true},
+    KindText{EventKind::finish, "a DSP has finished a task block", true},
     KindText{EventKind::remove, "the host removes a finished block"},
     KindText{EventKind::requeue, "the watchdog takes a block from its DSP and puts it back"},
     KindText{EventKind::miss, "a deadline is missed, a job dropped or lost"},
     KindText{EventKind::semaphore, "a semaphore is acquired, refused or released"},
     KindText{EventKind::bus_transaction, "a transaction on a bus has ended"},
     KindText{EventKind::latch, "the drives take the torque codes"},
-    KindText{EventKind::interrupt, "a DSP gets the interrupt of its doorbell"},
+    KindText{EventKind::interrupt, "a DSP gets the interrupt of its doorbell", true},
     KindText{EventKind::doorbell, "the host rings a DSP"},
-    KindText{EventKind::idle, "a DSP goes idle, or is busy again"},
-    KindText{EventKind::fault, "a DSP cannot continue"},
-    KindText{EventKind::reset, "a DSP is reset, or has booted"},
+    KindText{EventKind::idle, "a DSP goes idle, or is busy again", true},
+    KindText{EventKind::fault, "a DSP cannot continue", true},
+    KindText{EventKind::reset, "a DSP is reset, or has booted", true},
     KindText{EventKind::fence, "the host fences DSPs off, or lets them write again"},
-    KindText{EventKind::dropped_write, "a write of a fenced DSP is dropped"},
+    KindText{EventKind::dropped_write, "a write of a fenced DSP is dropped", true},
     KindText{EventKind::process, "a process starts or ends"},
     KindText{EventKind::error, "an error is noticed, decided, done or cleared"},
     KindText{EventKind::starved, "an interpolation buffer runs dry"},
@@ -51,8 +52,21 @@ constexpr std::array kind_texts{
     KindText{EventKind::opened, "the twist locks open"},
     KindText{EventKind::delivered, "a container is delivered"},
     KindText{EventKind::scripted, "an event of [[events]] happens"},
-    KindText{EventKind::link_lost, "a word on a DSP's link is lost"},
+    KindText{EventKind::link_lost, "a word on a DSP's link is lost", true},
 };
+
+/// Events at every bus clock or every latch are not steps that a user follows: "any" leaves them out.
+constexpr bool is_common(EventKind kind) {
+  using enum EventKind;
+  return kind == bus_transaction || kind == latch || kind == semaphore;
+}
+
+/// The place of a kind of task (KIND_*) among the arguments; none: it is no event of a task.
+constexpr std::optional<std::size_t> task_argument(EventKind kind) {
+  using enum EventKind;
+  if (kind == load || kind == claim || kind == finish || kind == remove || kind == requeue) return 1;
+  return kind == miss ? std::optional<std::size_t>(0) : std::nullopt;
+}
 
 }  // namespace
 
@@ -181,21 +195,37 @@ void DockDebuggee::watch_shared(machine::debug::SharedListener* listener, std::v
 
 // ---- events ----
 
-std::vector<std::pair<std::string, std::string>> DockDebuggee::event_kinds() const {
-  std::vector<std::pair<std::string, std::string>> all;
-  for (const KindText& row : kind_texts) all.emplace_back(report::name(row.kind), row.what);
+std::vector<machine::debug::EventKind> DockDebuggee::event_kinds() const {
+  std::vector<machine::debug::EventKind> all;
+  for (const KindText& row : kind_texts) {
+    machine::debug::EventKind& kind = all.emplace_back();
+    kind = {.name = report::name(row.kind), .what = row.what, .of_chip = row.of_dsp, .is_common = is_common(row.kind)};
+    if (task_argument(row.kind)) kind.fields.push_back({.name = "task", .is_number = false, .words = task_names()});
+    const auto names = report::argument_names(row.kind);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (names[i].empty()) continue;
+      kind.fields.push_back({.name = std::string(names[i])});
+      if (report::may_be_none(row.kind, i)) kind.fields.back().words = {"none"};
+    }
+  }
   return all;
 }
 
 void DockDebuggee::listen(machine::debug::DebugEventListener* listener, const std::set<std::string>& kinds) {
   listener_ = listener;
   kinds_.clear();
-  // Events at every bus clock or every latch are not steps that a user follows: "any" leaves them out.
-  static const std::set common{EventKind::bus_transaction, EventKind::latch, EventKind::semaphore};
   for (const KindText& row : kind_texts)
-    if (kinds.contains(report::name(row.kind)) || (kinds.contains("any") && !common.contains(row.kind)))
+    if (kinds.contains(report::name(row.kind)) || (kinds.contains("any") && !is_common(row.kind)))
       kinds_.insert(row.kind);
   simulation_.tap(listener == nullptr ? nullptr : this);
+}
+
+std::vector<std::string> DockDebuggee::task_names() const {
+  std::vector<std::string> all;
+  for (const KindRow& row : kind_rows)
+    if (!row.symbol.empty()) all.emplace_back(row.name);
+  for (const auto& task : simulation_.config().tasks) all.push_back(task.name);
+  return all;
 }
 
 std::string DockDebuggee::task_name(Word kind) const {
@@ -209,14 +239,14 @@ void DockDebuggee::event(const report::Event& event) {
   machine::debug::DebugEvent told{.time = event.time, .kind = report::name(event.kind), .text = report::to_text(event)};
   const auto names = report::argument_names(event.kind);
   for (std::size_t i = 0; i < names.size(); ++i)
-    if (!names[i].empty()) told.fields.emplace(names[i], fmt::format("{}", event.arguments[i]));
+    if (!names[i].empty())
+      told.fields.emplace(names[i], report::may_be_none(event.kind, i) && event.arguments[i] == report::no_place
+                                        ? "none"
+                                        : fmt::format("{}", event.arguments[i]));
   if (event.component >= report::first_dsp && event.component < report::plant)
     told.chip = event.component - report::first_dsp;
-  using enum EventKind;
-  const bool of_block = event.kind == load || event.kind == claim || event.kind == finish || event.kind == remove ||
-                        event.kind == requeue;
-  if (of_block || event.kind == miss) {
-    told.fields["task"] = task_name(event.arguments[of_block ? 1 : 0]);
+  if (const auto place = task_argument(event.kind)) {
+    told.fields["task"] = task_name(event.arguments[*place]);
     told.text += fmt::format(" task={}", told.fields["task"]);
   }
   listener_->happened(told);

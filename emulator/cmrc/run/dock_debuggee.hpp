@@ -38,7 +38,7 @@ class DockDebuggee final : public machine::debug::Debuggee, private report::Even
   void poke(std::size_t n, c40::Address address, Word value) override;
   std::optional<c40::Address> shared_word(std::size_t n, c40::Address address) const override;
   void watch_shared(machine::debug::SharedListener* listener, std::vector<c40::AddressRange> words) override;
-  std::vector<std::pair<std::string, std::string>> event_kinds() const override;
+  std::vector<machine::debug::EventKind> event_kinds() const override;
   void listen(machine::debug::DebugEventListener* listener, const std::set<std::string>& kinds) override;
   std::vector<std::string> value_names() override;
   std::optional<double> value(std::string_view name) override;
@@ -47,6 +47,8 @@ class DockDebuggee final : public machine::debug::Debuggee, private report::Even
 
  private:
   void event(const report::Event& event) override;
+  /// Of all kinds of tasks that have a program.
+  std::vector<std::string> task_names() const;
   std::string task_name(Word kind) const;
   std::string list_page() const;
 

@@ -37,8 +37,8 @@ void LoopWatch::instruction(const c40::TraceRecord& record) {
   }
 }
 
-void LoopWatch::interrupt(c40::Word vector, c40::Cycles cycle) {
-  if (next_ != nullptr) next_->interrupt(vector, cycle);
+void LoopWatch::interrupt(const c40::InterruptRecord& record) {
+  if (next_ != nullptr) next_->interrupt(record);
   rounds_.clear();
 }
 

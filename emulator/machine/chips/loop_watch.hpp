@@ -22,7 +22,7 @@ class LoopWatch final : public c40::TraceSink {
   /// \param next gets the same calls
   LoopWatch(const c40::Chip& chip, c40::TraceSink* next) : chip_(&chip), next_(next) {}
   void instruction(const c40::TraceRecord& record) override;
-  void interrupt(c40::Word vector, c40::Cycles cycle) override;
+  void interrupt(const c40::InterruptRecord& record) override;
 
   struct Loop {
     c40::Address pc = 0;           ///< the lowest address of its instructions

@@ -32,6 +32,22 @@ struct DebugEvent {
   std::string text;  ///< one line
 };
 
+/// A field of events that a stop condition may ask for. An event tells a number as a decimal one without a sign.
+struct EventField {
+  std::string name;                  ///< "task"
+  bool is_number = true;             ///< of 32 bits
+  std::vector<std::string> words{};  ///< what else it may be: "pid"
+};
+
+/// A kind of events that a debuggee tells of.
+struct EventKind {
+  std::string name;        ///< "claim"
+  std::string what;        ///< "a DSP claims a task block"
+  bool of_chip = false;    ///< such an event is one of a chip; otherwise it is one of no chip
+  bool is_common = false;  ///< too frequent for `any`
+  std::vector<EventField> fields{};
+};
+
 class DebugEventListener {
  public:
   virtual ~DebugEventListener() = default;
@@ -115,8 +131,7 @@ class Debuggee {
   /// `words`: their numbers
   virtual void watch_shared(SharedListener* /*listener*/, std::vector<c40::AddressRange> /*words*/) {}
 
-  /// Kinds of events, with their descriptions.
-  virtual std::vector<std::pair<std::string, std::string>> event_kinds() const { return {}; }
+  virtual std::vector<EventKind> event_kinds() const { return {}; }
   virtual void listen(DebugEventListener* /*listener*/, const std::set<std::string>& /*kinds*/) {}
 
   /// Names of further values: "plant.payload_z_m".

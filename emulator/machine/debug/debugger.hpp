@@ -42,6 +42,7 @@ struct Trigger {
   Word words = 1;
   On on = On::write;
   std::string name{};
+  /// Of an event. A number may have any form that a user can write.
   std::map<std::string, std::string, std::less<>> fields{};
   std::string condition{};   ///< an expression; empty: always
   std::string log{};         ///< not empty: print this text, with {expressions}, and continue
@@ -136,13 +137,16 @@ class Debugger {
   const ProgramView& program(std::size_t chip) const { return programs_.at(chip); }
   const std::vector<ProgramView>& programs() const { return programs_; }
   const Stop& stop() const { return stop_; }
-  /// Kinds of events at which it can stop, with their descriptions.
-  std::vector<std::pair<std::string, std::string>> event_kinds() const;
+  /// Kinds of events at which it can stop.
+  std::vector<EventKind> event_kinds() const;
 
   // ---- stop conditions ----
   /// Returns the number of the new condition. \throws DebugError for an impossible one: an address without memory, a
   /// condition that does not parse
   unsigned add(Trigger trigger);
+  /// What a user means by a name to watch: a register, else a word; of a trigger, its kind, chip, and register or
+  /// address. \throws DebugError for a register that cannot be watched, and for what is no place
+  Trigger watched(std::size_t chip, std::string_view name) const;
   /// \throws DebugError
   void remove(unsigned number);
   void enable(unsigned number, bool on);
@@ -211,6 +215,7 @@ class Debugger {
   bool asked_to_stop();
   void require_chip(std::size_t chip) const;
   void check(const Trigger& trigger);
+  Trigger as_events_tell(Trigger trigger) const;
   const Stop& stopped(Stop::Reason reason, std::optional<std::size_t> chip, std::string text,
                       std::vector<Hit> hits = {});
   const Stop& report(std::vector<Hit> hits);

@@ -40,6 +40,8 @@ using NodePtr = std::unique_ptr<Expression::Node>;
 
 Value of(std::int64_t integer) { return {.integer = integer}; }
 Value of_word(Word word) { return {.integer = static_cast<std::int32_t>(word)}; }
+Value of_register(Word word) { return {.integer = static_cast<std::int32_t>(word), .is_register = true}; }
+Value of_counter(std::int64_t integer) { return {.integer = integer, .is_counter = true}; }
 Value of_float(double real) { return {.is_float = true, .real = real}; }
 
 /// 64-bit integers; overflow wraps.
@@ -256,6 +258,12 @@ class Parser {
             refuse(fmt::format("there is no {} {}; 0 to {} are possible", prefix, *n, debuggee_.chips() - 1));
           if (NodePtr node = of_chip(name.substr(dot + 1), *n)) {
             node->is_private = node->is_private && *n == chip_;
+            if (*n != chip_)
+              node->value = [value = std::move(node->value), n = *n] {
+                Value of_another = value();
+                of_another.chip = n;
+                return of_another;
+              };
             return node;
           }
         }
@@ -299,25 +307,25 @@ class Parser {
         return node;
       }
       node->reg = isa::is_extended(*reg) && n == chip_ ? reg : std::nullopt;
-      node->value = [&chip, reg = *reg] { return of_word(static_cast<Word>(chip.register_value(reg))); };
+      node->value = [&chip, reg = *reg] { return of_register(static_cast<Word>(chip.register_value(reg))); };
       return node;
     }
     if (const auto expansion = isa::expansion_named(name)) {
-      node->value = [&chip, e = *expansion] { return of_word(chip.expansion(e)); };
+      node->value = [&chip, e = *expansion] { return of_register(chip.expansion(e)); };
       return node;
     }
     const std::string lower = ascii::lower(name);
     if (lower == "pc")
-      node->value = [&chip] { return of(chip.pc()); };
+      node->value = [&chip] { return Value{.integer = chip.pc(), .is_register = true}; };
     else if (lower == "cycle")
-      node->value = [&chip] { return of(chip.cycle()); };
+      node->value = [&chip] { return of_counter(chip.cycle()); };
     else if (lower == "instructions")
-      node->value = [&chip] { return of(static_cast<std::int64_t>(chip.instructions())); };
+      node->value = [&chip] { return of_counter(static_cast<std::int64_t>(chip.instructions())); };
     else if (lower == "time_s")
       node->is_private = false,
       node->value = [&d = debuggee_] { return of_float(static_cast<double>(d.now().count()) * 1e-12); };
     else if (const auto cause = cause_named(lower))
-      node->value = [&chip, i = *cause] { return of(chip.causes()[i]); };
+      node->value = [&chip, i = *cause] { return of_counter(chip.causes()[i]); };
     else if (const auto label = programs_.at(n).address(name)) {
       node->value = [word = *label] {
         Value value = of(word);
@@ -383,6 +391,22 @@ std::optional<Value> Expression::own_value() const {
     only_own = false;
     throw;
   }
+}
+
+Address word_named(std::string_view text, Debuggee& debuggee, const std::vector<ProgramView>& programs,
+                   std::size_t chip, bool by_register) {
+  if (const auto labelled = programs.at(chip).labelled(text)) return *labelled;
+  const Value value = Expression(text, debuggee, programs, chip).value();
+  if (value.chip)
+    throw DebugError(fmt::format("{} is of {}, and a place is one of {}: choose the chip by its number", text,
+                                 debuggee.chip_name(*value.chip), debuggee.chip_name(chip)));
+  if (value.address) return *value.address;
+  if (value.is_register && !by_register)
+    throw DebugError(fmt::format("{} is a register, not a place; the word to which it points is [{}]", text, text));
+  if (value.is_counter)
+    throw DebugError(fmt::format("{} is a counter, not a place; a label, 300000h or [address] is expected", text));
+  if (!value.is_word()) throw DebugError(fmt::format("{} is not an address: 32 bits are", text));
+  return static_cast<Address>(value.integer);
 }
 
 std::string filled_in(std::string_view text, Debuggee& debuggee, const std::vector<ProgramView>& programs,

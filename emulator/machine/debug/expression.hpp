@@ -18,6 +18,9 @@ struct Value {
   std::int64_t integer = 0;
   double real = 0;
   std::optional<Address> address{};  ///< the address of a word in memory, or of a label
+  /// It is the value of a register or a counter by itself, which is no address.
+  bool is_register = false, is_counter = false;
+  std::optional<std::size_t> chip{};  ///< chip1.x: another chip than the one that the expression is for
   /// An integer of 32 bits, signed or unsigned.
   bool is_word() const { return !is_float && integer >= -0x80000000LL && integer <= 0xFFFFFFFFLL; }
   bool truth() const { return is_float ? real != 0 : integer != 0; }
@@ -45,6 +48,12 @@ class Expression {
  private:
   std::unique_ptr<Node> root_;
 };
+
+/// The address of a word by a user's words: a label, also one that has the name of a register or a counter; else an
+/// expression: `[ar0 + 2]`, `300000h`, `TIMER0.counter`. \param by_register a register by itself is an address, too
+/// \throws DebugError for what is none
+Address word_named(std::string_view text, Debuggee& debuggee, const std::vector<ProgramView>& programs,
+                   std::size_t chip, bool by_register = false);
 
 /// The text with each {expression} replaced by its value.
 std::string filled_in(std::string_view text, Debuggee& debuggee, const std::vector<ProgramView>& programs,

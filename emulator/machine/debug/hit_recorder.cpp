@@ -65,9 +65,9 @@ class Debugger::HitRecorder::ChipEar final : public c40::Probe, public c40::Trac
     if (rules_) rules_->instruction(record);
     recorder_.executed(chip_, record);
   }
-  void interrupt(Word vector, c40::Cycles cycle) override {
-    if (rules_) rules_->interrupt(vector, cycle);
-    recorder_.interrupted(chip_, time(cycle), time(recorder_.debuggee_.chip(chip_).cycle()));
+  void interrupt(const c40::InterruptRecord& record) override {
+    if (rules_) rules_->interrupt(record);
+    recorder_.interrupted(chip_, time(record.cycle), time(recorder_.debuggee_.chip(chip_).cycle()));
   }
 
  private:

@@ -100,6 +100,14 @@ std::optional<Address> ProgramView::address(std::string_view label) const {
   return symbol == image_.symbols.end() ? std::nullopt : std::optional<Address>(symbol->second);
 }
 
+std::optional<Address> ProgramView::labelled(std::string_view text) const {
+  const std::size_t sign = text.find('+');
+  const auto base = address(ascii::trimmed(text.substr(0, sign)));
+  if (!base || sign == std::string_view::npos) return base;
+  const auto offset = toolchain::find_address(ascii::trimmed(text.substr(sign + 1)), nullptr);
+  return offset ? std::optional(*base + *offset) : std::nullopt;
+}
+
 std::optional<std::string> ProgramView::label_at(Address address) const {
   const auto found = labels_.find(address);
   return found == labels_.end() ? std::nullopt : std::optional(found->second);
@@ -239,15 +247,14 @@ std::vector<CodePlace> code_named(const std::vector<ProgramView>& programs, std:
     throw DebugError(fmt::format("\"{}\": there is no instruction in that line or after it; files with lines: {}", text,
                                  names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
   }
-  const std::size_t sign = text.find('+');
-  const std::string_view label = text.substr(0, sign);
-  const auto offset = sign == std::string_view::npos ? std::optional<Address>(0)
-                                                     : toolchain::find_address(text.substr(sign + 1), nullptr);
   std::map<std::size_t, std::vector<Address>> by_chip;
-  for (std::size_t n = first; offset && n < behind; ++n)
-    if (const auto base = programs[n].address(label)) by_chip[n] = {*base + *offset};
+  for (std::size_t n = first; n < behind; ++n)
+    if (const auto labelled = programs[n].labelled(text)) by_chip[n] = {*labelled};
   if (!by_chip.empty()) return simplified(std::move(by_chip), behind - first);
-  const auto base = toolchain::find_address(label, nullptr);
+  const std::size_t sign = text.find('+');
+  const auto base = toolchain::find_address(text.substr(0, sign), nullptr),
+             offset = sign == std::string_view::npos ? std::optional<Address>(0)
+                                                     : toolchain::find_address(text.substr(sign + 1), nullptr);
   if (!base || !offset)
     throw DebugError(fmt::format(
         "\"{}\" is not a place: a label, a label + a number, an address (300000h, 0x300000) or FILE:LINE is expected",

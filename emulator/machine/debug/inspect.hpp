@@ -36,6 +36,8 @@ class ProgramView {
   std::string name(Address address) const { return names_.text(address); }
   /// The address of a label, or of a word to which the program gives a name; else the value of a symbol.
   std::optional<Address> address(std::string_view label) const;
+  /// The address of "label", "label+4".
+  std::optional<Address> labelled(std::string_view text) const;
   /// A label of code that is exactly there.
   std::optional<std::string> label_at(Address address) const;
   /// The address is code of the program.

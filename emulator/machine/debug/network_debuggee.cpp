@@ -22,17 +22,17 @@ constexpr std::array kinds_of_events{
     std::pair{Kind::missed, "a chip misses a pulse on a net"},
     std::pair{Kind::discarded, "a word in a FIFO is lost in a reset"},
     std::pair{Kind::reset, "an action resets a chip"},
-    std::pair{Kind::hold, "an action holds a chip in reset"},
+    std::pair{Kind::hold, "an action freezes a chip until `release`"},
     std::pair{Kind::release, "an action releases a chip"},
     std::pair{Kind::pull_out, "an action pulls a chip out"},
 };
 
-/// Not an event of the network, but of a chip.
-bool is_end(ChipStatus status) {
-  using enum ChipStatus;
-  return status == fault || status == halt || status == idle || status == until || status == external_access ||
-         status == looping;
-}
+constexpr bool is_of_chip(Kind kind) { return kind >= Kind::discarded; }
+
+/// Not events of the network, but of a chip.
+constexpr std::array ends{ChipStatus::fault, ChipStatus::halt,    ChipStatus::idle,
+                          ChipStatus::until, ChipStatus::looping, ChipStatus::external_access};
+bool is_end(ChipStatus status) { return std::ranges::find(ends, status) != ends.end(); }
 
 }  // namespace
 
@@ -125,7 +125,7 @@ void NetworkDebuggee::tell_new() {
                     .chip = {},
                     .fields = {},
                     .text = network_.text(event)};
-    if (event.kind >= Kind::discarded) told.chip = event.place;
+    if (is_of_chip(event.kind)) told.chip = event.place;
     listener_->happened(told);
   }
   for (std::size_t n = 0; n < status_.size(); ++n) {
@@ -195,10 +195,14 @@ void NetworkDebuggee::watch_shared(SharedListener* listener, std::vector<c40::Ad
   });
 }
 
-std::vector<std::pair<std::string, std::string>> NetworkDebuggee::event_kinds() const {
-  std::vector<std::pair<std::string, std::string>> all{{"fault", "a chip cannot continue"},
-                                                       {"end", "a chip's program has ended, or waits forever"}};
-  for (const auto& [kind, what] : kinds_of_events) all.emplace_back(std::string(machine::name(kind)), what);
+std::vector<EventKind> NetworkDebuggee::event_kinds() const {
+  EventField fault{.name = "status", .is_number = false}, end = fault;
+  for (const ChipStatus status : ends) (status == ChipStatus::fault ? fault : end).words.emplace_back(name(status));
+  std::vector<EventKind> all{
+      {.name = "fault", .what = "a chip cannot continue", .of_chip = true, .fields = {fault}},
+      {.name = "end", .what = "a chip's program has ended, or waits forever", .of_chip = true, .fields = {end}}};
+  for (const auto& [kind, what] : kinds_of_events)
+    all.push_back({.name = std::string(machine::name(kind)), .what = what, .of_chip = is_of_chip(kind)});
   return all;
 }
 

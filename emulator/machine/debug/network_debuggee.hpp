@@ -36,7 +36,7 @@ class NetworkDebuggee final : public Debuggee {
   void poke(std::size_t n, Address address, Word value) override;
   std::optional<Address> shared_word(std::size_t n, Address address) const override;
   void watch_shared(SharedListener* listener, std::vector<c40::AddressRange> words) override;
-  std::vector<std::pair<std::string, std::string>> event_kinds() const override;
+  std::vector<EventKind> event_kinds() const override;
   void listen(DebugEventListener* listener, const std::set<std::string>& kinds) override;
   std::string output() override;
   std::vector<std::string> page_names() const override;

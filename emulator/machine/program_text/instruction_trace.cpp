@@ -28,6 +28,13 @@ bool gives_floats(isa::Word word) {
                                     instruction->row->source == isa::OperandClass::floating);
 }
 
+/// All but the cycle of each instruction.
+void add_causes(std::string& line, const c40::Causes& causes) {
+  for (std::size_t cause = 1; cause < c40::cause_count; ++cause)
+    if (causes[cause] != 0)
+      fmt::format_to(std::back_inserter(line), " {}={}", name(static_cast<c40::Cause>(cause)), causes[cause]);
+}
+
 std::string line_of(const c40::TraceRecord& record, unsigned slot, const Labels* labels) {
   std::string line = line_start(record.cycle, slot);
   auto out = std::back_inserter(line);
@@ -48,9 +55,7 @@ std::string line_of(const c40::TraceRecord& record, unsigned slot, const Labels*
     if (event.write)
       fmt::format_to(out, " @{}={}", labels ? labels->names.text(event.address) : fmt::format("{:08X}", event.address),
                      value_text(event.value, false, data_labels));
-  for (std::size_t cause = 1; cause < c40::cause_count; ++cause)
-    if (record.causes[cause] != 0)
-      fmt::format_to(out, " {}={}", name(static_cast<c40::Cause>(cause)), record.causes[cause]);
+  add_causes(line, record.causes);
   if (line.size() > bare) line.insert(bare, "  ;");
   return line;
 }
@@ -63,6 +68,13 @@ std::string to_text(const c40::TraceRecord& record, unsigned slot, const Labels&
   return line_of(record, slot, &labels);
 }
 
+std::string to_text(const c40::InterruptRecord& record, unsigned slot) {
+  std::string line =
+      line_start(record.cycle, slot) + fmt::format("-------- --------  interrupt  ; vector={}", record.vector);
+  add_causes(line, record.causes);
+  return line;
+}
+
 InstructionText::InstructionText(unsigned slot, Line line, Wanted wanted, std::optional<Labels> labels)
     : slot_(slot), line_(std::move(line)), wanted_(std::move(wanted)), labels_(std::move(labels)) {}
 
@@ -70,9 +82,8 @@ void InstructionText::instruction(const c40::TraceRecord& record) {
   if (!wanted_ || wanted_(record.cycle)) line_(line_of(record, slot_, labels_ ? &*labels_ : nullptr));
 }
 
-void InstructionText::interrupt(c40::Word vector, c40::Cycles cycle) {
-  if (!wanted_ || wanted_(cycle))
-    line_(line_start(cycle, slot_) + fmt::format("-------- --------  interrupt  ; vector={}", vector));
+void InstructionText::interrupt(const c40::InterruptRecord& record) {
+  if (!wanted_ || wanted_(record.cycle)) line_(to_text(record, slot_));
 }
 
 }  // namespace machine

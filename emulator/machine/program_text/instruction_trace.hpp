@@ -14,6 +14,9 @@ namespace machine {
 /// "12 [dsp 0] 00300004 6A06FFFB  bnz 00300000h  ; branch=3", without the line's end.
 std::string to_text(const c40::TraceRecord& record, unsigned slot);
 
+/// "1643 [dsp 0] -------- --------  interrupt  ; vector=37 interrupt=8"
+std::string to_text(const c40::InterruptRecord& record, unsigned slot);
+
 /// The program's names for addresses, for lines that do not change when the program moves in memory.
 struct Labels {
   AddressNames names;
@@ -38,7 +41,7 @@ class InstructionText final : public c40::TraceSink {
   /// With labels if given. \param wanted empty for all cycles
   InstructionText(unsigned slot, Line line, Wanted wanted = {}, std::optional<Labels> labels = {});
   void instruction(const c40::TraceRecord& record) override;
-  void interrupt(c40::Word vector, c40::Cycles cycle) override;
+  void interrupt(const c40::InterruptRecord& record) override;
 
  private:
   unsigned slot_;

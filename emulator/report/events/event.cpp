@@ -17,8 +17,6 @@ struct Argument {
   char format = 'd';
 };
 
-constexpr std::uint32_t none = 0xFFFFFFFF;  // no container, no place: the plant's -1
-
 struct KindRow {
   EventKind kind;
   std::string_view name;
@@ -100,6 +98,8 @@ std::array<std::string_view, 5> argument_names(EventKind kind) {
   return names;
 }
 
+bool may_be_none(EventKind kind, std::size_t argument) { return arguments_of(kind)[argument].format == 'n'; }
+
 std::string to_text(const Event& event) {
   constexpr std::int64_t second = 1'000'000'000'000;
   std::string line = fmt::format("{}.{:012} [{}] {}", event.time.count() / second, event.time.count() % second,
@@ -112,7 +112,7 @@ std::string to_text(const Event& event) {
     switch (argument.format) {
       case 'h': fmt::format_to(out, " {}={:#x}", argument.name, value); break;
       case 's': fmt::format_to(out, " {}={}", argument.name, static_cast<std::int32_t>(value)); break;
-      case 'n': fmt::format_to(out, " {}={}", argument.name, value == none ? "none" : std::to_string(value)); break;
+      case 'n': fmt::format_to(out, " {}={}", argument.name, value == no_place ? "none" : std::to_string(value)); break;
       default: fmt::format_to(out, " {}={}", argument.name, value);
     }
   }

@@ -3,6 +3,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <ratio>
 #include <string>
@@ -83,6 +84,9 @@ static_assert(sizeof(Event) == 32);
 std::string name(EventKind kind);
 /// Names of the arguments in order, empty past the last.
 std::array<std::string_view, 5> argument_names(EventKind kind);
+/// Whether the argument is a container or a place, of which there may be none.
+bool may_be_none(EventKind kind, std::size_t argument);
+inline constexpr std::uint32_t no_place = 0xFFFFFFFF;  ///< the plant's -1: no container, no place
 /// One line of the text trace without its end (docs/trace.md): `0.000125000000 [host] refresh number=1 blocks=2 …`.
 std::string to_text(const Event& event);
 

@@ -70,10 +70,11 @@ class Recorder : public c40::TraceSink {
     out["memory"] = memory;
     records.append(out);
   }
-  void interrupt(Word vector, Cycles cycle) override {
+  void interrupt(const c40::InterruptRecord& record) override {
     py::dict out;
-    out["interrupt"] = vector;
-    out["cycle"] = cycle;
+    out["interrupt"] = record.vector;
+    out["cycle"] = record.cycle;
+    out["causes"] = causes_of(record.causes);
     records.append(out);
   }
   py::list records;
