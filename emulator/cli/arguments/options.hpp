@@ -118,13 +118,15 @@ struct ImageOptions {
   std::optional<std::string> dialect;
 };
 
+inline constexpr std::int64_t default_max_cycles = 100'000'000;
+
 struct ExecOptions {
   std::vector<std::string> programs;
   std::vector<std::string> include_directories;
-  std::vector<std::string> until;         ///< SYMBOL, ADDRESS or ADDRESS==WORD
-  std::int64_t max_cycles = 100'000'000;  ///< more cycles are a failure
-  std::optional<std::int64_t> cycles;     ///< the requested length of the run
-  std::vector<std::string> dumps;         ///< ADDRESS:COUNT
+  std::vector<std::string> until;          ///< SYMBOL, ADDRESS or ADDRESS==WORD
+  std::optional<std::int64_t> max_cycles;  ///< more cycles are a failure
+  std::optional<std::int64_t> cycles;      ///< the requested length of the run
+  std::vector<std::string> dumps;          ///< ADDRESS:COUNT
   bool json = false;
   std::vector<std::string> boards;          ///< empty: default
   std::optional<std::uint64_t> memory_max;  ///< MiB of RAM for each chip on board flat

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/print.hpp"
+#include "io/stop.hpp"
 #include "state/sha256.hpp"
 
 namespace cli {
@@ -145,7 +146,7 @@ BoardConsole::BoardConsole(std::vector<std::pair<std::string, BoardDevices*>> bo
     : boards_(std::move(boards)), shows_(shows) {
   for (const auto& [chip, devices] : boards_) {
     if (devices == nullptr) continue;
-    if (options.console_input == live && devices->has_console()) live_ = devices;
+    if (options.console_input == live && devices->console_at() != nullptr) live_ = devices;
     if (shows_)
       devices->on_output = [this](char c) {
         io::print("{}", c);
@@ -166,37 +167,33 @@ bool BoardConsole::empty() const {
                              [](const auto& board) { return board.second == nullptr || board.second->empty(); });
 }
 
-void BoardConsole::listen(c40::Cycles now) {
+void BoardConsole::listen(c40::Cycles now, bool waits) {
+  constexpr int look_ms = 200;  // a signal that comes right before poll() is seen then
   if (!may_be_typed()) return;
   std::array<char, 256> typed;
   pollfd ready{STDIN_FILENO, POLLIN, 0};
-  if (poll(&ready, 1, 0) <= 0) return;
+  while (poll(&ready, 1, waits ? look_ms : 0) <= 0)
+    if (!waits || io::stop_asked()) return;
   const ssize_t count = read(STDIN_FILENO, typed.data(), typed.size());
   if (count <= 0) {
     at_end_ = true;
     return;
   }
-  machine::HostStep step{.when = machine::HostStep::When::at, .number = static_cast<std::uint64_t>(now), .words = {}};
-  for (ssize_t i = 0; i < count; ++i)
-    step.words.push_back(static_cast<unsigned char>(typed[static_cast<std::size_t>(i)]));
-  typed_.push_back(step);
-  live_->type(typed_.back());
+  typed_.push_back(live_->type({typed.data(), static_cast<std::size_t>(count)}, now));
 }
 
 void BoardConsole::run_ended(const std::vector<std::string>& states) {
   if (empty()) return;
   std::string inputs;
+  const BoardDevices::Place* recorded = nullptr;  // the console of --console-input
   for (const auto& [chip, devices] : boards_) {
     if (devices == nullptr) continue;
-    for (const auto& [described, device] : devices->places()) {
-      inputs += machine::configuration_of(described);
-      const bool typed_there = devices == live_ && described.kind == DeviceKind::console;
-      const std::string script = typed_there       ? machine::to_text(typed_)
-                                 : described.input ? machine::to_text(described.input->steps)
-                                                   : std::string();
-      inputs += script;
-      if (record_ && described.kind == DeviceKind::console && (typed_there || described.input))
-        record_->stream() << script;
+    if (recorded == nullptr) recorded = devices->console_at();
+    for (const BoardDevices::Place& place : devices->places()) {
+      std::string script = place.described.input ? machine::to_text(place.described.input->steps) : std::string();
+      if (is_live() && &place == live_->console_at()) script += machine::to_text(typed_);
+      inputs += machine::configuration_of(place.described) + script;
+      if (record_ && &place == recorded) record_->stream() << script;
     }
   }
   for (const std::string& state : states) inputs += state::sha256(state);

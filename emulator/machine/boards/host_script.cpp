@@ -167,15 +167,7 @@ void HostScript::begin(c40::Cycles now) {
 
 void HostScript::add(const std::vector<HostStep>& steps, c40::Cycles now) {
   const bool was_done = steps_.empty();
-  for (const HostStep& step : steps) {
-    // Characters typed one by one form one step.
-    const bool joins = !steps_.empty() && step.when == HostStep::When::at && steps_.back().when == step.when &&
-                       step.number <= steps_.back().number;
-    if (joins)
-      steps_.back().words.insert(steps_.back().words.end(), step.words.begin(), step.words.end());
-    else
-      steps_.push_back(step);
-  }
+  steps_.insert(steps_.end(), steps.begin(), steps.end());
   if (was_done) begin(now);
 }
 
