@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <optional>
 
@@ -111,8 +112,9 @@ class BoardReader {
     if (whole) check_place(board, region, node);
     if (const auto* file = table.get("file")) {
       if (toml_.reads_files)
-        toml_.attempt(
-            [&] { description.contents.push_back({region.base, contents(region, *file, table.get("width"))}); });
+        toml_.attempt([&] {
+          description.contents.push_back({region.base, contents(description, region, *file, table.get("width"))});
+        });
     } else if (const auto* width = table.get("width")) {
       toml_.note(*width, fmt::format("region.width of {}: is for a file, and `file` is missing", region.name));
     }
@@ -194,7 +196,8 @@ class BoardReader {
   }
 
   /// The image of a ROM, in the folder of the board file.
-  std::vector<c40::Word> contents(const Region& region, const toml::node& file, const toml::node* width) {
+  std::vector<c40::Word> contents(BoardDescription& description, const Region& region, const toml::node& file,
+                                  const toml::node* width) {
     if (region.kind == Region::Kind::external_window)
       toml_.fail(file, fmt::format("region.file of {}: a window has no contents", region.name));
     const std::string path = toml_.beside(toml_.text(file, "region.file"));
@@ -203,10 +206,14 @@ class BoardReader {
       if (width != nullptr) bits = toml_.word(*width, "region.width", 32);
       if (bits && *bits != 8 && *bits != 16 && *bits != 32)
         toml_.fail(*width, fmt::format("region.width of {}: 8, 16 or 32 is expected", region.name));
-      std::vector<c40::Word> words = toolchain::read_rom_words(path, bits, "region.width");
+      const std::vector<std::uint8_t> bytes = toolchain::read_rom(path);
+      std::vector<c40::Word> words = toolchain::rom_words_of(path, bytes, bits, "region.width");
       if (words.size() > region.words)
         toml_.fail(file, fmt::format("region.file of {}: {} words do not go into {}", region.name, words.size(),
                                      region.words));
+      if (const std::string warning = toolchain::width_contradiction(bytes, bits, "region.width"); !warning.empty())
+        description.warnings.push_back(fmt::format("{}:{}: warning: region.file of {}: {}", toml_.file(),
+                                                   width->source().begin.line, region.name, warning));
       return words;
     } catch (const toolchain::RomError& error) {
       toml_.fail(file, fmt::format("region.file of {}: {}", region.name, error.what()));

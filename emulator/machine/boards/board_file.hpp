@@ -38,6 +38,7 @@ struct BoardDescription {
     std::vector<c40::Word> words;
   };
   std::vector<Contents> contents{};
+  std::vector<std::string> warnings{};  ///< what a user should know: file, line, and what is doubtful
   std::vector<c40::AddressRange>
       ignored{};  ///< addresses without memory at which an access is not a fault (board_reserved.hpp)
 };
