@@ -5,9 +5,11 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cmrc/configuration/rows/value.hpp"
+#include "io/print.hpp"
 
 namespace cli {
 
@@ -19,7 +21,8 @@ inline constexpr int bad_input = 2;
 /// The user gave something that cannot be used. The message says what and where, and what would be right.
 class InputError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  /// A byte 0 of a file does not end the message.
+  explicit InputError(std::string_view message) : std::runtime_error(io::printable(message)) {}
 };
 
 struct RunOptions {

@@ -9,6 +9,7 @@
 #include <array>
 #include <iostream>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "io/print.hpp"
@@ -111,10 +112,20 @@ constexpr std::string_view live = "live";
 }  // namespace
 
 void add_inputs(const NamedBoards& boards, const ExecOptions& options) {
+  std::map<const DeviceDescription*, std::string> inputs;  // of each device the option that gives its input
+  std::string reader;                                      // the option that reads standard input
+  const auto claim = [](std::string& by, const std::string& option, std::string_view what) {
+    if (!by.empty()) throw InputError(fmt::format("{}: {} {} already", option, by, what));
+    by = option;
+  };
   if (options.console_input) {
+    const std::string option = "--console-input " + *options.console_input;
     DeviceDescription& console = console_of(boards);
-    if (*options.console_input != live)
+    if (*options.console_input == "-" || *options.console_input == live) reader = option;
+    if (*options.console_input != live) {
+      inputs[&console] = option;
       console.input = input_from("--console-input", *options.console_input, DeviceKind::console, false);
+    }
   } else if (options.console_record) {
     throw InputError("--console-record: needs --console-input, whose characters it records");
   }
@@ -123,6 +134,9 @@ void add_inputs(const NamedBoards& boards, const ExecOptions& options) {
     for (const std::string& text : *texts) {
       const Assignment given = assignment_of(option, text);
       DeviceDescription& device = *find_device(option, boards, given.device, inputs_of);
+      const std::string whole = fmt::format("{} {}", option, text);
+      claim(inputs[&device], whole, fmt::format("gives the input of {}", device.name));
+      if (given.file == "-") claim(reader, whole, "reads standard input");
       device.input = input_from(option, given.file, device.kind, script);
     }
 }
@@ -227,7 +241,7 @@ std::string BoardConsole::text() const {
       out += fmt::format("led {}: {:X}h at cycle {}\n", called(chip, changes[n].device), changes[n].value,
                          changes[n].cycle);
     if (devices->change_count() > most_changes)
-      out += fmt::format("led: {} more changes of chip {}\n", devices->change_count() - most_changes, chip);
+      out += called(chip, fmt::format("led: {} more changes", devices->change_count() - most_changes)) + '\n';
     for (const auto& [described, device] : devices->places()) {
       const auto* sent = device->sent();
       if (sent != nullptr && described.kind != DeviceKind::console && !sent->empty()) {

@@ -99,15 +99,19 @@ class BoardReader {
     };
     Region region;
     region.name = std::to_string(number);
+    bool has_base = false;
     needed("name", [&](const toml::node& given) { region.name = toml_.text(given, "region.name"); });
-    needed("base", [&](const toml::node& given) { region.base = toml_.word(given, "region.base"); });
+    needed("base", [&](const toml::node& given) {
+      region.base = toml_.word(given, "region.base");
+      has_base = true;
+    });
     needed("words", [&](const toml::node& given) { region.words = words_of(given, region); });
     toml_.optional(table, "kind", [&](const toml::node& kind) { region.kind = kind_of(kind, region); });
     const bool window = region.kind == Region::Kind::external_window;
     if (whole && !window && region.words > most_words)
       toml_.note(*table.get("words"),
                  fmt::format("region.words of {}: a board has at most {} words of RAM", region.name, most_words));
-    needed("bus", [&](const toml::node& given) { region.bus = bus_of(given, region, whole); });
+    needed("bus", [&](const toml::node& given) { region.bus = bus_of(given, region, has_base); });
     waits(table, region);
     if (whole) check_place(board, region, node);
     if (const auto* file = table.get("file")) {
@@ -263,13 +267,13 @@ class BoardReader {
   }
 
   // The address decides which bus the chip uses (c40-hardware.md 1.1).
-  Region::Bus bus_of(const toml::node& node, const Region& region, bool has_place) {
+  Region::Bus bus_of(const toml::node& node, const Region& region, bool has_base) {
     const std::string bus = toml_.text(node, "region.bus");
     if (bus != "local" && bus != "global")
       toml_.fail(node, fmt::format("region.bus of {}: local or global is expected", region.name));
     const bool upper = region.base >= 0x80000000u;
     const std::uint64_t end = region.base + region.words;
-    if (!has_place) return bus == "local" ? Region::Bus::local : Region::Bus::global;
+    if (!has_base) return bus == "local" ? Region::Bus::local : Region::Bus::global;
     if (upper != (bus == "global") || (!upper && end > 0x80000000ull))
       toml_.fail(node, fmt::format("region.bus of {}: the local bus is below 80000000h, the global bus from there on",
                                    region.name));

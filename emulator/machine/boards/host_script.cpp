@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "io/text_form.hpp"
 #include "isa/ascii.hpp"
 #include "toolchain/objects/written_integer.hpp"
 
@@ -18,7 +19,7 @@ constexpr std::array<std::pair<std::string_view, HostStep::When>, 4> whens{{{"at
 
 class ScriptReader {
  public:
-  ScriptReader(std::string_view text, std::string_view name) : rest_(text), name_(name) {}
+  ScriptReader(std::string_view text, std::string_view name) : rest_(io::without_mark(text)), name_(name) {}
 
   std::vector<HostStep> read() {
     std::vector<HostStep> steps;
