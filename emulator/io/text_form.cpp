@@ -35,4 +35,9 @@ std::string_view without_dos_end(std::string_view text) {
   return text.find_first_not_of(nothing, end) == std::string_view::npos ? text.substr(0, end) : text;
 }
 
+std::string_view without_mark(std::string_view text) {
+  constexpr std::string_view mark = "\xEF\xBB\xBF";
+  return text.starts_with(mark) ? text.substr(mark.size()) : text;
+}
+
 }  // namespace io

@@ -20,15 +20,23 @@ std::string wide_form_problem(std::string_view text);
 /// Without DOS's end of file (1Ah), where nothing but blanks and further such characters is behind it.
 std::string_view without_dos_end(std::string_view text);
 
+/// Without the byte order mark of UTF-8, which present-day editors put before a text.
+std::string_view without_mark(std::string_view text);
+
+/// A text without byte order mark and DOS's end. \param name of its file, for the message
+/// \throws Error "NAME:1: what is wrong"
+template <typename Error>
+std::string checked_text(std::string text, const std::string& name) {
+  if (const std::string problem = wide_form_problem(text); !problem.empty())
+    throw Error(fmt::format("{}:1: {}", name, problem));
+  return std::string(without_mark(without_dos_end(text)));
+}
+
 /// All of a text file. \param expected what the file should be, for the message
 /// \throws Error "FILE: what is wrong; EXPECTED is expected"
 template <typename Error>
 std::string read_text(const std::filesystem::path& path, std::string_view expected) {
-  std::string text = read_file<Error>(path, expected);
-  if (const std::string problem = wide_form_problem(text); !problem.empty())
-    throw Error(fmt::format("{}:1: {}", path.string(), problem));
-  text.resize(without_dos_end(text).size());
-  return text;
+  return checked_text<Error>(read_file<Error>(path, expected), path.string());
 }
 
 }  // namespace io

@@ -1,12 +1,16 @@
+#include <fmt/format.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/cpu.hpp"
 #include "python/bindings/interpreter/ctrl_c.hpp"
 #include "python/bindings/interpreter/errors.hpp"
+#include "python/bindings/interpreter/warnings.hpp"
 #include "toolchain/assembler/assembler.hpp"
 #include "toolchain/linker/linker.hpp"
 #include "toolchain/objects/coff.hpp"
@@ -77,7 +81,11 @@ void bind_toolchain(py::module_& core) {
   m.def(
       "rom_words",
       [](const std::filesystem::path& path, std::optional<unsigned> width) {
-        return toolchain::read_rom_words(path, width, "width");
+        const std::vector<std::uint8_t> bytes = toolchain::read_rom(path);
+        std::vector<toolchain::Word> words = toolchain::rom_words_of(path, bytes, width, "width");
+        if (const std::string warning = toolchain::width_contradiction(bytes, width, "width"); !warning.empty())
+          python::warn(fmt::format("{}: {}", path.string(), warning));
+        return words;
       },
       py::arg("path"), py::arg("width") = py::none(), "What an EPROM holds, as memory of that width has it.");
   python::register_error<toolchain::MemoryMapError>(m, "MemoryMapError", PyExc_ValueError);

@@ -126,8 +126,9 @@ class Processor(ChipState, AccessesToNothing, Front, OneRun, OneState):
     def load_rom(self, path: Path, address: int, *, width: int | None = None) -> None:
         """Puts the contents of an EPROM (Intel hex, S-records or bytes) into memory from a word address on.
 
-        ``width`` is the memory's width, 8, 16 or 32 bits, if the image's first word does not give it. Raises ValueError
-        for a broken image; IndexError if there is no RAM.
+        ``width`` is the memory's width, 8, 16 or 32 bits, if the image's first word does not give it; if the word
+        contradicts it, ``width`` holds, with a UserWarning. Raises ValueError for a broken image; IndexError if there
+        is no RAM.
         """
         self._refuse_inside("load_rom")
         words = read_rom(path, width=width)

@@ -107,8 +107,8 @@ def write_coff(program: Program, path: Path) -> None:
 def read_rom(path: Path, *, width: int | None = None) -> list[int]:
     """The 32-bit words of an EPROM's contents: Intel hex, S-records or plain bytes.
 
-    ``width`` is the memory's width, 8, 16 or 32 bits, if the image's first word does not give it. Raises ValueError for
-    a broken image.
+    ``width`` is the memory's width, 8, 16 or 32 bits, if the image's first word does not give it; if the word
+    contradicts it, ``width`` holds, with a UserWarning. Raises ValueError for a broken image.
     """
     lanes = None if width is None else arguments.whole("width", width, A_WIDTH)
     return _core.toolchain.rom_words(arguments.path("path", path), lanes)

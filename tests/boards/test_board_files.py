@@ -74,6 +74,30 @@ def test_a_missing_key_or_name_hides_no_other_error(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ("words = 0", "region.words of RAM: 1 to"),
+        ("waits = 99", "region.waits: an integer from 0 to 15"),
+        ("page_waits = -1", "region.page_waits: an integer from 0 to 15"),
+        ('kind = "rom"', "region.kind of RAM: ram, window"),
+        ("name = 3", "region.name: text in quotes is expected"),
+    ],
+)
+@pytest.mark.parametrize(
+    ("base", "bus"), [("0x300000", "global"), ("0x90000000", "local"), ("0x300000", "lokal"), ("-1", "lokal")]
+)
+def test_a_wrong_bus_of_a_region_is_reported_beside_any_other_error(
+    tmp_path: Path, wrong: str, message: str, base: str, bus: str
+) -> None:
+    keys = {"name": 'name = "RAM"', "base": f"base = {base}", "words": "words = 16", "bus": f'bus = "{bus}"'}
+    keys[wrong.partition(" ")[0]] = wrong
+    errors = refused(tmp_path, "[[region]]\n" + "\n".join(keys.values()) + "\n")
+    assert sum("region.bus of " in error for error in errors) == 1, errors
+    if base != "-1" or "words" not in wrong:
+        assert any(message.replace("RAM", "1" if "name" in wrong else "RAM") in error for error in errors), errors
+
+
+@pytest.mark.parametrize(
     ("text", "message"),
     [
         (device("led") + device("led", 0xA0000000, name="E"), "device.base of E: D is there, at A0000000h"),
@@ -88,6 +112,9 @@ def test_a_missing_key_or_name_hides_no_other_error(tmp_path: Path) -> None:
         (device("fifo", words=2), "a fifo has its 5 words"),
         (device("vic068a", 0xA000FFF0), "needs a"),
         ("\n[[device]]\n", "kind is missing"),
+        (device("led", name=""), "device.name: \"\" cannot be used: a name is a text without '=', and not empty"),
+        (device("led", name="a=b"), "device.name: \"a=b\" cannot be used: a name is a text without '='"),
+        (device("a\\u0000b"), 'device.kind of D: "a\\x00b" is unknown; console, registers'),
     ],
 )
 def test_a_device_that_cannot_be_is_refused(tmp_path: Path, text: str, message: str) -> None:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import subprocess
 from pathlib import Path
 
 import pytest
-from board_parts import END, START, assembled, board, device, low
+from board_parts import END, HEAD, START, assembled, board, device, low
 from cmrc.c40 import Processor
 from command_line import emulator
 from locations import BUILD
@@ -132,6 +133,99 @@ def test_inputs_that_cannot_be_are_refused(tmp_path: Path, options: tuple[str, .
     )
     assert done.returncode == 2 and message in done.stderr, done.stderr
     assert not (tmp_path / "x").exists()
+
+
+TWICE = [
+    (("--device-input F=1", "--device-input F=2"), "gives the input of F"),
+    (("--device-input F=1", "--device-script F=2"), "gives the input of F"),
+    (("--device-script C=1", "--device-script C=2"), "gives the input of C"),
+    (("--console-input 1", "--device-input C=2"), "gives the input of C"),
+    (("--console-input -", "--device-input F=-"), "reads standard input"),
+    (("--console-input live", "--device-input F=-"), "reads standard input"),
+    (("--device-input F=-", "--device-script C=-"), "reads standard input"),
+]
+
+
+@pytest.mark.parametrize(("options", "does"), TWICE, ids=[" ".join(options) for options, _ in TWICE])
+@pytest.mark.parametrize("chips", [1, 2])
+def test_two_options_for_one_input_are_refused_and_both_are_named(
+    tmp_path: Path, options: tuple[str, str], does: str, chips: int
+) -> None:
+    """One of them was dropped without a word. In a network each chip has a board of its own."""
+    (tmp_path / "p.asm").write_text(START + END)
+    for name in "12":
+        (tmp_path / name).write_text("at 0 1\n" if "script" in options[int(name) - 1] else name)
+    path = board(tmp_path, device("fifo", name="F"), device("console", 0xA0000010, name="C"))
+    given = [word for option in options for word in option.split()]
+    run = ["exec", "p.asm", "--board", path]
+    if chips == 2:
+        if "--console-input live" in options:
+            return  # refused for networks
+        (tmp_path / "bare.toml").write_text(HEAD)
+        run = ["exec", "p.asm", "p.asm", "--board", path, "--board", "bare.toml"]
+    done = emulator(*run, *given, folder=tmp_path)
+    assert done.returncode == 2 and done.stderr == f"emulator: {options[1]}: {options[0]} {does} already\n", done.stderr
+
+
+def test_an_option_comes_before_the_board_file_and_may_write_an_output_twice(tmp_path: Path) -> None:
+    (tmp_path / "p.asm").write_text(START + "        ldi *ar2,r3\n        sti r3,*ar2\n" + END)
+    (tmp_path / "given").write_text("1")
+    (tmp_path / "other").write_text("2")
+    outputs = ["--device-output", "D=a", "--device-output", "D=b"]
+    run = ["exec", "p.asm", "--board", board(tmp_path, device("fifo", input="given"))]
+    assert emulator(*run, "--device-input", "D=other", *outputs, folder=tmp_path).returncode == 0
+    assert (tmp_path / "a").read_text() == (tmp_path / "b").read_text() == "00000002\n"
+
+
+def test_a_debugger_leaves_standard_input_to_its_commands(tmp_path: Path) -> None:
+    (tmp_path / "p.asm").write_text(START + END)
+    for option in ("--device-input", "--device-script"):
+        run = ["debug", tmp_path / "p.asm", "--board", board(tmp_path, device("fifo")), option, "D=-"]
+        done = emulator(*run, stdin="at 1 2\n")
+        assert done.returncode == 2 and f"debug: {option} D=-: a file is expected" in done.stderr
+
+
+MARK = "\ufeff"  # the byte order mark, which editors put before UTF-8
+
+
+@pytest.mark.parametrize(
+    ("option", "text"), [("--device-input", "12 34\n"), ("--device-script", "at 0 12h\nwait 5 34h\n")]
+)
+@pytest.mark.parametrize("where", ["file", "standard input"])
+def test_a_byte_order_mark_is_no_word(tmp_path: Path, option: str, text: str, where: str) -> None:
+    (tmp_path / "p.asm").write_text(START + "        rpts 20\n        nop\n        ldi *ar2,r3\n" + END)
+    (tmp_path / "text").write_text(MARK + text, encoding="utf-8")
+    run = ["exec", "p.asm", "--board", board(tmp_path, device("fifo")), "--json"]
+    name = "text" if where == "file" else "-"
+    done = emulator(*run, option, f"D={name}", folder=tmp_path, stdin=MARK + text if where != "file" else "")
+    assert done.returncode == 0, done.stderr
+    report = json.loads(done.stdout)
+    assert report["registers"]["R3"] & 0xFFFFFFFF == 0x12
+    # That of the file, as sha256sum has it.
+    assert report["inputs"][0]["sha256"] == hashlib.sha256((MARK + text).encode()).hexdigest()
+
+
+def test_a_script_from_python_may_have_a_mark(tmp_path: Path) -> None:
+    processor = Processor(assembled("        ldi *ar2,r3\n" + END), board=board(tmp_path, device("fifo")))
+    processor.send_script("D", MARK + "at 0 7\n")
+    processor.run(1000, until="done")
+    assert low(processor, "R3") == 7
+
+
+@pytest.mark.parametrize(
+    ("option", "text", "message"),
+    [
+        ("--device-script", b"at 5\0 1\n", 'text:1: "5\\x00": a number (1Fh, 0x1F or decimal) up to'),
+        ("--device-script", b"at 5 \x01z\n", 'text:1: "\\x01z" is not a word; 1Fh, 0x1F'),
+        ("--device-input", b"12\0\xff\n", 'text:1: "12\\x00\\xFF" is not a word; a word of up to'),
+    ],
+)
+def test_a_message_about_a_byte_0_is_whole(tmp_path: Path, option: str, text: bytes, message: str) -> None:
+    (tmp_path / "p.asm").write_text(START + END)
+    (tmp_path / "text").write_bytes(text)
+    path = board(tmp_path, device("fifo"))
+    done = emulator("exec", "p.asm", "--board", path, option, "D=text", folder=tmp_path)
+    assert done.returncode == 2 and message in done.stderr and "expected" in done.stderr, done.stderr
 
 
 def test_an_output_is_no_input(tmp_path: Path) -> None:

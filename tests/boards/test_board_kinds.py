@@ -128,6 +128,42 @@ def test_a_timer_that_runs_counts_on_from_what_is_written(tmp_path: Path) -> Non
     assert [low(processor, f"R{n}") for n in (3, 4, 5)] == [40, 50, 40]
 
 
+COUNT, RELOAD, CONTROL = 0, 1, 2
+# What is written to a timer of 10 cycles a count; the count, control and status 95 cycles behind the last write.
+WRITTEN_TO_TIMERS: dict[str, tuple[list[tuple[int, int]], list[int]]] = {
+    "0 while it runs": ([(RELOAD, 100), (CONTROL, 1), (COUNT, 0)], [91, 1, 0]),
+    "0 while it runs, once": ([(RELOAD, 100), (CONTROL, 5), (COUNT, 0)], [91, 5, 0]),
+    "0 while it runs, without a reload": ([(COUNT, 50), (CONTROL, 3), (COUNT, 0)], [0, 2, 0]),
+    "0 while it stands": ([(RELOAD, 100), (COUNT, 0)], [0, 0, 0]),
+    "0, then a start": ([(COUNT, 0), (RELOAD, 100), (CONTROL, 1)], [91, 1, 0]),
+    "0, then a start without a reload": ([(COUNT, 0), (CONTROL, 1)], [0, 0, 0]),
+    "a reload while it runs": ([(RELOAD, 4), (CONTROL, 1), (RELOAD, 100)], [95, 1, 1]),
+}
+
+
+@pytest.mark.parametrize(("writes", "expected"), WRITTEN_TO_TIMERS.values(), ids=WRITTEN_TO_TIMERS)
+def test_a_timer_at_0_begins_at_its_reload_or_stops(
+    tmp_path: Path, writes: list[tuple[int, int]], expected: list[int]
+) -> None:
+    path = board(tmp_path, device("timer", count_cycles=10))
+    text = "".join(f"        ldi {value},r0\n        sti r0,*+ar2({offset})\n" for offset, value in writes)
+    text += "        rpts 90\n        nop\n        ldi *ar2,r3\n        ldi *+ar2(2),r4\n        ldi *+ar2(3),r5\n"
+    processor = finished(assembled(text + END), path)
+    assert [low(processor, f"R{n}") for n in (3, 4, 5)] == expected
+
+
+@pytest.mark.parametrize("count_cycles", [1, 7, 8])
+def test_a_control_word_that_is_written_again_delays_no_count(tmp_path: Path, count_cycles: int) -> None:
+    path = board(tmp_path, device("timer", count_cycles=count_cycles))
+    start = "        ldi 5000,r0\n        sti r0,*+ar2(1)\n        ldi 1,r1\n        sti r1,*+ar2(2)\n"
+    ends = "        rptb e\n        {}\n        nop\n        nop\ne:      nop\n        ldi *ar2,r4\n" + END
+    counts = [
+        low(finished(assembled(start + "        ldi 199,rc\n" + ends.format(what)), path), "R4")
+        for what in ("sti r1,*+ar2(2)", "sti r1,*+ar2(3)")  # the status, which nothing counts on
+    ]
+    assert counts[0] == counts[1] < 5000 - 800 // count_cycles + 2
+
+
 def test_a_timer_that_expires_often_between_two_looks_has_overrun(tmp_path: Path) -> None:
     path = board(tmp_path, device("timer", count_cycles=10))
     text = (

@@ -132,6 +132,8 @@ def test_hex_words_are_checked(run, tmp_path: Path) -> None:
     refused(run("exec", "p.hex"), "p.hex:1:")
     (tmp_path / "p.hex").write_text("\n")
     refused(run("exec", "p.hex"), "contains no word")
+    (tmp_path / "p.hex").write_bytes(b"12\0\n")
+    refused(run("exec", "p.hex"), 'p.hex:1: "12\\x00" is not a word; up to 8 hexadecimal digits per line are expected')
 
 
 @pytest.mark.parametrize(

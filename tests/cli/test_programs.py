@@ -77,9 +77,10 @@ def test_disasm_assembles_to_the_same_words(run, squares, tmp_path: Path) -> Non
     assert rebuilt == [word for _, word, _ in lines if word]
 
 
-def test_hex_is_loaded_and_started_at_the_given_address(run, tmp_path: Path) -> None:
+@pytest.mark.parametrize("mark", ["", "\ufeff"])  # the byte order mark of UTF-8
+def test_hex_is_loaded_and_started_at_the_given_address(run, tmp_path: Path, mark: str) -> None:
     # ldi 5,r0 ; addi 2,r0 ; b $ (words of c40-isa.md's tables: 08600005, 02600002, branch to itself 6A00FFFF)
-    (tmp_path / "p.hex").write_text("08600005\n02600002\n6A00FFFF\n")
+    (tmp_path / "p.hex").write_text(f"{mark}08600005\n02600002\n6A00FFFF\n", encoding="utf-8")
     result = run("exec", "p.hex", "--load-at", "1000h", "--board", "flat", "--json")
     report = json.loads(result.stdout)
     assert report["registers"]["R0"] & 0xFFFFFFFF == 7

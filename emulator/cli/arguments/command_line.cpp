@@ -251,7 +251,8 @@ void declare_exec(CLI::App& app, ExecOptions& options) {
       ->allow_extra_args(false);
   declare_dialect(app, options.dialect);
   CLI::Option* most = app.add_option("--max-cycles", options.max_cycles,
-                                     "Stop after so many cycles with exit status 1 (default 100000000)")
+                                     "Stop after so many cycles with exit status 1 (default 100000000; with "
+                                     "--console-input live only from the end of the input on)")
                           ->check(positive());
   app.add_option("--cycles", options.cycles, "Run so many cycles; exit status 0 when they are reached")
       ->check(positive())

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "cli/arguments/program.hpp"
 #include "cli/exec/board_front.hpp"
 #include "cli/exec/exec_memory.hpp"
+#include "io/print.hpp"
 #include "machine/networks/network_file.hpp"
 
 namespace cli {
@@ -71,9 +73,14 @@ machine::NetworkDescription read_description(const ExecOptions& options) {
           "--network: programs, boards, links, nets, and where a chip starts and ends are given in the file, not on "
           "the command line");
     require_file(*options.network);
-    return machine::read_network(*options.network, [&](const std::string& path) {
+    machine::NetworkDescription read = machine::read_network(*options.network, [&](const std::string& path) {
       return read_program(path, options.include_directories, {}, is_source_name(path) ? options.dialect : std::nullopt);
     });
+    std::set<std::string> said;  // several chips may have one board
+    for (const machine::NetworkChip& chip : read.chips)
+      for (const std::string& warning : chip.board.warnings)
+        if (said.insert(warning).second) io::print(stderr, "{}\n", warning);
+    return read;
   }
   machine::NetworkDescription network;
   std::size_t chips = options.boot ? std::max(options.programs.size(), std::size_t{1}) : options.programs.size();

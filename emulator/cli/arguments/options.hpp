@@ -5,9 +5,11 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cmrc/configuration/rows/value.hpp"
+#include "io/print.hpp"
 
 namespace cli {
 
@@ -19,7 +21,8 @@ inline constexpr int bad_input = 2;
 /// The user gave something that cannot be used. The message says what and where, and what would be right.
 class InputError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  /// A byte 0 of a file does not end the message.
+  explicit InputError(std::string_view message) : std::runtime_error(io::printable(message)) {}
 };
 
 struct RunOptions {
@@ -118,13 +121,15 @@ struct ImageOptions {
   std::optional<std::string> dialect;
 };
 
+inline constexpr std::int64_t default_max_cycles = 100'000'000;
+
 struct ExecOptions {
   std::vector<std::string> programs;
   std::vector<std::string> include_directories;
-  std::vector<std::string> until;         ///< SYMBOL, ADDRESS or ADDRESS==WORD
-  std::int64_t max_cycles = 100'000'000;  ///< more cycles are a failure
-  std::optional<std::int64_t> cycles;     ///< the requested length of the run
-  std::vector<std::string> dumps;         ///< ADDRESS:COUNT
+  std::vector<std::string> until;          ///< SYMBOL, ADDRESS or ADDRESS==WORD
+  std::optional<std::int64_t> max_cycles;  ///< more cycles are a failure
+  std::optional<std::int64_t> cycles;      ///< the requested length of the run
+  std::vector<std::string> dumps;          ///< ADDRESS:COUNT
   bool json = false;
   std::vector<std::string> boards;          ///< empty: default
   std::optional<std::uint64_t> memory_max;  ///< MiB of RAM for each chip on board flat

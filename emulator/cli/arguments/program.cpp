@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "cli/arguments/options.hpp"
+#include "io/print.hpp"
 #include "io/text_form.hpp"
 #include "isa/ascii.hpp"
 #include "isa/types.hpp"
@@ -132,6 +133,7 @@ ChipText chip_text(std::string_view text, std::size_t chips, std::string_view wh
 
 machine::BoardDescription board_named(const ExecOptions& options, const std::string& name) {
   machine::BoardDescription description = machine::read_board(name);
+  for (const std::string& warning : description.warnings) io::print(stderr, "{}\n", warning);
   if (!options.memory_max) return description;
   if (!description.board.is_flat)
     throw InputError(fmt::format("--memory-max: board {} has as much RAM as it says; --board flat is expected", name));

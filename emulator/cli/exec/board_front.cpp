@@ -9,9 +9,11 @@
 #include <array>
 #include <iostream>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "io/print.hpp"
+#include "io/stop.hpp"
 #include "state/sha256.hpp"
 
 namespace cli {
@@ -110,10 +112,20 @@ constexpr std::string_view live = "live";
 }  // namespace
 
 void add_inputs(const NamedBoards& boards, const ExecOptions& options) {
+  std::map<const DeviceDescription*, std::string> inputs;  // of each device the option that gives its input
+  std::string reader;                                      // the option that reads standard input
+  const auto claim = [](std::string& by, const std::string& option, std::string_view what) {
+    if (!by.empty()) throw InputError(fmt::format("{}: {} {} already", option, by, what));
+    by = option;
+  };
   if (options.console_input) {
+    const std::string option = "--console-input " + *options.console_input;
     DeviceDescription& console = console_of(boards);
-    if (*options.console_input != live)
+    if (*options.console_input == "-" || *options.console_input == live) reader = option;
+    if (*options.console_input != live) {
+      inputs[&console] = option;
       console.input = input_from("--console-input", *options.console_input, DeviceKind::console, false);
+    }
   } else if (options.console_record) {
     throw InputError("--console-record: needs --console-input, whose characters it records");
   }
@@ -122,6 +134,9 @@ void add_inputs(const NamedBoards& boards, const ExecOptions& options) {
     for (const std::string& text : *texts) {
       const Assignment given = assignment_of(option, text);
       DeviceDescription& device = *find_device(option, boards, given.device, inputs_of);
+      const std::string whole = fmt::format("{} {}", option, text);
+      claim(inputs[&device], whole, fmt::format("gives the input of {}", device.name));
+      if (given.file == "-") claim(reader, whole, "reads standard input");
       device.input = input_from(option, given.file, device.kind, script);
     }
 }
@@ -145,7 +160,7 @@ BoardConsole::BoardConsole(std::vector<std::pair<std::string, BoardDevices*>> bo
     : boards_(std::move(boards)), shows_(shows) {
   for (const auto& [chip, devices] : boards_) {
     if (devices == nullptr) continue;
-    if (options.console_input == live && devices->has_console()) live_ = devices;
+    if (options.console_input == live && devices->console_at() != nullptr) live_ = devices;
     if (shows_)
       devices->on_output = [this](char c) {
         io::print("{}", c);
@@ -166,37 +181,33 @@ bool BoardConsole::empty() const {
                              [](const auto& board) { return board.second == nullptr || board.second->empty(); });
 }
 
-void BoardConsole::listen(c40::Cycles now) {
+void BoardConsole::listen(c40::Cycles now, bool waits) {
+  constexpr int look_ms = 200;  // a signal that comes right before poll() is seen then
   if (!may_be_typed()) return;
   std::array<char, 256> typed;
   pollfd ready{STDIN_FILENO, POLLIN, 0};
-  if (poll(&ready, 1, 0) <= 0) return;
+  while (poll(&ready, 1, waits ? look_ms : 0) <= 0)
+    if (!waits || io::stop_asked()) return;
   const ssize_t count = read(STDIN_FILENO, typed.data(), typed.size());
   if (count <= 0) {
     at_end_ = true;
     return;
   }
-  machine::HostStep step{.when = machine::HostStep::When::at, .number = static_cast<std::uint64_t>(now), .words = {}};
-  for (ssize_t i = 0; i < count; ++i)
-    step.words.push_back(static_cast<unsigned char>(typed[static_cast<std::size_t>(i)]));
-  typed_.push_back(step);
-  live_->type(typed_.back());
+  typed_.push_back(live_->type({typed.data(), static_cast<std::size_t>(count)}, now));
 }
 
 void BoardConsole::run_ended(const std::vector<std::string>& states) {
   if (empty()) return;
   std::string inputs;
+  const BoardDevices::Place* recorded = nullptr;  // the console of --console-input
   for (const auto& [chip, devices] : boards_) {
     if (devices == nullptr) continue;
-    for (const auto& [described, device] : devices->places()) {
-      inputs += machine::configuration_of(described);
-      const bool typed_there = devices == live_ && described.kind == DeviceKind::console;
-      const std::string script = typed_there       ? machine::to_text(typed_)
-                                 : described.input ? machine::to_text(described.input->steps)
-                                                   : std::string();
-      inputs += script;
-      if (record_ && described.kind == DeviceKind::console && (typed_there || described.input))
-        record_->stream() << script;
+    if (recorded == nullptr) recorded = devices->console_at();
+    for (const BoardDevices::Place& place : devices->places()) {
+      std::string script = place.described.input ? machine::to_text(place.described.input->steps) : std::string();
+      if (is_live() && &place == live_->console_at()) script += machine::to_text(typed_);
+      inputs += machine::configuration_of(place.described) + script;
+      if (record_ && &place == recorded) record_->stream() << script;
     }
   }
   for (const std::string& state : states) inputs += state::sha256(state);
@@ -230,7 +241,7 @@ std::string BoardConsole::text() const {
       out += fmt::format("led {}: {:X}h at cycle {}\n", called(chip, changes[n].device), changes[n].value,
                          changes[n].cycle);
     if (devices->change_count() > most_changes)
-      out += fmt::format("led: {} more changes of chip {}\n", devices->change_count() - most_changes, chip);
+      out += called(chip, fmt::format("led: {} more changes", devices->change_count() - most_changes)) + '\n';
     for (const auto& [described, device] : devices->places()) {
       const auto* sent = device->sent();
       if (sent != nullptr && described.kind != DeviceKind::console && !sent->empty()) {

@@ -35,8 +35,9 @@ class BoardConsole {
   /// Standard input goes to the console while the program runs (--console-input live).
   bool is_live() const { return live_ != nullptr; }
   bool may_be_typed() const { return is_live() && !at_end_; }
-  /// Takes the input typed until now; the console gets it in this cycle.
-  void listen(c40::Cycles now);
+  /// Takes the input typed until now; the console gets it in this cycle. \param waits for a character, the end of the
+  /// input, or a signal
+  void listen(c40::Cycles now, bool waits = false);
 
   /// Writes the files. \param states the final states of the chips, for the hash
   void run_ended(const std::vector<std::string>& states);

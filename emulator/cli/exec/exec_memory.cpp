@@ -126,10 +126,9 @@ std::vector<machine::BoardDescription::Contents> rom_contents(const ExecOptions&
     const auto [file, address] = file_at(given, "--rom", image);
     const auto bytes = toolchain::read_rom(file);  // once: a FIFO can be read once only
     std::vector<Word> words = toolchain::rom_words_of(file, bytes, options.rom_width, "--rom-width");
-    const auto said = toolchain::boot_width(bytes);
-    if (said && options.rom_width && *said != *options.rom_width)
-      io::print(stderr, "--rom {}: warning: its first word says {} bits, as to a boot loader, and --rom-width {}\n",
-                file, *said, *options.rom_width);
+    if (const std::string warning = toolchain::width_contradiction(bytes, options.rom_width, "--rom-width");
+        !warning.empty())
+      io::print(stderr, "--rom {}: warning: {}\n", file, warning);
     const Placed here{address, address + std::uint64_t{words.size()}, file};
     for (const Placed& other : placed)
       if (here.begin < other.end && other.begin < here.end)

@@ -216,7 +216,7 @@ void print_json(const Network& network, const machine::NetworkStop& stop, const 
 /// The instant that --cycles or --max-cycles of chip 0 means.
 machine::Time end_of(const Network& network, const ExecOptions& options) {
   constexpr double most_seconds = 9e6;  // the limit of 64 bits of picoseconds
-  const std::int64_t cycles = options.cycles.value_or(options.max_cycles);
+  const std::int64_t cycles = options.cycles.value_or(options.max_cycles.value_or(default_max_cycles));
   const auto most = static_cast<std::int64_t>(most_seconds * static_cast<double>(network.clock(0).hertz()));
   if (cycles > most)
     throw InputError(fmt::format("{}: {} cycles are more than a network's time holds; up to {} of chip 0 are possible",

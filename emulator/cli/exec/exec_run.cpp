@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "c40/values/float40.hpp"
 #include "cli/arguments/program.hpp"
@@ -13,6 +12,7 @@
 #include "isa/program_end.hpp"
 #include "machine/chips/asleep.hpp"
 #include "machine/chips/chip_runner.hpp"
+#include "machine/time/time.hpp"
 
 namespace cli {
 namespace {
@@ -27,7 +27,8 @@ class Run final : private machine::ChipRunner {
       : chip_(chip),
         until_(until),
         asked_(options.cycles.has_value()),
-        limit_(options.cycles.value_or(options.max_cycles)),
+        given_(options.cycles ? options.cycles : options.max_cycles),
+        limit_(given_.value_or(default_max_cycles)),
         connected_(connected) {
     for (const Address pc : until_.pcs) chip_.add_breakpoint(pc);
     chip_.stop_at_ends(true);
@@ -58,7 +59,11 @@ class Run final : private machine::ChipRunner {
     }
     const c40::Cycles look =
         chip_.idle() ? 8 : 1000;  // cycles until the next look at the DMA, for which an idle processor may wait
-    connected_.front.listen(chip_.cycle());
+    if (connected_.front.may_be_typed()) {
+      connected_.front.listen(chip_.cycle());
+      // Who types needs time. Nobody does behind the end of the input.
+      if (!given_) limit_ = connected_.front.may_be_typed() ? machine::never_cycle : chip_.cycle() + default_max_cycles;
+    }
     const c40::Cycles end = connected_.devices.limit(std::min(limit_, chip_.cycle() + (!until_.words.empty() ? 1
                                                                                        : chip_.dma_active()  ? look
                                                                                                              : slice)));
@@ -69,9 +74,12 @@ class Run final : private machine::ChipRunner {
     if (chip_.cycle() >= limit_)
       return asked_
                  ? ends({"limit", fmt::format("the {} cycles of --cycles have passed, at {:08X}h", limit_, chip_.pc())})
-                 : ends({"limit", fmt::format("--max-cycles {} reached at {:08X}h{}", limit_, chip_.pc(), booting()),
+                 : ends({"limit",
+                         fmt::format("--max-cycles {} reached{} at {:08X}h{}", given_.value_or(default_max_cycles),
+                                     limit_ == given_.value_or(default_max_cycles) ? "" : " since the end of the input",
+                                     chip_.pc(), booting()),
                          run_failed});
-    if (!machine::sleeps_forever(chip_) || may_be_woken()) return true;
+    if (!machine::sleeps_forever(chip_) || is_woken()) return true;
     if (machine::awaits_dma(chip_)) return dma_wait();
     return ends({"idle", fmt::format("IDLE at {:08X}h, and no interrupt will come{}", chip_.pc() - 1,
                                      machine::armed_dma(chip_))});
@@ -85,12 +93,11 @@ class Run final : private machine::ChipRunner {
       return ends({"until", fmt::format("reached {:08X}h", pc)});
     if (chip_.program_end() == isa::ProgramEnd::halt && !chip_.dma_busy() && !machine::timer_paces_dma(chip_) &&
         !chip_.interrupt_pending()) {
-      const bool sleeps =
-          machine::can_interrupt(chip_) && (machine::awaits_dma(chip_) || awaits_event() || may_be_woken());
-      if (!sleeps) return ends({"halt", fmt::format("branch to itself at {:08X}h{}", pc, machine::armed_dma(chip_))});
-      if (machine::next_dma_tick(chip_) == std::numeric_limits<c40::Cycles>::max() && !awaits_event() &&
-          !may_be_woken())
-        return dma_wait();
+      const bool can = machine::can_interrupt(chip_), awaits_dma = machine::awaits_dma(chip_);
+      const bool by_chip = awaits_event() || (awaits_dma && machine::next_dma_tick(chip_) != machine::never_cycle);
+      if (can && (by_chip || is_woken())) return passes_ = true;
+      if (can && awaits_dma) return dma_wait();
+      return ends({"halt", fmt::format("branch to itself at {:08X}h{}", pc, machine::armed_dma(chip_))});
     }
     return passes_ = true;
   }
@@ -133,8 +140,17 @@ class Run final : private machine::ChipRunner {
                        connected_.feeder->sent(), connected_.feeder->size(), connected_.feeder->port());
   }
 
-  bool may_be_woken() const { return connected_.devices.could_wake() || connected_.front.may_be_typed(); }
-  bool awaits_event() const { return machine::next_timer_interrupt(chip_) != std::numeric_limits<c40::Cycles>::max(); }
+  /// For a chip that nothing on it will wake: a device will, perhaps because of what somebody types. While only that
+  /// can wake the chip, no cycle passes.
+  bool is_woken() {
+    while (!connected_.devices.could_wake()) {
+      if (!connected_.front.may_be_typed() || !connected_.devices.typing_could_wake()) return false;
+      connected_.front.listen(chip_.cycle(), true);
+      if (io::stop_asked()) return true;  // the next span ends the run
+    }
+    return true;
+  }
+  bool awaits_event() const { return machine::next_timer_interrupt(chip_) != machine::never_cycle; }
 
   bool dma_wait() {
     std::vector<std::string> waits;
@@ -152,6 +168,7 @@ class Run final : private machine::ChipRunner {
   c40::Chip& chip_;
   const Until& until_;
   bool asked_;  ///< a run to the limit is what the user requested
+  std::optional<std::int64_t> given_;
   c40::Cycles limit_;
   bool passes_ = false;  ///< the instruction at the breakpoint is executed next
   Connected& connected_;

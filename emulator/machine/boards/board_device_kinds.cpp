@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <deque>
 
 #include "machine/boards/board_device.hpp"
 #include "machine/boards/board_fifo.hpp"
@@ -16,40 +17,45 @@ using c40::Address;
 using c40::Cycles;
 using c40::Word;
 
-/// +0: a character read or written, +1: status.
+/// +0: a character read or written, +1: status. The line brings each character when the host sends it, whether or not
+/// the program has read those before.
 class Console final : public BoardDevice {
  public:
   explicit Console(const DeviceDescription& described) {
     if (described.input) host_ = HostScript(described.input->steps);
   }
-  Word read(Address offset, Cycles now) override {
-    const bool comes = host_.next() <= now;
-    if (offset == status) return can_be_sent | (comes ? has_come : 0);
-    return comes ? host_.take(now) & 0xFF : 0;
+  Word read(Address offset, Cycles /*now*/) override {
+    if (offset == status) return can_be_sent | (in_.empty() ? 0 : has_come);
+    if (in_.empty()) return 0;
+    const Word character = in_.front();
+    in_.pop_front();
+    return character;
   }
   void write(Address offset, Word value, Cycles now) override {
     if (offset == status) return;
     sent_.push_back(value & 0xFF);
     host_.heard(value & 0xFF, now);
   }
-  void advance_to(Cycles now) override { interrupts_ = host_.next() <= now; }
-  Cycles next_event() const override { return interrupts_ ? never_cycle : host_.next(); }
-  bool continues() const override { return host_.next() != never_cycle; }
-  bool interrupts() const override { return interrupts_; }
+  void advance_to(Cycles now) override {
+    while (host_.next() <= now) in_.push_back(host_.take(host_.next()) & 0xFF);
+  }
+  Cycles next_event() const override { return in_.empty() ? host_.next() : never_cycle; }
+  bool continues() const override { return !in_.empty() || host_.next() != never_cycle; }
+  bool interrupts() const override { return !in_.empty(); }
   const std::vector<Word>* sent() const override { return &sent_; }
   HostScript* host() override { return &host_; }
   void list_state(state::Visitor& list) override {
     list("host", host_);
+    list("in", in_);
     list("sent", sent_);
-    list("interrupts", interrupts_);
   }
 
  private:
   static constexpr Word has_come = 1, can_be_sent = 2;
   static constexpr Address status = 1;
   HostScript host_;
+  std::deque<Word> in_;
   std::vector<Word> sent_;
-  bool interrupts_ = false;
 };
 
 class Registers final : public BoardDevice {

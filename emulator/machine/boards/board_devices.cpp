@@ -186,8 +186,11 @@ void BoardDevices::type(std::string_view text) {
   if (const Place* place = console_at()) place->device->host()->add(characters(text), now_);
 }
 
-void BoardDevices::type(const HostStep& step) {
+HostStep BoardDevices::type(std::string_view text, Cycles now) {
+  HostStep step = characters(text).at(0);
+  step.number = static_cast<std::uint64_t>(std::max(now, now_ + 1));
   if (const Place* place = console_at()) place->device->host()->add({step}, now_);
+  return step;
 }
 
 std::optional<std::string> BoardDevices::stateless() const {
@@ -247,11 +250,21 @@ Cycles LoneDevices::limit(Cycles wanted) {
 
 bool LoneDevices::serve(const c40::ExternalAccess& access) { return machine::serve(devices_, chip_, access); }
 
+bool LoneDevices::could_wake(Pin pin) const {
+  const bool can = chip_.idle() || (chip_.register_value(isa::Register::ST) & c40::st::GIE) != 0;
+  return chip_.reacts_to(pin) && (pin == Pin::nmi || can);
+}
+
 bool LoneDevices::could_wake() const {
   if (pins_.empty() && devices_.next_event() == never_cycle) return false;
-  const bool can = chip_.idle() || (chip_.register_value(isa::Register::ST) & c40::st::GIE) != 0;
-  return std::ranges::any_of(devices_.pins(),
-                             [&](Pin pin) { return chip_.reacts_to(pin) && (pin == Pin::nmi || can); });
+  return std::ranges::any_of(devices_.pins(), [&](Pin pin) { return could_wake(pin); });
+}
+
+bool LoneDevices::typing_could_wake() const {
+  const BoardDevices::Place* console = devices_.console_at();
+  // A pin that is low already does not fall.
+  return console != nullptr && console->described.pin && !console->device->interrupts() &&
+         could_wake(*console->described.pin);
 }
 
 }  // namespace machine

@@ -72,10 +72,13 @@ class BoardDevices {
   /// Called at each change of a pin. \param cycle in which it changes
   std::function<void(c40::Pin, bool level, c40::Cycles cycle)> on_pin;
 
+  /// The first console; null: there is none.
+  const Place* console_at() const;
   /// Characters for the first console, after those that still wait.
   void type(std::string_view text);
-  void type(const HostStep& step);
-  bool has_console() const { return console_at() != nullptr; }
+  /// The same, of a user who types while the program runs. Returns a step with which a host script repeats it: the
+  /// characters come behind every access until now.
+  HostStep type(std::string_view text, c40::Cycles now);
   /// Everything that consoles have sent; the first changes of LEDs, and how many there were.
   const std::string& console() const { return console_; }
   const std::vector<Change>& changes() const { return changes_; }
@@ -91,7 +94,6 @@ class BoardDevices {
  private:
   Place* at(c40::Address address);
   const Place* at(c40::Address address) const { return const_cast<BoardDevices*>(this)->at(address); }
-  const Place* console_at() const;
   void note(const Place& place, const c40::ExternalAccess& access, c40::Word before);
   void tell_pins(c40::Cycles cycle);
   void join_vme();
@@ -119,6 +121,8 @@ class LoneDevices {
   bool serve(const c40::ExternalAccess& access);
   /// A device could interrupt the chip by itself.
   bool could_wake() const;
+  /// A character that somebody types could do so.
+  bool typing_could_wake() const;
   void list_state(state::Visitor& list) { list("pins", pins_); }
 
  private:
@@ -128,6 +132,7 @@ class LoneDevices {
     c40::Cycles due = 0;
   };
   bool reached(c40::Cycles due) const;
+  bool could_wake(c40::Pin pin) const;
 
   BoardDevices& devices_;
   c40::Chip& chip_;

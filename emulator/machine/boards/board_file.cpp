@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <optional>
 
@@ -98,21 +99,26 @@ class BoardReader {
     };
     Region region;
     region.name = std::to_string(number);
+    bool has_base = false;
     needed("name", [&](const toml::node& given) { region.name = toml_.text(given, "region.name"); });
-    needed("base", [&](const toml::node& given) { region.base = toml_.word(given, "region.base"); });
+    needed("base", [&](const toml::node& given) {
+      region.base = toml_.word(given, "region.base");
+      has_base = true;
+    });
     needed("words", [&](const toml::node& given) { region.words = words_of(given, region); });
     toml_.optional(table, "kind", [&](const toml::node& kind) { region.kind = kind_of(kind, region); });
     const bool window = region.kind == Region::Kind::external_window;
     if (whole && !window && region.words > most_words)
       toml_.note(*table.get("words"),
                  fmt::format("region.words of {}: a board has at most {} words of RAM", region.name, most_words));
-    needed("bus", [&](const toml::node& given) { region.bus = bus_of(given, region, whole); });
+    needed("bus", [&](const toml::node& given) { region.bus = bus_of(given, region, has_base); });
     waits(table, region);
     if (whole) check_place(board, region, node);
     if (const auto* file = table.get("file")) {
       if (toml_.reads_files)
-        toml_.attempt(
-            [&] { description.contents.push_back({region.base, contents(region, *file, table.get("width"))}); });
+        toml_.attempt([&] {
+          description.contents.push_back({region.base, contents(description, region, *file, table.get("width"))});
+        });
     } else if (const auto* width = table.get("width")) {
       toml_.note(*width, fmt::format("region.width of {}: is for a file, and `file` is missing", region.name));
     }
@@ -194,7 +200,8 @@ class BoardReader {
   }
 
   /// The image of a ROM, in the folder of the board file.
-  std::vector<c40::Word> contents(const Region& region, const toml::node& file, const toml::node* width) {
+  std::vector<c40::Word> contents(BoardDescription& description, const Region& region, const toml::node& file,
+                                  const toml::node* width) {
     if (region.kind == Region::Kind::external_window)
       toml_.fail(file, fmt::format("region.file of {}: a window has no contents", region.name));
     const std::string path = toml_.beside(toml_.text(file, "region.file"));
@@ -203,10 +210,14 @@ class BoardReader {
       if (width != nullptr) bits = toml_.word(*width, "region.width", 32);
       if (bits && *bits != 8 && *bits != 16 && *bits != 32)
         toml_.fail(*width, fmt::format("region.width of {}: 8, 16 or 32 is expected", region.name));
-      std::vector<c40::Word> words = toolchain::read_rom_words(path, bits, "region.width");
+      const std::vector<std::uint8_t> bytes = toolchain::read_rom(path);
+      std::vector<c40::Word> words = toolchain::rom_words_of(path, bytes, bits, "region.width");
       if (words.size() > region.words)
         toml_.fail(file, fmt::format("region.file of {}: {} words do not go into {}", region.name, words.size(),
                                      region.words));
+      if (const std::string warning = toolchain::width_contradiction(bytes, bits, "region.width"); !warning.empty())
+        description.warnings.push_back(fmt::format("{}:{}: warning: region.file of {}: {}", toml_.file(),
+                                                   width->source().begin.line, region.name, warning));
       return words;
     } catch (const toolchain::RomError& error) {
       toml_.fail(file, fmt::format("region.file of {}: {}", region.name, error.what()));
@@ -256,13 +267,13 @@ class BoardReader {
   }
 
   // The address decides which bus the chip uses (c40-hardware.md 1.1).
-  Region::Bus bus_of(const toml::node& node, const Region& region, bool has_place) {
+  Region::Bus bus_of(const toml::node& node, const Region& region, bool has_base) {
     const std::string bus = toml_.text(node, "region.bus");
     if (bus != "local" && bus != "global")
       toml_.fail(node, fmt::format("region.bus of {}: local or global is expected", region.name));
     const bool upper = region.base >= 0x80000000u;
     const std::uint64_t end = region.base + region.words;
-    if (!has_place) return bus == "local" ? Region::Bus::local : Region::Bus::global;
+    if (!has_base) return bus == "local" ? Region::Bus::local : Region::Bus::global;
     if (upper != (bus == "global") || (!upper && end > 0x80000000ull))
       toml_.fail(node, fmt::format("region.bus of {}: the local bus is below 80000000h, the global bus from there on",
                                    region.name));

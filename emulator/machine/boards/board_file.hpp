@@ -4,10 +4,12 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "c40/chip/board.hpp"
 #include "c40/observers/probe.hpp"
+#include "io/print.hpp"
 #include "machine/boards/board_device.hpp"
 #include "machine/system/symbols.hpp"
 
@@ -20,7 +22,8 @@ namespace machine {
 /// A board that cannot be used. The message names the file and line, or the board, the key and what would be right.
 class BoardError : public std::invalid_argument {
  public:
-  using std::invalid_argument::invalid_argument;
+  /// A byte 0 of a text in the file does not end the message.
+  explicit BoardError(std::string_view message) : std::invalid_argument(io::printable(message)) {}
 };
 
 /// Limits of CLKIN.
@@ -38,6 +41,7 @@ struct BoardDescription {
     std::vector<c40::Word> words;
   };
   std::vector<Contents> contents{};
+  std::vector<std::string> warnings{};  ///< what a user should know: file, line, and what is doubtful
   std::vector<c40::AddressRange>
       ignored{};  ///< addresses without memory at which an access is not a fault (board_reserved.hpp)
 };

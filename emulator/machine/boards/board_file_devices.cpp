@@ -22,8 +22,7 @@ class DeviceReader {
   void read(const toml::table& table) {
     device_.name = std::to_string(board_.devices.size() + 1);  // for errors, if it has no name
     const std::string device = "device " + device_.name;
-    toml_.needed(table, "name", device,
-                 [&](const toml::node& name) { device_.name = toml_.text(name, "device.name"); });
+    toml_.needed(table, "name", device, [&](const toml::node& name) { name_of(name); });
     const DeviceKindRow& row = kind(table, device);
     device_.words = std::max<c40::Address>(row.words, 1);
     std::vector<std::string_view> keys{"name", "kind", "base", "waits"};
@@ -38,6 +37,15 @@ class DeviceReader {
   }
 
  private:
+  /// Options and actions say NAME=FILE.
+  void name_of(const toml::node& node) {
+    const std::string name = toml_.text(node, "device.name");
+    if (name.empty() || name.find('=') != std::string::npos)
+      toml_.fail(node,
+                 fmt::format("device.name: \"{}\" cannot be used: a name is a text without '=', and not empty", name));
+    device_.name = name;
+  }
+
   /// A key that belongs to another kind gets a message of its own.
   void unknown_keys(const toml::table& table, const DeviceKindRow& row, const std::vector<std::string_view>& keys) {
     for (const auto& [key, node] : table) {
@@ -163,6 +171,8 @@ class DeviceReader {
 
 DeviceInput device_input(std::string text, const std::string& source, DeviceKind kind, bool script) {
   DeviceInput input{.source = source, .sha256 = state::sha256(text), .steps = {}};
+  const bool any_bytes = !script && kind == DeviceKind::console;  // as they were typed
+  if (!any_bytes) text = io::checked_text<HostScriptError>(std::move(text), source);
   input.steps = script                        ? parse_host_script(text, source)
                 : kind == DeviceKind::console ? characters(text)
                                               : parse_host_words(text, source);
@@ -173,10 +183,8 @@ DeviceInput read_device_input(const std::string& path, DeviceKind kind, bool scr
   const std::string expected = script                        ? "a host script (docs/boards.md)"
                                : kind == DeviceKind::console ? "the input of the console"
                                                              : "a file of words in hexadecimal";
-  const bool characters = !script && kind == DeviceKind::console;  // any bytes, as they were typed
-  return device_input(
-      characters ? io::read_file<HostScriptError>(path, expected) : io::read_text<HostScriptError>(path, expected),
-      std::filesystem::path(path).filename().string(), kind, script);
+  return device_input(io::read_file<HostScriptError>(path, expected), std::filesystem::path(path).filename().string(),
+                      kind, script);
 }
 
 void read_devices(BoardToml& toml, BoardDescription& board, const toml::table& root) {

@@ -20,6 +20,11 @@ void Timer::advance_to(Cycles now) {
   status_ |= overrun;
 }
 
+void Timer::leave_zero() {
+  if ((control_ & runs) != 0 && count_ == 0) count_ = reload_;
+  if (count_ == 0) control_ &= ~runs;
+}
+
 Word Timer::read(Address offset, Cycles now) {
   switch (offset) {
     case 0: return count(now);
@@ -31,13 +36,17 @@ Word Timer::read(Address offset, Cycles now) {
 
 void Timer::write(Address offset, Word value, Cycles now) {
   switch (offset) {
-    case 0: count_ = value, since_ = now; break;
+    case 0:
+      count_ = value, since_ = now;
+      leave_zero();
+      break;
     case 1: reload_ = value; break;
     case 2:
-      count_ = count(now), since_ = now;
+      count_ = count(now);
+      // The first count after a start is a whole one. The counts of a timer that runs already are not delayed.
+      since_ = (control_ & runs) == 0 ? now : now - (now - since_) % count_cycles_;
       control_ = value & (runs | interrupt | once);
-      if ((control_ & runs) != 0 && count_ == 0) count_ = reload_;
-      if (count_ == 0) control_ &= ~runs;
+      leave_zero();
       break;
     default: status_ &= ~value;
   }

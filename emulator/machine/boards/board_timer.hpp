@@ -3,7 +3,8 @@
 ///
 /// Words: +0 count, +1 reload, +2 control (bit 0 run, bit 1 interrupt, bit 2 once), +3 status (bit 0 expired, bit 1
 /// expired again before bit 0 was cleared; writing a 1 clears a bit). The timer expires when the count reaches 0, and
-/// then starts again at `reload`; if `reload` is 0, or with `once`, it stops.
+/// then starts again at `reload`; if `reload` is 0, or with `once`, it stops. A timer that is started at 0, or that the
+/// program sets to 0 while it runs, begins at `reload`, too, and does not expire.
 #include "machine/boards/board_device.hpp"
 
 namespace machine {
@@ -25,6 +26,9 @@ class Timer final : public BoardDevice {
   void list_state(state::Visitor& list) override;
 
  private:
+  /// A timer does not run at 0: it begins at `reload`, or stops.
+  void leave_zero();
+
   static constexpr c40::Word runs = 1, interrupt = 2, once = 4, expired = 1, overrun = 2;
 
   c40::Cycles expires() const {

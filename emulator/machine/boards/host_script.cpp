@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "io/text_form.hpp"
 #include "isa/ascii.hpp"
 #include "toolchain/objects/written_integer.hpp"
 
@@ -18,7 +19,7 @@ constexpr std::array<std::pair<std::string_view, HostStep::When>, 4> whens{{{"at
 
 class ScriptReader {
  public:
-  ScriptReader(std::string_view text, std::string_view name) : rest_(text), name_(name) {}
+  ScriptReader(std::string_view text, std::string_view name) : rest_(io::without_mark(text)), name_(name) {}
 
   std::vector<HostStep> read() {
     std::vector<HostStep> steps;
@@ -167,15 +168,7 @@ void HostScript::begin(c40::Cycles now) {
 
 void HostScript::add(const std::vector<HostStep>& steps, c40::Cycles now) {
   const bool was_done = steps_.empty();
-  for (const HostStep& step : steps) {
-    // Characters typed one by one form one step.
-    const bool joins = !steps_.empty() && step.when == HostStep::When::at && steps_.back().when == step.when &&
-                       step.number <= steps_.back().number;
-    if (joins)
-      steps_.back().words.insert(steps_.back().words.end(), step.words.begin(), step.words.end());
-    else
-      steps_.push_back(step);
-  }
+  steps_.insert(steps_.end(), steps.begin(), steps.end());
   if (was_done) begin(now);
 }
 

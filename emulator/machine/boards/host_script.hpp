@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "c40/values/types.hpp"
+#include "io/print.hpp"
 #include "machine/time/time.hpp"
 #include "state/visitor.hpp"
 
@@ -17,7 +18,8 @@ namespace machine {
 /// The message has the line and what would be right.
 class HostScriptError : public std::invalid_argument {
  public:
-  using std::invalid_argument::invalid_argument;
+  /// A byte 0 of the script does not end the message.
+  explicit HostScriptError(std::string_view message) : std::invalid_argument(io::printable(message)) {}
 };
 
 /// A step begins when the step before has been sent. It waits for its condition, and then sends its words.

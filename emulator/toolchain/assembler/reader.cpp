@@ -94,9 +94,7 @@ void Reader::read_text(std::string_view text, const std::string& name, const std
   const std::size_t outer_conditionals = conditionals_.size();
   new_block();
   int number = 0;
-  text = text.substr(0, text.find('\x1A'));                     // the end of a file in DOS
-  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // present-day editors put it before UTF-8
-  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+  text = io::without_mark(text.substr(0, text.find('\x1A')));  // the end of a file in DOS
   if (const std::string problem = form_problem(text); !problem.empty()) {
     report(SourceLine{file, 1, "", nullptr}, {0, problem});
     text = {};

@@ -244,6 +244,13 @@ std::vector<isa::Word> rom_words_of(const std::filesystem::path& path, std::span
   return rom_words(bytes, *width);
 }
 
+std::string width_contradiction(std::span<const std::uint8_t> bytes, std::optional<unsigned> width,
+                                std::string_view width_name) {
+  const auto said = boot_width(bytes);
+  if (!said || !width || *said == *width) return {};
+  return fmt::format("its first word says {} bits, as to a boot loader, and {} {}", *said, width_name, *width);
+}
+
 std::vector<isa::Word> rom_words(std::span<const std::uint8_t> bytes, unsigned width) {
   const std::size_t each = width / 8;
   std::vector<isa::Word> words((bytes.size() + each - 1) / each);

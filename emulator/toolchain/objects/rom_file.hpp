@@ -37,6 +37,11 @@ std::vector<isa::Word> read_rom_words(const std::filesystem::path& path, std::op
 std::vector<isa::Word> rom_words_of(const std::filesystem::path& path, std::span<const std::uint8_t> bytes,
                                     std::optional<unsigned> width, std::string_view width_name);
 
+/// What a warning says of a given width that the file's first word contradicts: the given one holds. Empty: it does
+/// not.
+std::string width_contradiction(std::span<const std::uint8_t> bytes, std::optional<unsigned> width,
+                                std::string_view width_name);
+
 /// What lies in memory that is 8, 16 or 32 bits wide, by rising address: the lowest byte of a word comes first.
 std::vector<isa::Word> rom_words(std::span<const std::uint8_t> bytes, unsigned width);
 std::vector<std::uint8_t> rom_bytes(std::span<const isa::Word> words);

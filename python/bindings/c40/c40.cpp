@@ -17,6 +17,7 @@
 #include "python/bindings/c40/processor.hpp"
 #include "python/bindings/debug.hpp"
 #include "python/bindings/interpreter/errors.hpp"
+#include "python/bindings/interpreter/warnings.hpp"
 #include "state/file.hpp"
 
 namespace {
@@ -124,7 +125,7 @@ void bind_processor(py::module_& m) {
       .def_static(
           "bootable",
           [](const std::string& board, std::optional<c40::Address> memory, const std::vector<py::object>& own) {
-            machine::BoardDescription described = machine::read_board(board);
+            machine::BoardDescription described = python::read_board(board);
             described.board = memory ? machine::with_boot_from_memory(std::move(described.board), *memory)
                                      : machine::with_boot_from_port(std::move(described.board));
             return std::make_unique<Processor>(std::move(described), false, own);

@@ -11,6 +11,7 @@
 #include "machine/boards/board_file.hpp"
 #include "machine/boards/board_reserved.hpp"
 #include "python/bindings/c40/devices.hpp"
+#include "python/bindings/interpreter/warnings.hpp"
 #include "state/file.hpp"
 #include "toolchain/objects/image.hpp"
 
@@ -18,7 +19,7 @@
 class Processor : public c40::PeripheralSink {
  public:
   Processor(const std::string& board, bool checks, const std::vector<py::object>& own)
-      : Processor(machine::read_board(board), checks, own) {}
+      : Processor(python::read_board(board), checks, own) {}
   Processor(machine::BoardDescription described, bool checks, const std::vector<py::object>& own);
 
   void load_words(c40::Address address, const std::vector<c40::Word>& words) { chip.write_block(address, words); }

@@ -6,6 +6,7 @@
 
 #include "machine/networks/network_file.hpp"
 #include "python/bindings/c40/devices.hpp"
+#include "python/bindings/interpreter/warnings.hpp"
 #include "python/bindings/network/network.hpp"
 
 namespace {
@@ -15,7 +16,7 @@ using machine::NetworkDescription;
 machine::NetworkChip chip_of(const py::dict& given) {
   machine::NetworkChip chip;
   chip.program = std::make_shared<toolchain::Image>(given["program"].cast<const toolchain::Image&>());
-  chip.board = machine::read_board(given["board"].cast<std::string>());
+  chip.board = python::read_board(given["board"].cast<std::string>());
   chip.name = given["name"].cast<std::string>();
   chip.clock_mhz = given["clock_mhz"].cast<std::optional<double>>();
   chip.until = given["until"].cast<std::optional<c40::Address>>();
@@ -83,7 +84,8 @@ std::unique_ptr<machine::Network> made_network(const py::list& chips,
 
 std::unique_ptr<machine::Network> network_from_file(const std::string& path, const py::function& program,
                                                     std::uint64_t turn_order) {
-  return std::make_unique<machine::Network>(
-      machine::read_network(path, [&](const std::string& file) { return program(file).cast<toolchain::Image>(); }),
-      turn_order);
+  machine::NetworkDescription read =
+      machine::read_network(path, [&](const std::string& file) { return program(file).cast<toolchain::Image>(); });
+  for (const machine::NetworkChip& chip : read.chips) python::warn_of(chip.board);
+  return std::make_unique<machine::Network>(std::move(read), turn_order);
 }
