@@ -180,7 +180,7 @@ void BoardConsole::listen(c40::Cycles now) {
   for (ssize_t i = 0; i < count; ++i)
     step.words.push_back(static_cast<unsigned char>(typed[static_cast<std::size_t>(i)]));
   typed_.push_back(step);
-  live_->type(typed_.back());
+  live_->type({typed_.back()}, now);
 }
 
 void BoardConsole::run_ended(const std::vector<std::string>& states) {

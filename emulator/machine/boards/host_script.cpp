@@ -167,14 +167,15 @@ void HostScript::begin(c40::Cycles now) {
 
 void HostScript::add(const std::vector<HostStep>& steps, c40::Cycles now) {
   const bool was_done = steps_.empty();
-  for (const HostStep& step : steps) {
+  for (HostStep step : steps) {
+    if (step.when == HostStep::When::at) step.number = std::max(step.number, static_cast<std::uint64_t>(now));
     // Characters typed one by one form one step.
     const bool joins = !steps_.empty() && step.when == HostStep::When::at && steps_.back().when == step.when &&
                        step.number <= steps_.back().number;
     if (joins)
       steps_.back().words.insert(steps_.back().words.end(), step.words.begin(), step.words.end());
     else
-      steps_.push_back(step);
+      steps_.push_back(std::move(step));
   }
   if (was_done) begin(now);
 }

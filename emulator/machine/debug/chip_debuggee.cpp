@@ -47,6 +47,7 @@ void ChipDebuggee::run_until(Time time) {
     at_end = meaning(stop.reason) == StopMeaning::breakpoint;
     over_ = end_of(stop);
   }
+  if (around_ != nullptr) around_->run_ended();
   now_ = over_ ? std::max(now_, std::min(time, chip_.cycle() * period)) : std::max(now_, time);
 }
 

@@ -265,6 +265,8 @@ class Network {
   std::string describe(std::size_t n) const;
   /// The devices behind the windows of a chip's board; null: none.
   BoardDevices* devices(std::size_t n);
+  /// The first cycle in which what its user types now can reach the devices of a chip.
+  c40::Cycles present_cycle(std::size_t n) const;
   /// The chip at the other end of the link for which `n` waits.
   std::optional<std::size_t> waits_for(std::size_t n) const;
 
@@ -329,6 +331,7 @@ class Network {
   void join_links();
   void add_memories();
   void add_devices();
+  void settle_devices();
   void add_pin_nets();
   void join_nets();
   void join_pin_nets();
