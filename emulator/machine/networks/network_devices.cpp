@@ -165,7 +165,10 @@ bool Network::Node::serve_device(const c40::ExternalAccess& access) {
   if (device_turn == nullptr) return true;
   note_device_event();
   device_turn->changed();
-  if (!passing_) ends_ = std::min(ends_, std::max(first_cycle(horizon_of_follower()), chip.cycle() + 1));
+  if (passing_) return true;
+  // The processor finishes the instruction with the access; beside an access of the DMA it begins none.
+  const Cycles horizon = first_cycle(horizon_of_follower());
+  ends_ = std::min(ends_, access.channel < 0 ? std::max(horizon, chip.cycle() + 1) : horizon);
   return true;
 }
 
