@@ -165,6 +165,25 @@ def test_a_dma_channel_at_devices(seed: int, tmp_path: Path) -> None:
         assert seen(chip) == seen(alone), cuts
 
 
+@pytest.mark.parametrize("cuts", [[10.0], [24.0], [2.0, 3.0, 20.0], [n / 4 for n in range(1, 100)]])
+def test_a_network_ends_when_its_devices_rest(cuts: list[float], tmp_path: Path) -> None:
+    """The word that is on its way to the host could have interrupted the chip."""
+    text = (
+        vector(4)
+        + "        ldi 1,r0\n        sti r0,*+ar2(4)\n"
+        + enabled(1)
+        + "        sti r0,*ar2\nwait:   idle\n        b wait\nisr:    reti\n"
+    )
+    there = str(board(tmp_path, device("fifo", pin="IIOF1", output_cycles=500)))
+    whole, cut = (Network([assembled(text)], boards=there) for _ in range(2))
+    for us in cuts:
+        assert cut.run(until_us=us).reason == "limit" and cut.now_ps == round(us * 1_000_000)
+    for network in (whole, cut):
+        assert network.run().reason == "ended" and network.chips[0].sent("D") == [1]
+    assert whole.now_ps == cut.now_ps > 500 * 50_000
+    assert whole.chips[0].cycles == cut.chips[0].cycles
+
+
 PLAIN = "        ldi 3,ar3\nw:      nop\n        nop\n        db ar3,w\n"
 FIVE = "        ldi 5,r0\n        sti r0,*ar2\n        rpts 200\n        nop\n"
 COUNTS = "        ldi 50,r0\n        sti r0,*+ar2(21h)\n        ldi 3,r0\n        sti r0,*+ar2(22h)\n"
