@@ -269,7 +269,7 @@ def test_an_input_that_is_made_an_output_is_a_fault() -> None:
         100,
     )
     assert network.chips[1].status == "fault"
-    assert "pin IIOF1 becomes an output, and a net drives it" in network.chips[1].message
+    assert "pin IIOF1 becomes an output, and a net or device drives it" in network.chips[1].message
 
 
 # ---- links beside nets ----

@@ -211,6 +211,7 @@ void Engine::list_state(state::Visitor& list) {
 
   if (state_.faulted) access_.set_reported(false);  // nothing will answer the access any more
   access_.list_state(list);
+  if (reported_breakpoint_ != state_.cycle) reported_breakpoint_.reset();  // the chip has left it
   list("reported_breakpoint", reported_breakpoint_);
   Cycles idle_since = this->idle_since();
   list("idle_since", idle_since);

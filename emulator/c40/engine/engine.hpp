@@ -115,6 +115,8 @@ class Engine {
   Stepped advance(Cycles limit, bool single);
   Stepped act(Cycles limit, bool single, bool dma_busy);
   const StopInfo& stop(Stepped why);
+  /// The stop is before an access. The DMA may pass an access that has been reported, and no other.
+  static bool reports_access(Stepped why) { return why == Stepped::external || why == Stepped::port; }
   StopInfo& stopped(StopInfo::Reason reason) {
     stop_.reason = reason;
     stop_.fault.reset();

@@ -158,7 +158,7 @@ const StopInfo& Engine::run_until(Cycles limit, Cycles known) {
         if (auto earlier = run_dma(access_.is_reported() ? known : known_before_access(known), true))
           return stop_ = *std::move(earlier);
       }
-      access_.set_reported(true);
+      access_.set_reported(reports_access(why));
       return stop(why);
     }
     access_.set_reported(false);
@@ -194,7 +194,7 @@ const StopInfo& Engine::step() {
   if (peripherals_.dma_active() && (why == Stepped::port || why == Stepped::external)) {
     if (auto earlier = run_dma(access_.cycle(), true)) return stop_ = *std::move(earlier);
   }
-  access_.set_reported(why != Stepped::done);
+  access_.set_reported(reports_access(why));
   if (why == Stepped::done && (peripherals_.dma_active() || dma_side_.stop))
     if (auto info = run_dma(waits_in_idle() ? state_.cycle : run_limit_, false)) return stop_ = *std::move(info);
   if (why == Stepped::done) reach_present();

@@ -293,7 +293,7 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
     if (pins_.driven() && (bound.writes_interrupts || step.register_writes != 0)) [[unlikely]]
       if (const auto pin = pins_.contended())
         return fail(Fault::Kind::not_modelled,
-                    fmt::format("pin {} becomes an output, and a net drives it", name(*pin)));
+                    fmt::format("pin {} becomes an output, and a net or device drives it", name(*pin)));
   }
   std::optional<StepTiming> without;
   if (dma_effect_ != DmaEffect::none) [[unlikely]]

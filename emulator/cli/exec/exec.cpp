@@ -83,6 +83,7 @@ int exec(const ExecOptions& options) {
   if (boot && boot->port) connected.feeder.emplace(chip, *boot->port, stream_for(image, *boot));
   const io::StopBySignal signals;
   const Outcome outcome = run(chip, until, options, connected);
+  devices.run_ended();
   if (events) events->finish();
   listeners.run_ended();
 

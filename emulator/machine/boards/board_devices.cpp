@@ -95,9 +95,10 @@ bool BoardDevices::will_act_on_others() const {
 std::optional<BoardDevices::Answer> BoardDevices::access(const c40::ExternalAccess& access) {
   Place* place = at(access.address);
   if (place == nullptr) return std::nullopt;
-  // The DMA may be behind the processor: events that have happened are not undone.
+  // Accesses come in the order of their cycles; what has happened is not undone.
   const Cycles now = std::max(now_, access.cycle);
   advance_to(now);
+  now_ = now;
   BoardDevice& device = *place->device;
   device.advance_to(now);
   const Address stride = place->described.stride;
@@ -140,12 +141,19 @@ void BoardDevices::advance_to(Cycles now) {
     now_ = std::max(now_, event);
     tell_pins(now_);
   }
-  now_ = std::max(now_, now);
 }
 
 void BoardDevices::look(Cycles now) {
-  advance_to(std::max(now_, now));
+  advance_to(now);
+  now_ = std::max(now_, now);
   tell_pins(now_);
+}
+
+void BoardDevices::settle(Cycles now) {
+  advance_to(now);
+  now_ = std::max(now_, now);
+  for (Place& place : places_)
+    if (place.described.kind != DeviceKind::own) place.device->advance_to(now);
 }
 
 Cycles BoardDevices::next_event() const {
@@ -182,14 +190,14 @@ const BoardDevices::Place* BoardDevices::console_at() const {
   return found == places_.end() ? nullptr : &*found;
 }
 
-void BoardDevices::type(std::string_view text) {
-  if (const Place* place = console_at()) place->device->host()->add(characters(text), now_);
+void BoardDevices::type(const std::vector<HostStep>& steps, Cycles now) {
+  if (const Place* place = console_at()) place->device->host()->add(steps, now);
 }
 
 HostStep BoardDevices::type(std::string_view text, Cycles now) {
   HostStep step = characters(text).at(0);
   step.number = static_cast<std::uint64_t>(std::max(now, now_ + 1));
-  if (const Place* place = console_at()) place->device->host()->add({step}, now_);
+  type({step}, now);
   return step;
 }
 
@@ -223,29 +231,57 @@ bool serve(BoardDevices& devices, c40::Chip& chip, const c40::ExternalAccess& ac
 // ---- around one chip ----
 
 LoneDevices::LoneDevices(BoardDevices& devices, c40::Chip& chip) : devices_(devices), chip_(chip) {
-  for (const Pin pin : devices_.pins()) chip_.set_pin(pin, true, chip_.cycle());
+  unsigned pulled = 0;
+  for (const Pin pin : devices_.pins()) {
+    chip_.set_pin(pin, true, chip_.cycle());
+    pulled |= bit(pin);
+  }
+  chip_.watch_pins(nullptr, 0, pulled);
   devices_.on_pin = [this](Pin pin, bool level, Cycles cycle) {
     const Cycles due = cycle + 1;
+    // It has changed and changed back between two looks.
+    if (std::erase_if(pins_, [&](const PinChange& other) { return other.pin == pin && other.due == due; }) != 0) return;
     pins_.insert(std::ranges::upper_bound(pins_, due, {}, &PinChange::due), PinChange{pin, level, due});
   };
 }
 
-LoneDevices::~LoneDevices() { devices_.on_pin = nullptr; }
+LoneDevices::~LoneDevices() {
+  devices_.on_pin = nullptr;
+  chip_.watch_pins(nullptr, 0, 0);
+}
 
 /// A running processor has begun its last instruction by then, as in a network (Network::Node::run_to).
 bool LoneDevices::reached(Cycles due) const { return chip_.cycle() > due || (chip_.cycle() == due && chip_.idle()); }
 
-Cycles LoneDevices::limit(Cycles wanted) {
-  devices_.advance_to(chip_.cycle());
+/// The last cycle in which all accesses have been made, as far as the DMA is concerned, which may be behind the
+/// processor. What a device does by itself there comes before the processor's access.
+Cycles LoneDevices::present() const { return chip_.settled() - (chip_.dma_active() ? 1 : 0); }
+
+/// So an event comes after the accesses of the cycles before, wherever the run has been cut.
+void LoneDevices::catch_up() {
+  devices_.advance_to(present());
   while (!pins_.empty() && reached(pins_.front().due)) {
     const PinChange change = pins_.front();
     pins_.pop_front();
     chip_.set_pin(change.pin, change.level, change.due);
   }
-  const Cycles event = devices_.next_event();
-  Cycles next = event == never_cycle ? never_cycle : event + 1;
-  if (!pins_.empty()) next = std::min(next, pins_.front().due);
-  return next == never_cycle ? wanted : std::min(wanted, chip_.cycle() < next ? next : chip_.cycle() + 1);
+}
+
+Cycles LoneDevices::limit(Cycles wanted) {
+  catch_up();
+  Cycles next = wanted;
+  // A processor that has passed the effect of an event waits for the DMA, which has not come to the event.
+  if (const Cycles event = devices_.next_event(); event != never_cycle) {
+    const Cycles effect = event + 1, now = chip_.cycle();
+    next = std::min(next, reached(effect) ? now : std::max(effect, now + 1));
+  }
+  if (!pins_.empty()) next = std::min(next, std::max(pins_.front().due, chip_.cycle() + 1));
+  return next;
+}
+
+void LoneDevices::run_ended() {
+  catch_up();
+  devices_.settle(present());
 }
 
 bool LoneDevices::serve(const c40::ExternalAccess& access) { return machine::serve(devices_, chip_, access); }

@@ -60,6 +60,9 @@ class BoardDevices {
   void advance_to(c40::Cycles now);
   /// The same; also reports to the pins what other chips have done to the devices by this cycle.
   void look(c40::Cycles now);
+  /// The same between two runs; also executes what only the other side sees, as words on the way to it. \param now
+  /// every access before this cycle has been made, and by the DMA also those in it
+  void settle(c40::Cycles now);
   c40::Cycles next_event() const;
   /// A device acts on other chips; a device that acts on other chips also acts by itself.
   bool act_on_others() const;
@@ -74,8 +77,8 @@ class BoardDevices {
 
   /// The first console; null: there is none.
   const Place* console_at() const;
-  /// Characters for the first console, after those that still wait.
-  void type(std::string_view text);
+  /// Characters for the first console, after those that still wait. \param now the cycle in which they are typed
+  void type(const std::vector<HostStep>& steps, c40::Cycles now);
   /// The same, of a user who types while the program runs. Returns a step with which a host script repeats it: the
   /// characters come behind every access until now.
   HostStep type(std::string_view text, c40::Cycles now);
@@ -99,8 +102,8 @@ class BoardDevices {
   void join_vme();
 
   std::vector<Place> places_;
-  c40::Cycles now_ = 0;
-  unsigned low_ = 0;  ///< bit n: pin n was last reported low
+  c40::Cycles now_ = 0;  ///< of the last event or access; where a run has been cut does not count
+  unsigned low_ = 0;     ///< bit n: pin n was last reported low
   std::string console_;
   std::vector<Change> changes_;
   std::uint64_t change_count_ = 0;
@@ -117,6 +120,8 @@ class LoneDevices {
 
   /// Executes what is due at the chip's cycle. Returns how far the chip may run, at most to `wanted`.
   c40::Cycles limit(c40::Cycles wanted);
+  /// To be called after each run: executes what is due, so that the state does not depend on how the run was cut.
+  void run_ended();
   /// Answers the access at which the chip stopped; false: no device is at the address.
   bool serve(const c40::ExternalAccess& access);
   /// A device could interrupt the chip by itself.
@@ -133,10 +138,12 @@ class LoneDevices {
   };
   bool reached(c40::Cycles due) const;
   bool could_wake(c40::Pin pin) const;
+  c40::Cycles present() const;
+  void catch_up();
 
   BoardDevices& devices_;
   c40::Chip& chip_;
-  std::deque<PinChange> pins_;  ///< future ones, by time
+  std::deque<PinChange> pins_;  ///< future ones, by time; a pin changes once in a cycle
 };
 
 /// Answers the access at which a chip stopped; false: no device is at the address.

@@ -168,7 +168,10 @@ void HostScript::begin(c40::Cycles now) {
 
 void HostScript::add(const std::vector<HostStep>& steps, c40::Cycles now) {
   const bool was_done = steps_.empty();
-  steps_.insert(steps_.end(), steps.begin(), steps.end());
+  for (HostStep step : steps) {
+    if (step.when == HostStep::When::at) step.number = std::max(step.number, static_cast<std::uint64_t>(now));
+    steps_.push_back(std::move(step));
+  }
   if (was_done) begin(now);
 }
 

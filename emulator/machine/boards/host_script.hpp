@@ -50,7 +50,7 @@ class HostScript {
   HostScript() = default;
   explicit HostScript(std::vector<HostStep> steps) : steps_(steps.begin(), steps.end()) { begin(0); }
 
-  /// Adds steps after those that wait.
+  /// Adds steps after those that wait. The first begins in cycle `now` at the earliest.
   void add(const std::vector<HostStep>& steps, c40::Cycles now);
   /// The program has sent a word.
   void heard(c40::Word word, c40::Cycles now);

@@ -48,6 +48,7 @@ void ChipDebuggee::run_until(Time time) {
     over_ = end_of(stop);
     calls_ = stop.reason == c40::StopInfo::Reason::software_interrupt;
   }
+  if (around_ != nullptr) around_->run_ended();
   now_ = over_ ? std::max(now_, std::min(time, chip_.cycle() * period)) : std::max(now_, time);
 }
 

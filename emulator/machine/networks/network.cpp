@@ -314,9 +314,12 @@ NetworkStop Network::run_until(Time limit) {
   constexpr Time slice = std::chrono::microseconds{200};
   const Running running(runs_);
   for (;;) {
-    const NetworkStop stop = run_slice(std::min(limit, now_ + slice));
-    if (stop.reason != NetworkStop::Reason::limit || now_ >= limit) return stop;
-    if (io::stop_asked()) return {NetworkStop::Reason::interrupted, now_};
+    NetworkStop stop = run_slice(std::min(limit, now_ + slice));
+    const bool ends = stop.reason != NetworkStop::Reason::limit || now_ >= limit;
+    if (!ends && !io::stop_asked()) continue;
+    if (!ends) stop = {NetworkStop::Reason::interrupted, now_};
+    settle_devices();
+    return stop;
   }
 }
 

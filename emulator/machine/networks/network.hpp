@@ -12,6 +12,7 @@
 /// began. An access of the DMA to a shared memory makes its processor's access wait, whatever that accesses. A program
 /// that polls a value that never changes is found only if no timer of its chip runs, and some ten thousand cycles after
 /// the last event.
+#include <algorithm>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -269,6 +270,8 @@ class Network {
   bool calls_debugger(std::size_t n) const;
   /// The devices behind the windows of a chip's board; null: none.
   BoardDevices* devices(std::size_t n);
+  /// The first cycle in which what its user types now can reach the devices of a chip.
+  c40::Cycles present_cycle(std::size_t n) const;
   /// The chip at the other end of the link for which `n` waits.
   std::optional<std::size_t> waits_for(std::size_t n) const;
 
@@ -333,6 +336,7 @@ class Network {
   void join_links();
   void add_memories();
   void add_devices();
+  void settle_devices();
   void add_pin_nets();
   void join_nets();
   void join_pin_nets();
@@ -390,7 +394,9 @@ class Network {
   std::vector<NetworkEvent> events_, net_events_;
   Scheduler scheduler_;
   Time now_{0};
-  void something_happened() { ++news_, happened_ = now_; }
+  void something_happened() { something_happened(now_); }
+  /// \param at later than now, if it is an access of a chip that runs ahead
+  void something_happened(Time at) { ++news_, happened_ = std::max(happened_, at); }
   std::uint64_t news_ = 0;  ///< on links, in shared memories, to chips: what could end a loop that polls
   Time happened_{0};        ///< the last of them
   /// The last thing on a link that was no mere exchange of the token, change of a pin, action, or event of a timer that

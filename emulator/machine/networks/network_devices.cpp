@@ -78,6 +78,21 @@ void Network::join_pin_nets() {
 
 BoardDevices* Network::devices(std::size_t n) { return nodes_.at(n)->devices.get(); }
 
+Cycles Network::present_cycle(std::size_t n) const {
+  const Node& node = *nodes_.at(n);
+  return std::max(node.chip.cycle(), node.first_cycle(now_));
+}
+
+/// At the end of a run: so its end shows what the devices have sent by then.
+void Network::settle_devices() {
+  for (auto& node : nodes_) {
+    if (node->devices == nullptr) continue;
+    const bool has_dma = node->chip.dma_active();
+    const Cycles now = node->first_cycle(now_), settled = node->chip.settled() - (has_dma ? 1 : 0);
+    node->devices->settle(has_dma || node->status == ChipStatus::running ? std::min(now, settled) : now);
+  }
+}
+
 void Network::Node::note_device_event() {
   const Cycles event = device_turn == nullptr ? never_cycle : devices->next_event();
   // Text that its user typed between two runs takes effect at the beginning of the next run.
@@ -146,11 +161,14 @@ void Network::devices_acted() {
 /// may run.
 bool Network::Node::serve_device(const c40::ExternalAccess& access) {
   serve(*devices, chip, access);
-  if (access.write) network.something_happened();
+  if (access.write) network.something_happened(clock.at(access.cycle));
   if (device_turn == nullptr) return true;
   note_device_event();
   device_turn->changed();
-  if (!passing_) ends_ = std::min(ends_, std::max(first_cycle(horizon_of_follower()), chip.cycle() + 1));
+  if (passing_) return true;
+  // The processor finishes the instruction with the access; beside an access of the DMA it begins none.
+  const Cycles horizon = first_cycle(horizon_of_follower());
+  ends_ = std::min(ends_, access.channel < 0 ? std::max(horizon, chip.cycle() + 1) : horizon);
   return true;
 }
 

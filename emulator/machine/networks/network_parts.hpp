@@ -278,6 +278,7 @@ struct Network::DeviceTurn final : Scheduler::Actor {
   Time next() const override { return node.next_device_event(); }
   void act(Time now) override {
     node.network.now_ = now;
+    if (node.devices_continue()) node.network.changed_ = now;  // the network was not at rest before
     node.devices->advance_to(node.first_cycle(now));
     node.note_device_event();
     node.changed();

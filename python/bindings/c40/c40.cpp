@@ -156,7 +156,7 @@ void bind_processor(py::module_& m) {
           "pc", [](const Processor& p) { return p.chip.pc(); },
           [](Processor& p, c40::Address pc) { p.chip.set_pc(pc); });
   bind_inspection(processor, ChipOfProcessor());
-  bind_devices(processor, [](Processor& p) { return &p.devices; });
+  bind_devices(processor, [](Processor& p) { return &p.devices; }, [](Processor& p) { return p.chip.cycle(); });
 }
 
 }  // namespace

@@ -87,25 +87,29 @@ class PythonDevice final : public machine::BoardDevice {
   bool acts_;
 };
 
-/// console, led_changes, led_change_count, not_modelled, type, send and sent of what has devices. \param devices_of may
-/// give null: there are none
-template <class Class, class DevicesOf>
-void bind_devices(Class& bound, DevicesOf devices_of) {
+/// console, led_changes, led_change_count, not_modelled, type, send and sent of what has devices.
+/// \param devices_of may give null: there are none
+/// \param now_of the cycle in which its user types or sends
+template <class Class, class DevicesOf, class NowOf>
+void bind_devices(Class& bound, DevicesOf devices_of, NowOf now_of) {
   using T = typename Class::type;
   const auto all = [devices_of](T& object) -> machine::BoardDevices& {
     static machine::BoardDevices none;
     machine::BoardDevices* devices = devices_of(object);
     return devices == nullptr ? none : *devices;
   };
-  const auto add = [](machine::BoardDevices& devices, const std::string& name, std::vector<machine::HostStep> steps) {
-    machine::HostScript* host = devices.named(name).device->host();
+  const auto add = [all, now_of](T& object, const std::string& name, const std::vector<machine::HostStep>& steps) {
+    machine::HostScript* host = all(object).named(name).device->host();
     if (host == nullptr) throw py::value_error("the device " + name + " takes no words from a host");
-    host->add(steps, 0);
+    host->add(steps, now_of(object));
   };
   bound
       .def(
-          "type", [all](T& object, const std::string& text) { all(object).type(text); }, py::arg("text"),
-          "Characters for the board's console to read.")
+          "type",
+          [all, now_of](T& object, const std::string& text) {
+            all(object).type(machine::characters(text), now_of(object));
+          },
+          py::arg("text"), "Characters for the board's console to read.")
       .def_property_readonly(
           "console", [all](T& object) { return py::bytes(all(object).console()); }, "What the consoles have sent.")
       .def_property_readonly(
@@ -132,16 +136,15 @@ void bind_devices(Class& bound, DevicesOf devices_of) {
           "(name, cycle, what) of what programs asked of devices that these do not do.")
       .def(
           "send",
-          [all, add](T& object, const std::string& name, const std::vector<c40::Word>& words) {
+          [add](T& object, const std::string& name, const std::vector<c40::Word>& words) {
             if (words.empty()) return;
-            add(all(object), name,
-                {machine::HostStep{.when = machine::HostStep::When::at, .number = 0, .words = words}});
+            add(object, name, {machine::HostStep{.when = machine::HostStep::When::at, .number = 0, .words = words}});
           },
           py::arg("name"), py::arg("words"))
       .def(
           "send_script",
-          [all, add](T& object, const std::string& name, const std::string& script) {
-            add(all(object), name, machine::parse_host_script(script, "script"));
+          [add](T& object, const std::string& name, const std::string& script) {
+            add(object, name, machine::parse_host_script(script, "script"));
           },
           py::arg("name"), py::arg("script"))
       .def(

@@ -164,16 +164,29 @@ py::list Processor::trace(Cycles max_cycles) {
 
 py::dict Processor::step() {
   if (self_check) self_check->look();
-  around->limit(chip.cycle());
-  // Behind the instruction the chip may stop again, for an access of its DMA.
-  const auto stepped = [this, pc = chip.pc(), before = chip.instructions()] {
-    return chip.instructions() != before || chip.pc() != pc;
-  };
-  c40::StopInfo stop = chip.step();
-  while (stop.reason == c40::StopInfo::Reason::external_access && answered(stop.access))
-    stop = stepped() ? c40::StopInfo{} : chip.step();
+  // What devices do comes after all that the DMA has done before it, and an interrupt before the instruction.
+  c40::StopInfo stop = settle_dma();
+  if (stop.reason == c40::StopInfo::Reason::limit) {
+    around->limit(chip.cycle());
+    // Behind the instruction the chip may stop again, for an access of its DMA.
+    const auto stepped = [this, pc = chip.pc(), before = chip.instructions()] {
+      return chip.instructions() != before || chip.pc() != pc;
+    };
+    stop = chip.step();
+    while (stop.reason == c40::StopInfo::Reason::external_access && answered(stop.access))
+      stop = stepped() ? settle_dma() : chip.step();
+  }
+  around->run_ended();
   if (self_check) self_check->run_ended();
   return describe(chip, stop);
+}
+
+/// The DMA comes to where the processor is.
+c40::StopInfo Processor::settle_dma() {
+  c40::StopInfo stop;
+  do stop = chip.run_until(around->limit(chip.cycle()));
+  while (stop.reason == c40::StopInfo::Reason::external_access && answered(stop.access));
+  return stop;
 }
 
 py::list Processor::diagnostics() const {
@@ -209,6 +222,7 @@ c40::StopInfo Processor::run_for(Cycles cycles) {
             (stop.reason == c40::StopInfo::Reason::breakpoint && !is_own_breakpoint(chip.pc())) ||  // a debugger's
             (stop.reason == c40::StopInfo::Reason::external_access && answered(stop.access))) &&
            !io::stop_asked());
+    around->run_ended();
     return stop;
   });
 }

@@ -61,6 +61,7 @@ class Processor : public c40::PeripheralSink {
   bool is_own_breakpoint(c40::Address address) const { return breakpoints_.contains(address) || until_ == address; }
   /// By a device, or as an access to nothing.
   bool answered(const c40::ExternalAccess& access) { return around->serve(access) || ignored.serve(chip, access); }
+  c40::StopInfo settle_dma();
   /// In slices, so that Ctrl-C is heard.
   c40::StopInfo run_for(c40::Cycles cycles);
 };

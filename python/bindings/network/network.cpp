@@ -78,7 +78,9 @@ void bind_network(py::module_& core) {
       .def_property_readonly("waits_for", [](const ChipOf& c) { return c.network->waits_for(c.number); })
       .def_property_readonly("hertz", [](const ChipOf& c) { return c.network->clock(c.number).hertz(); });
   bind_inspection(chip, ChipOfNetwork());
-  bind_devices(chip, [](ChipOf& c) { return c.network->devices(c.number); });
+  bind_devices(
+      chip, [](ChipOf& c) { return c.network->devices(c.number); },
+      [](ChipOf& c) { return c.network->present_cycle(c.number); });
 
   py::class_<machine::Network, std::shared_ptr<machine::Network>> network_class(m, "Network");
   bind_state<machine::Network>(network_class);
