@@ -112,16 +112,17 @@ class Scans:
 
     def __init__(
         self,
-        config: _core.cmrc.Config,
+        layers: _core.cmrc.ConfigLayers,
         cycles: Sequence[float] | None,
         dsps: Sequence[float] | None,
         servo: Sequence[float] | None,
         errors: bool,
     ) -> None:
+        config = layers.config()
         self.errors = errors
         self.duration_s = float(config.to_dict()["run.duration_s"])
         self.interrupted = False
-        self._toml = config.to_toml()
+        self._layers = layers
         self._jobs: list[_Job] = []
         if cycles is None and dsps is None and servo is None:
             cycles, dsps, servo = standard(config)
@@ -154,9 +155,7 @@ class Scans:
             scan.points.append(point)
             whole = scan.name == DSPS and value == int(value)
             try:
-                config = _core.cmrc.config(
-                    toml=self._toml, name="limits", settings={scan.key: int(value) if whole else value}
-                )
+                config = self._layers.config({scan.key: int(value) if whole else value})
             except _core.cmrc.ConfigError as error:
                 point["refused"] = str(error)
                 continue

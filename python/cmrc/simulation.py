@@ -55,6 +55,18 @@ def configured(
     keywords: Mapping[str, object],
 ) -> _core.cmrc.Config:
     """A configuration from the arguments common to all runs. Raises ConfigError; TypeError with the argument's name."""
+    return layered(config, preset, settings, events, keywords).config()
+
+
+def layered(
+    config: Source | None,
+    preset: str | None,
+    settings: Mapping[str, Given] | None,
+    events: Sequence[Mapping[str, Given]],
+    keywords: Mapping[str, object],
+) -> _core.cmrc.ConfigLayers:
+    """The same for several configurations that differ in few settings: a file is read once, and errors in it have its
+    places."""
     is_report = isinstance(config, Mapping)
     toml = _configuration_of(config) if isinstance(config, Mapping) else None
     file = None if config is None or is_report else arguments.path("config", config, "the path of a TOML file")
@@ -67,7 +79,7 @@ def configured(
         for n, event in enumerate(arguments.items("events", events, "a list of dictionaries"))
     ]
     rows = [{key: _plain(f"events[{n}].{key}", value) for key, value in row.items()} for n, row in enumerate(rows)]
-    return _core.cmrc.config(file=file, toml=toml, name="config", preset=name, settings=given, events=rows)
+    return _core.cmrc.config_layers(file=file, toml=toml, name="config", preset=name, settings=given, events=rows)
 
 
 def _configuration_of(report: Mapping[str, Any]) -> str:

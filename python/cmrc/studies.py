@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from cmrc import _core, arguments
 from cmrc.keywords import listed
 from cmrc.limit_scans import Scans
-from cmrc.simulation import Given, Progress, Source, configured
+from cmrc.simulation import Given, Progress, Source, configured, layered
 from cmrc.table import Table
 
 if TYPE_CHECKING:
@@ -110,14 +110,14 @@ def limits(
     invalid configuration is reported as refused, not raised.
     """
     arguments.function("on_progress", on_progress, "a function of (done, points) or None")
-    made = configured(config, preset, settings, events, keywords)
+    made = layered(config, preset, settings, events, keywords)
     scans = scans_of(made, cycles, dsps, servo, errors)
     scans.run(on_progress)
     return Limits(scans.text(), scans.report())
 
 
 def scans_of(
-    config: _core.cmrc.Config,
+    layers: _core.cmrc.ConfigLayers,
     cycles: Iterable[float] | None,
     dsps: Iterable[float] | None,
     servo: Iterable[float] | None,
@@ -125,7 +125,7 @@ def scans_of(
 ) -> Scans:
     """The scans that ``limits`` makes."""
     grids = _grid("cycles", cycles), _grid("dsps", dsps), _grid("servo", servo)
-    return Scans(config, *grids, errors=arguments.flag("errors", errors))
+    return Scans(layers, *grids, errors=arguments.flag("errors", errors))
 
 
 @listed

@@ -52,6 +52,24 @@ def test_the_crane_recovers_from_any_gap_in_motion(lasts_ms: float) -> None:
     assert rates(simulation, 15.9)["psi"] > 0.02 and simulation.exit_status == 0
 
 
+def test_after_a_retry_at_speed_the_swing_trips_the_luff_drive() -> None:
+    """docs/controller.md: at 100 s the crane slews with 119 of its 126 mrad/s. 15 s after gaps of 0.11, 0.15 and 0.3 s
+    the luff drive trips."""
+    settings = {"machine.dsps": 3, "run.duration_s": 116, "report.reference": "none", "report.signal_decimation": 8}
+    before = cmrc.Simulation(settings=settings)
+    before.run_until(99.999)
+    assert round(1e3 * abs(before.result().signals["psi_rate_rad_per_s"][-1])) == 119
+    config = before.result().report["configuration"]
+    assert round(1e3 * config["slewing.slew.rated_speed_rad_s"] / config["slewing.slew.gear"]) == 126
+    for gap_s in (0.11, 0.15, 0.3):
+        after = before.fork()
+        after.at(100, "pause_host", lasts_ms=1e3 * gap_s)
+        retry, trip = after.run().report["errors_handled"]
+        assert (retry["origin"], retry["response"], retry["stands"]) == ("drive time-out", "retry", False), gap_s
+        assert (trip["origin"], trip["of"], trip["response"]) == ("drive overspeed", ["luff"], "stop"), gap_s
+        assert round(trip["noticed_s"] - 100) == 15, gap_s
+
+
 STOPPED_AND_TIMED_OUT = {
     "long after": [at(LEG, "fail_drive", joint="luff"), at(LEG + 1.5, "pause_host", lasts_ms=200)],
     "in its second": [at(LEG, "fail_drive", joint="luff"), at(LEG + 0.3, "pause_host", lasts_ms=200)],

@@ -128,8 +128,7 @@ def test_a_point_passes_if_its_run_comes_to_an_end_without_a_miss() -> None:
 
 def test_the_standard_grids() -> None:
     """Of f_s = 8 kHz and f_p = 1 kHz: each servo frequency from half of it on."""
-    config = _core.cmrc.config()
-    scans = Scans(config, None, None, None, errors=False).scans
+    scans = Scans(_core.cmrc.config_layers(), None, None, None, errors=False).scans
     values = {scan.name: [(point["value"], point["realised"]) for point in scan.points] for scan in scans}
     assert values["cycles"] == [(n / 4, n / 4) for n in range(4, 13)]
     assert values["dsps"] == [(n, n) for n in range(1, 9)]

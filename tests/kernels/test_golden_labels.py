@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
+import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
@@ -97,6 +98,33 @@ def test_a_word_added_for_one_kernel_changes_no_other_golden_trace(
     cases = [case for case in CASES if case[0] != LONG or AT_THE_END in request.node.name]
     changed = [kernel for kernel, *rest in cases if kernel_trace(kernel, *rest) != traces[kernel]]
     assert changed == [USER]
+
+
+def test_code_that_moves_changes_cycles_and_no_steps(emulator: Path, tmp_path: Path) -> None:
+    """By six words the cycles change, by a segment of the cache (32) nothing; the page's commands leave cycles out."""
+    page = (ROOT / "docs" / "trace.md").read_text(encoding="utf-8")
+    shown = re.search(r"^    (for build in OLD NEW;.*)\n    (diff OLD.steps NEW.steps)$", page, re.MULTILINE)
+    assert shown is not None
+    for words in (0, 6, 32):
+        programs = tmp_path / f"moved-{words}"
+        shutil.copytree(ROOT / "c40_programs", programs)
+        added = "        nop\n" * (words - 1) + "        rets\n" if words else ""
+        substitute(programs / "lib" / "arithmetic.asm", "m_reciprocal:\n", added + "m_reciprocal:\n")
+        arguments = ["--dsps", "2", "--duration", "0.05", "--quiet", "--set", "machine.boot=preloaded"]
+        arguments += ["--programs", str(programs), "--trace", str(tmp_path / f"t{words}")]
+        for slot in ("0", "1"):
+            arguments += ["--trace-instructions", slot]
+        subprocess.run([emulator, *arguments, "--trace-labels"], check=True, timeout=300)
+    for slot in (0, 1):
+        traces = {words: (tmp_path / f"t{words}.dsp{slot}").read_text() for words in (0, 6, 32)}
+        assert traces[0] == traces[32] != traces[6]
+        (tmp_path / "OLD").write_text(traces[0])
+        (tmp_path / "NEW").write_text(traces[6])
+        command = ["bash", "-c", f"{shown[1]}\n{shown[2]}"]
+        same = subprocess.run(command, check=True, cwd=tmp_path, capture_output=True)
+        assert same.stdout == b""
+        (tmp_path / "NEW").write_text(traces[6].replace("ldi *ar0++, r0", "ldi *ar0--, r0"))
+        assert subprocess.run(command, check=False, cwd=tmp_path, capture_output=True).returncode == 1
 
 
 def test_a_golden_hash_sees_data_cycles_causes_and_mnemonics() -> None:

@@ -353,7 +353,8 @@ def lost(family: str, share: float, gap: float, path: float, f_t: float = 0.0, l
         "path_mm": path,
         "lag_s": lag,
     }
-    return {**row, "stop": "completed", "makespan_s": None, "landings_missed": 0, "errors": "–"}
+    margins = {"travel": 105.2, "other joints": 10.0}
+    return {**row, "margins": margins, "stop": "completed", "makespan_s": None, "landings_missed": 0, "errors": "–"}
 
 
 @pytest.mark.parametrize(

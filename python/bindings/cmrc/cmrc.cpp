@@ -71,6 +71,17 @@ std::string text_of(const std::string& argument, const py::object& given) {
                        std::string(py::str(py::type::of(given).attr("__name__"))) + "); a str is expected");
 }
 
+cmrc::ConfigBuilder layers_of(const py::object& toml, const std::string& name, const py::object& file,
+                              const py::object& preset, const py::dict& settings, const std::vector<py::dict>& events) {
+  cmrc::ConfigBuilder builder;
+  if (!file.is_none()) builder.file(py::str(file).cast<std::string>());
+  if (!toml.is_none()) builder.text(text_of("toml", toml), name);
+  if (!preset.is_none()) builder.preset(text_of("preset", preset), {});
+  add_settings(builder, settings, "");
+  for (const py::dict& event : events) builder.event(event_of(event));
+  return builder;
+}
+
 void bind_config(py::module_& m) {
   m.attr("emulator_version") = report::emulator_version;
   python::register_error<cmrc::ConfigError>(m, "ConfigError", PyExc_ValueError);
@@ -108,18 +119,25 @@ void bind_config(py::module_& m) {
         "What a configuration says of the files that it needs, empty where it needs none: equal for equal files.");
   m.def("inputs_digest", &cmrc::digest_of_inputs, py::arg("config"),
         "SHA-256 of those files: the DSPs' program as assembled, layout, board.");
+  py::class_<cmrc::ConfigBuilder>(m, "ConfigLayers", "What a configuration is made of, with the places in its files.")
+      .def(
+          "config",
+          [](const cmrc::ConfigBuilder& layers, const py::dict& settings) {
+            cmrc::ConfigBuilder own = layers;
+            add_settings(own, settings, "");
+            return own.build();
+          },
+          py::arg("settings") = py::dict(), py::call_guard<UsualFloats>(),
+          "The configuration, with further settings that override all. Raises ConfigError.");
+  m.def("config_layers", &layers_of, py::arg("toml") = py::none(), py::arg("name") = "<toml>",
+        py::arg("file") = py::none(), py::arg("preset") = py::none(), py::arg("settings") = py::dict(),
+        py::arg("events") = std::vector<py::dict>{}, py::call_guard<UsualFloats>(),
+        "The arguments of config, which is not made yet: files are read once, for several configurations.");
   m.def(
       "config",
       [](const py::object& toml, const std::string& name, const py::object& file, const py::object& preset,
-         const py::dict& settings, const std::vector<py::dict>& events) {
-        cmrc::ConfigBuilder builder;
-        if (!file.is_none()) builder.file(py::str(file).cast<std::string>());
-        if (!toml.is_none()) builder.text(text_of("toml", toml), name);
-        if (!preset.is_none()) builder.preset(text_of("preset", preset), {});
-        add_settings(builder, settings, "");
-        for (const py::dict& event : events) builder.event(event_of(event));
-        return builder.build();
-      },
+         const py::dict& settings,
+         const std::vector<py::dict>& events) { return layers_of(toml, name, file, preset, settings, events).build(); },
       py::arg("toml") = py::none(), py::arg("name") = "<toml>", py::arg("file") = py::none(),
       py::arg("preset") = py::none(), py::arg("settings") = py::dict(), py::arg("events") = std::vector<py::dict>{},
       py::call_guard<UsualFloats>(),

@@ -21,7 +21,7 @@ from cmrc.commands.common import (
     write_each,
 )
 from cmrc.progress import ProgressLine
-from cmrc.simulation import Setting, configured
+from cmrc.simulation import Setting, layered
 
 SETTINGS: tuple[tuple[str, str, Callable[[str], Setting], str, str], ...] = (
     ("--dsps", "machine.dsps", setting_value, "N", "number of DSPs, 1 to 16 (default 4)"),
@@ -54,14 +54,15 @@ def _configuration(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", type=output_file, metavar="FILE", help="write all of it as JSON")
 
 
-def _configured(given: argparse.Namespace) -> _core.cmrc.Config:
+def _layered(given: argparse.Namespace) -> _core.cmrc.ConfigLayers:
     """The configuration of the options; checks that ``--json`` can be written and is not an input file."""
     asked = vars(given)
     own = {key: asked[key] for _, key, _, _, _ in SETTINGS if asked[key] is not None}
-    made = configured(given.config, given.preset, {**settings(given), **own}, (), {})
+    layers = layered(given.config, given.preset, {**settings(given), **own}, (), {})
+    made = layers.config()
     _core.cmrc.Simulation(made)  # a missing board or layout is reported before the first run
     check_files({"--config": given.config}, {"--json": given.json}, [made.to_dict()])
-    return made
+    return layers
 
 
 def _limits(commands: Commands) -> None:
@@ -84,7 +85,7 @@ def _do_limits(given: argparse.Namespace) -> int:
             f"--dsps: {dsps_of_all!r} is a grid, and --dsps is the number of DSPs of every point; --dsps-grid "
             f"{dsps_of_all} is expected"
         )
-    scans = studies.scans_of(_configured(given), cycles, dsps, servo, given.errors)
+    scans = studies.scans_of(_layered(given), cycles, dsps, servo, given.errors)
     status = 0
     with ProgressLine("cmrc limits") as line, line.beating("no run has ended yet"):
         try:
@@ -105,7 +106,7 @@ def _compare(commands: Commands) -> None:
 
 
 def _do_compare(given: argparse.Namespace) -> int:
-    made = _configured(given)
+    made = _layered(given).config()
     with ProgressLine("cmrc compare") as line, line.beating():
         found = studies.compared(made, line.of)
     _show(given, found.text, found.report)

@@ -13,7 +13,7 @@ from typing import Any
 
 from cmrc import arguments, files
 from cmrc.extras import needed
-from cmrc.results import page
+from cmrc.results import page, stated
 from cmrc.results.claim import Claim
 from cmrc.results.cost import Cost
 from cmrc.results.dsps import Dsps
@@ -148,7 +148,7 @@ def examine(claim: Claim, laboratory: Laboratory, plots: Path | None, link: str 
         if link:
             text += f"![{claim.TITLE}]({link}/{name})\n\n"
     again = f"\nAgain: `python -m cmrc.results --claim {claim.NUMBER}{_options(claim)}`.\n"
-    return page.wrapped(text + claim.section(rows)) + again
+    return page.wrapped(text + claim.section(rows) + stated.text(claim, runs)) + again
 
 
 def _options(claim: Claim) -> str:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from cmrc.results.judgement import Row, Verdict
 from cmrc.results.runs import Reports, Run
+from cmrc.simulation import Setting
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,11 +28,28 @@ class Claim(ABC):
     NUMBER: ClassVar[int]
     NAME: ClassVar[str]
     TITLE: ClassVar[str]
+    PART: ClassVar[str] = ""
+    """The label of a run by which the section has parts."""
+    PARTS: ClassVar[Mapping[str, str]] = {}
+    """What these parts are called, where that is not the label's value."""
+    DRAWN: ClassVar[tuple[str, ...]] = ()
+    """Labels that are drawn: the settings that go with them are not listed run by run."""
+    LABELS: ClassVar[Mapping[str, str]] = {}
+    """What runs with a value of a label are called: the braces get the value."""
 
     @classmethod
     def quick(cls) -> Claim:
         """A shrunken experiment, which shows nothing but that it runs."""
         return cls(**{one.name: one.metadata["quick"] for one in dataclasses.fields(cls)})
+
+    def part(self, run: Run) -> str:
+        """The part of the section to which a run belongs; empty without parts."""
+        value = str(run.label.get(self.PART, ""))
+        return self.PARTS.get(value, value)
+
+    def named(self, label: str, value: Setting) -> str:
+        """What runs with this value of a label are called."""
+        return self.LABELS.get(label, "{}").format(f"{value:g}" if isinstance(value, float) else value)
 
     @abstractmethod
     def runs(self) -> list[Run]:

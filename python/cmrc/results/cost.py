@@ -6,10 +6,11 @@ import math
 import random
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
-from cmrc.loops.model import PRESETS, TRAVEL_RAD_S, Loop, margins
+from cmrc.loops.model import JOINTS, Loop, margins
 from cmrc.results.claim import Claim, parameter
 from cmrc.results.dsps import RELEASES
 from cmrc.results.judgement import Row, Verdict, markdown, missed_share, of
@@ -35,6 +36,8 @@ class Cost(Claim):
 
     NUMBER, NAME = 7, "cost"
     TITLE = "Missed deadlines cost the robot accuracy and time"
+
+    PART = "family"
 
     duration_s: float = parameter(
         5.0, "length of every run but those of a whole job, s; the crane moves from 0.03 s on", quick=0.06
@@ -176,6 +179,7 @@ class Cost(Claim):
                     "sway_mrad": 1e3 * max(errors["sway"][angle]["peak"] for angle in errors["sway"]),
                     "makespan_s": report["makespan_s"],
                     "landings_missed": sum(c["landings_missed"] for c in report["cycles"]),
+                    "margins": margins_ms(report["configuration"]),
                     "unstable": unstable(report),
                     "errors": handled(report),
                     "stop": report["stop_reason"],
@@ -189,7 +193,7 @@ class Cost(Claim):
         if not losing:
             return Verdict("not tested", "In no run more than 5 % of the samples were missed.", "")
         # Gaps far below every delay margin, and planning that keeps up.
-        of_base = [row for row in losing if row.get("preset", "base") == "base"]
+        of_base = usual_loops(losing)
         short = [row for row in of_base if row["gap_ms"] <= 20 and (row["f_t"] or 0) < 1]
         late = max(losing, key=lambda row: float(row["lag_s"] or 0))
         costly = late["lag_s"] is not None and late["lag_s"] > 0.1
@@ -226,29 +230,34 @@ class Cost(Claim):
             "path_mm": "joints off their path, mm", "lag_s": "lag at the end, s", "sway_mrad": "sway error peak, mrad",
             "errors": "errors handled", "stop": "run ended",
         }  # fmt: skip
-        own = ", ".join(f"{joint} {ms:.1f} ms" for joint, ms in margins_ms().items())
+        moving = [row for row in all_rows if row["family"] != JOB]
+        tight = of(moving, preset="tight")
+        also = f"; with preset `tight` {margins_of(tight)['other joints']:.1f} ms" if tight else ""
         text = (
             f"{self.duration_s:g} s of the crane's first leg, from power-on; nothing is left out. Everything is "
             "measured against the ideal run ([report.md](report.md), Errors). *Longest gap*: most samples of PID in a "
             "row that never came (where all come late, as with slow clocks, it stays short). *Load error*: distance "
             "from the ideal run's load at the same instant. *Joints off their path*: the same of the joints with the "
             "lag taken out, RMS, each joint by how far it moves the load. Delay margins by the loop's formula "
-            f"([control.md](control.md)): {own}; with preset `tight` {margins_ms('tight')['other joints']:.1f} ms. A "
+            f"([control.md](control.md)): {margins_said(usual_loops(moving))}{also}. A "
             "gap of the host holds up planning, too; so these rows miss f_t. Left-out ticks "
             "(`scheduling.servo_loss_share`) are the servo's alone. A slower clock can do better than a faster one: "
             "scheduling without preemption has such anomalies. Where the crane hardly moves, the lag is all of its "
             "error, and the joints are near their path. Runs of one seed: only the instants of failures are drawn.\n\n"
         )
-        text += markdown(columns, [row for row in all_rows if row["family"] != JOB])
+        text += markdown(columns, moving)
         if jobs := of(all_rows, family=JOB):
+            refresh_hz, servo_hz = SLOW["refresh_frequency_hz"], SLOW["servo_frequency_hz"]
             columns = {
                 "name": JOB, "f_p": "f_p missed, %", "f_t": "f_t missed, %", "gap_ms": "longest gap, ms",
                 "makespan_s": "makespan, s", "landings_missed": "landings missed", "errors": "errors handled",
                 "lag_s": "lag, s", "load_mm": "load error RMS, mm", "stop": "run ended",
             }  # fmt: skip
             text += (
-                "\n**Whole job.** One container, from the first refresh to home (f_s 1 kHz, f_p 125 Hz); the host "
-                "pauses for as long as it works between pauses.\n\n" + markdown(columns, jobs)
+                f"\n**Whole job.** One container, from the first refresh to home, at slow rates (f_s {refresh_hz:g} Hz, "
+                f"f_p {servo_hz:g} Hz) and with loops for such rates (delay margins: {margins_said(jobs)}). The "
+                "host pauses again and again, so that as many samples are lost as can be served between two pauses.\n\n"
+                + markdown(columns, jobs)
             )
         return text
 
@@ -266,7 +275,8 @@ class Cost(Claim):
         for line, name in enumerate(("load error RMS, mm", "joints off their path, mm")):
             grid[line][0].set(ylabel=name, yscale="log")
             grid[line][1].set(yscale="log", xscale="log")
-            for (joint, ms), style in zip(margins_ms().items(), (":", "--"), strict=True):
+            own = usual_loops([row for row in all_rows if row["family"] != JOB])
+            for (joint, ms), style in zip(margins_of(own).items(), cycle((":", "--"))):
                 label = f"delay margin, {joint}" if line == 0 else None
                 grid[line][1].axvline(ms, color="0.5", linestyle=style, linewidth=1, label=label)
         grid[1][0].set(xlabel="f_p missed, %")
@@ -289,10 +299,15 @@ def pauses(gap: int, served: int, duration_s: float, period_s: float = 1e-3) -> 
     ]
 
 
+def usual_loops(rows: Sequence[Row]) -> list[Row]:
+    """Rows of runs with the default gains."""
+    return [row for row in rows if row.get("preset", "base") == "base"]
+
+
 def accuracy(short: Sequence[Row]) -> str:
     if not short:
         return ""
-    own = ", ".join(f"{ms:.0f} ms ({joint})" for joint, ms in margins_ms().items())
+    own = ", ".join(f"{ms:.0f} ms ({joint})" for joint, ms in margins_of(short).items())
     return (
         f"Accuracy: the default gains hardly feel it. In {len(short)} runs {min(row['f_p'] for row in short):.0f} to "
         f"{max(row['f_p'] for row in short):.0f} % of the samples come late or never and up to "
@@ -312,7 +327,7 @@ def tight_loops(losing: Sequence[Row]) -> str:
             for row in of(tight, family=family)
         ]
         text += (
-            f" With preset `tight` ({margins_ms('tight')['other joints']:.1f} ms of delay margin) and "
+            f" With preset `tight` ({margins_of(tight)['other joints']:.1f} ms of delay margin) and "
             f"{family.removesuffix(', tight')} the joints are so far off their path: {', '.join(texts)}."
         )
     return text
@@ -353,7 +368,42 @@ def unstable(report: Report) -> str:
     return ", ".join(dict.fromkeys(message.split()[4] for message in said)) or "–"
 
 
-def margins_ms(preset: str = "base") -> dict[str, float]:
-    """Delay margins of a preset's loops, ms."""
-    bandwidths = {"travel": TRAVEL_RAD_S, "other joints": PRESETS[preset]}
-    return {joint: margins(Loop(bandwidth)).delay_ms for joint, bandwidth in bandwidths.items()}
+def margins_ms(configuration: Mapping[str, Any]) -> dict[str, float]:
+    """Delay margins of a run's loops, ms: joints whose loops differ from the most by their names, then "other
+    joints"."""
+    by_joint = {joint: _margin_ms(loop_of(configuration, joint)) for joint in JOINTS}
+    common = max(by_joint.values(), key=list(by_joint.values()).count)
+    return {**{joint: ms for joint, ms in by_joint.items() if ms != common}, "other joints": common}
+
+
+def loop_of(configuration: Mapping[str, Any], joint: str) -> Loop:
+    """A joint's loop in a run with the slewing crane."""
+
+    def of(setting: str) -> float:
+        return float(configuration[f"control.{joint}_{setting}"])
+
+    lag = configuration[f"slewing.{'rotate' if joint == 'rotator' else joint}.torque_lag_s"]
+    return Loop(
+        of("bandwidth_rad_s"),
+        of("damping"),
+        of("integral_time_s"),
+        of("derivative_filter"),
+        1 / configuration["rates.servo_frequency_hz"],
+        float(lag),
+    )
+
+
+@cache
+def _margin_ms(loop: Loop) -> float:
+    return margins(loop).delay_ms
+
+
+def margins_of(rows: Sequence[Row]) -> dict[str, float]:
+    """Those of runs that share their loops."""
+    first: dict[str, float] = rows[0]["margins"] if rows else {}
+    return first
+
+
+def margins_said(rows: Sequence[Row]) -> str:
+    """``travel 105.2 ms, other joints 10.0 ms``"""
+    return ", ".join(f"{joint} {ms:.1f} ms" for joint, ms in margins_of(rows).items())

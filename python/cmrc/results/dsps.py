@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from cmrc.results.claim import Claim, parameter
 from cmrc.results.ends import behind_identify, rate_limits, shared_limits
@@ -53,6 +53,11 @@ class Dsps(Claim):
 
     NUMBER, NAME = 1, "dsps"
     TITLE = "Adding DSPs meets a given f_p and f_t, until bus or list becomes the limit"
+    PART = "part"
+    PARTS: ClassVar = {"load": "Load", "rate": "Rate", "policy": "Idle policy", "refresh": "f_s"}
+    LABELS: ClassVar = {
+        "dsps": "{} DSPs", "seed": "seed {}", "servo_hz": "f_p {} Hz", "refresh_hz": "f_s {} Hz", "policy": "{}",
+    }  # fmt: skip
 
     preset: str = parameter("saturated", "preset of the load")
     dsps: tuple[int, ...] = parameter((1, 2, 3, 4, 5, 6, 8), "numbers of DSPs that carry the load", quick=(1, 2))
@@ -83,6 +88,9 @@ class Dsps(Claim):
     )
     refresh_dsps: int = parameter(4, "DSPs for that grid")
     refresh_duration_s: float = parameter(0.1, "length of a run of that grid, s", quick=0.04)
+
+    def named(self, label: str, value: Setting) -> str:
+        return MEANING.get(str(value), str(value)) if label == "release" else super().named(label, value)
 
     def runs(self) -> list[Run]:
         return self.load_runs() + self.rate_runs() + self.policy_runs() + self.refresh_runs()
@@ -254,7 +262,7 @@ class Dsps(Claim):
             f"**Load.** Preset {self.preset}: the AGVs drive. {self.load_duration_s:g} s from power-on; nothing is "
             "left out, identify is in it. Shares are of what the ideal run demands ([report.md](report.md), Rates). "
             f"Each row has {len(self.seeds)} run{'s' if len(self.seeds) > 1 else ''}; the seed draws phases and ppm of "
-            "all clocks (`run.phase_jitter`) and the sensors' noise. Means, with 95 % intervals (bootstrap) where the "
+            "all clocks but the drives' (`run.phase_jitter`) and the sensors' noise. Means, with 95 % intervals (bootstrap) where the "
             "runs differ.\n\n" + markdown(columns, table)
         )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from cmrc.events import built_in_tasks
 from cmrc.results.claim import Claim, parameter
@@ -44,6 +44,8 @@ class Failures(Claim):
 
     NUMBER, NAME = 2, "failures"
     TITLE = "A DSP can be pulled out or fail in mid-task and nothing is lost"
+    DRAWN = ("at_s", "phase", "kind")
+    LABELS: ClassVar = {"dsps": "{} DSPs"}
 
     dsps: tuple[int, ...] = parameter((1, 2, 3), "numbers of DSPs of which one fails", quick=(1, 2))
     actions: tuple[str, ...] = parameter(
@@ -187,8 +189,9 @@ class Failures(Claim):
             f"drive from the start with obstacle avoidance ({self.avoidance}); each run ends at "
             f"{self.latest_s + self.after_s:g} s. Of {self.looks} random instants between {self.earliest_s:g} and "
             f"{self.latest_s:g} s (seed {self.seed}) it was noted what each DSP did; {self.trials} of each phase and "
-            "of each kind of task were chosen for each action and number of DSPs. Identify is in all runs; with one "
-            "DSP it alone costs 2 samples. Means with 95 % intervals (bootstrap; shares: Wilson) over instants, "
+            "of each kind of task were chosen for each action and number of DSPs above 1, and for the only DSP "
+            f"{self.alone_trials} of all instants for each action. Identify is in all runs. The only DSP misses "
+            "samples of the servo without any failure, too. Means with 95 % intervals (bootstrap; shares: Wilson) over instants, "
             "victims, actions.\n\n**By what ran when the DSP failed** (one or more DSPs left):\n\n"
             + markdown({"kind": "kind", **columns}, kinds)
             + "\n**By what the DSP was doing:**\n\n"

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from cmrc.results.claim import Claim, parameter
 from cmrc.results.judgement import Row, Verdict, counted, markdown, with_interval
-from cmrc.results.learning import SLOW, longer_lane
+from cmrc.results.learning import SLOW, longer_lane, slow_rates
 from cmrc.results.runs import Report, Reports, Run
 
 if TYPE_CHECKING:
@@ -23,6 +23,8 @@ class Fleet(Claim):
 
     NUMBER, NAME = 6, "fleet"
     TITLE = "More AGVs cure case B, in which the crane waits (t_v > 0)"
+
+    LABELS: ClassVar = {"agvs": "{} AGVs", "lane_m": "lane {} m longer"}
 
     agvs: tuple[int, ...] = parameter((1, 2, 3), "numbers of AGVs", quick=(1, 2))
     agv_speed_m_s: float = parameter(1.5, "dock.agv_speed_m_s: so slow that one AGV is too few")
@@ -107,9 +109,10 @@ class Fleet(Claim):
             "misses": "missed deadlines",
         }
         return (
-            f"AGVs of at most {self.agv_speed_m_s:g} m/s, {self.dsps} DSP, {self.duration_s:g} s each, f_s 1 kHz, f_p "
-            f"125 Hz; the lane turns {', '.join(f'{lane:g}' for lane in self.lanes_m)} m farther east than in the "
-            "default layout; no seed is varied. Means, with 95 % intervals (bootstrap) where the cycles differ, over "
+            f"AGVs of at most {self.agv_speed_m_s:g} m/s, {self.dsps} DSP, {SLOW['dock.containers']} containers, "
+            f"{self.duration_s:g} s each. {slow_rates()}. The lane turns "
+            f"{', '.join(f'{lane:g}' for lane in self.lanes_m)} m farther east than in the default layout, and in all "
+            f"runs its straight before the spot has room for {max(self.agvs)} AGVs; no seed is varied. Means, with 95 % intervals (bootstrap) where the cycles differ, over "
             "the work cycles after the first round of all AGVs, which stand ready for it; containers per hour over the "
             "whole of a run, from its first delivery to its last:\n\n" + markdown(columns, all_rows)
         )

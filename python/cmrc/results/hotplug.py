@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -24,6 +24,8 @@ class Hotplug(Claim):
 
     NUMBER, NAME = 3, "hotplug"
     TITLE = "A DSP can be plugged in while the system runs and starts working by itself"
+    DRAWN = ("at_s",)
+    LABELS: ClassVar = {"dsps": "{} + 1 DSPs"}
 
     dsps: tuple[int, ...] = parameter((1, 2, 4), "DSPs before the plug", quick=(1,))
     servo_hz: float = parameter(8000.0, "f_p, Hz: so high that one DSP is too few")
@@ -127,7 +129,7 @@ class Hotplug(Claim):
             f"Base load, f_p {self.servo_hz:g} Hz, f_s {self.servo_hz * self.refreshes_per_servo:g} Hz; plugged after "
             f"about {self.before_s:g} s. Misses are counted in a window of {self.window_s:g} s before the plug "
             "(identify was earlier: what is looked for is how the plug changes a load that lasts) and from "
-            f"{self.settle_s:g} s after it. Instants and phases of all clocks are drawn (seed {self.seed}). Means, "
+            f"{self.settle_s:g} s after it. Instants and phases of all clocks but the drives' are drawn (seed {self.seed}). Means, "
             "with 95 % intervals (bootstrap) where the trials differ.\n\n"
             + markdown(columns, [group(all_rows, n) for n in self.dsps])
         )

@@ -5,8 +5,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
+from cmrc.keywords import settings
 from cmrc.results.claim import Claim, parameter
 from cmrc.results.ends import behind_identify
 from cmrc.results.judgement import PLANNING, SERVO, Row, Verdict, counted, markdown, measured, missed_share, of
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 AGV = PLANNING[2:]
 Q = 0x3C00
+CROWDED_RATIO = 4
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,12 @@ class Importance(Claim):
     TITLE = (
         "The importance rule keeps 3 and 4 at f_p while 1 and 2 fill the gaps; a keeps the AGV's planning from starving"
     )
+
+    PART = "part"
+    PARTS: ClassVar = {"gaps": "f_s", "starving": "The crane's planning at f_p"}
+    LABELS: ClassVar = {
+        "equation": "equation (7) {}", "ratio": "f_s = {} f_p", "servo_hz": "f_p = f_t = {} Hz", "a": "a = {}",
+    }  # fmt: skip
 
     equations: tuple[str, ...] = parameter(("restored", "as_printed"), "values of scheduling.equation")
     servo_hz: float = parameter(4000.0, "f_p of the test of the gaps, Hz")
@@ -73,7 +81,11 @@ class Importance(Claim):
         starving = [
             Run(
                 {"part": "starving", "servo_hz": servo_hz, "a": a},
-                {**self.settings(servo_hz, servo_hz, 4), "scheduling.q": Q, "scheduling.a": a},
+                {
+                    **self.settings(servo_hz, servo_hz, CROWDED_RATIO),
+                    "scheduling.q": Q,
+                    "scheduling.a": a,
+                },
                 self.duration_s,
                 group=f"starving {servo_hz} {a}",
             )
@@ -175,10 +187,11 @@ class Importance(Claim):
             "agv_wait_ms": "at worst, ms",
             "idle": "DSP idle, %",
         }
+        p = int(settings()["p"]["default"])
         return (
             text
-            + "\nThe crane's planning at f_p, so that it wants the rest of the DSP; p − q = 400h:\n\n"
-            + markdown(columns, of(all_rows, part="starving"))
+            + f"\nThe crane's planning at f_p, so that it wants the rest of the DSP; f_s = {CROWDED_RATIO} f_p, p − q = "
+            f"{p - Q:X}h:\n\n" + markdown(columns, of(all_rows, part="starving"))
         )
 
     def draw(self, all_rows: Sequence[Row], figure: Figure) -> None:

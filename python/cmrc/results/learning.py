@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import cycle
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -35,6 +35,12 @@ SLOW: dict[str, Setting] = {
 }
 
 
+def slow_rates() -> str:
+    """What a section says of these settings."""
+    rates = ("f_s", "refresh_frequency_hz"), ("f_p", "servo_frequency_hz"), ("f_a", "rates.agv_point_frequency_hz")
+    return f"Slow rates ({', '.join(f'{name} {SLOW[key]:g} Hz' for name, key in rates)}), loops for such rates"
+
+
 def longer_lane(east_m: float, agvs: int) -> str:
     """The default layout with the turn east of the loading spot so much farther east: the way to the warehouse is
     twice as much longer. The straight before the spot has room for the queue of all AGVs."""
@@ -51,6 +57,8 @@ class Learning(Claim):
 
     NUMBER, NAME = 5, "learning"
     TITLE = "Learning N̂_a drives t_w to 0: the AGV slows until it no longer waits"
+
+    LABELS: ClassVar = {"rule": "learning {}", "lane_m": "lane {} m longer"}
 
     rules: tuple[str, ...] = parameter(
         ("off", "proportional"),
@@ -175,10 +183,11 @@ class Learning(Claim):
             "rule": "learning", "lane_m": "lane longer, m", "cycle": "cycle", "interval": "N̂_a",
             "driving_s": "t_5 + t_6, s", "t_w_s": "t_w, s", "t_v_s": "t_v, s", "T_g_s": "T_g, s",
         }  # fmt: skip
+        refresh_hz, agv_hz = float(SLOW["refresh_frequency_hz"]), float(SLOW["rates.agv_point_frequency_hz"])
         return (
-            f"{self.dsps} DSP, {self.agvs} AGV{'s' if self.agvs > 1 else ''}, 24 containers, {self.duration_s:g} s "
-            f"(without proportional learning {self.short_s:g} s), f_s 1 kHz, f_p 125 Hz, f_a 25 Hz: N̂_a from 40 to at "
-            f"most 160. Learning rate {self.rate:g}, largest step {100 * self.step_max:g} %. t_w is the paper's: from "
+            f"{self.dsps} DSP, {self.agvs} AGV{'s' if self.agvs > 1 else ''}, {SLOW['dock.containers']} containers, "
+            f"{self.duration_s:g} s (without proportional learning {self.short_s:g} s). {slow_rates()}, and N̂_a from "
+            f"{refresh_hz / agv_hz:g} to at most {SLOW['scheduling.agv_interval_max_refreshes']}. Learning rate {self.rate:g}, largest step {100 * self.step_max:g} %. t_w is the paper's: from "
             "where the AGV leaves the lane to where the crane begins to load it ([report.md](report.md), `cycles`). "
             "Layouts differ in the length of the lane; no seed is varied. Each work cycle that has closed:\n\n"
             + markdown(columns, all_rows)

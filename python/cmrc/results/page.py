@@ -27,9 +27,13 @@ How to read it:
 - *Missed*: late, lost, dropped, or never asked for although the ideal run does ([report.md](report.md), Rates).
   *Realised*: finished jobs per second.
 - A run is reproducible bit for bit. A seed alone changes the noise of the sway sensor, and so hardly anything here. An
-  interval [low, high] is printed only over something that was varied: the phases of all clocks (`run.phase_jitter`),
-  layouts, instants of events, or work cycles. Each section says which.
-- What is not said is as [configuration.md](configuration.md) has it by default.
+  interval [low, high] is printed only over something that was varied: the phases of all clocks but the drives'
+  (`run.phase_jitter`), layouts, instants of events, or work cycles. Each section says which.
+- *Settings*, at the end of each section, lists every setting of its runs that differs from the default
+  ([configuration.md](configuration.md)). With these settings `emulator` and `cmrc.run` give one row of a table.
+- Where *Settings* says that something was drawn, the reports have it, which `--cache FOLDER` keeps: a file for each
+  run, a list of its reports. `configuration_toml` of a report is the run's configuration file, and
+  `cmrc.run(config=report)` is the run.
 """
 
 

@@ -59,6 +59,15 @@ class Run:
 
         return hashlib.sha256(json.dumps([asdict(self), build()], sort_keys=True).encode()).hexdigest()[:24]
 
+    def all_settings(self, layout: str = "") -> dict[str, Setting]:
+        """What is set beyond the preset, with the layout from a file at this path."""
+        return {
+            **self.settings,
+            **({"dock.layout": layout} if layout else {}),
+            "duration_s": self.duration_s,
+            "report.reference": "ideal" if self.group else "none",
+        }
+
     def cost(self) -> float:
         """Grows with the time that the run will take."""
         return self.duration_s * float(self.settings.get("servo_frequency_hz", 1000.0))
@@ -72,12 +81,7 @@ def execute(run: Run, reference: Reference | None) -> tuple[list[Report], Refere
         layout.flush()
         simulation = Simulation(
             preset=run.preset,
-            settings={
-                **run.settings,
-                **({"dock.layout": layout.name} if run.layout else {}),
-                "duration_s": run.duration_s,
-                "report.reference": "ideal" if run.group else "none",
-            },
+            settings=run.all_settings(layout.name if run.layout else ""),
             events=run.events,
             reference=reference,
         )
