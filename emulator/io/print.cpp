@@ -52,6 +52,16 @@ std::string printable(std::string_view text) {
   return out;
 }
 
+std::string exception_text(std::string_view text) {
+  std::string out;
+  for (const char c : text)
+    if (c == '\0')
+      out += "\\x00";
+    else
+      out += c;
+  return out;
+}
+
 bool is_utf8(std::string_view text) {
   while (!text.empty()) {
     const std::size_t length = length_of(text);

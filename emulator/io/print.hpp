@@ -12,6 +12,8 @@ namespace io {
 /// Text that a terminal shows but does not obey: control characters (C0 except newline and tab, DEL, C1) and bytes that
 /// are not UTF-8 become \xNN.
 std::string printable(std::string_view text);
+/// The text of an exception, which would end at a byte 0: it becomes \x00.
+std::string exception_text(std::string_view text);
 bool is_utf8(std::string_view text);
 
 /// Writes printable text. flush_output() reports losses.

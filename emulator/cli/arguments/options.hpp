@@ -22,7 +22,7 @@ inline constexpr int bad_input = 2;
 class InputError : public std::runtime_error {
  public:
   /// A byte 0 of a file does not end the message.
-  explicit InputError(std::string_view message) : std::runtime_error(io::printable(message)) {}
+  explicit InputError(std::string_view message) : std::runtime_error(io::exception_text(message)) {}
 };
 
 struct RunOptions {

@@ -23,7 +23,7 @@ namespace machine {
 class BoardError : public std::invalid_argument {
  public:
   /// A byte 0 of a text in the file does not end the message.
-  explicit BoardError(std::string_view message) : std::invalid_argument(io::printable(message)) {}
+  explicit BoardError(std::string_view message) : std::invalid_argument(io::exception_text(message)) {}
 };
 
 /// Limits of CLKIN.

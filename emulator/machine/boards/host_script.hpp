@@ -19,7 +19,7 @@ namespace machine {
 class HostScriptError : public std::invalid_argument {
  public:
   /// A byte 0 of the script does not end the message.
-  explicit HostScriptError(std::string_view message) : std::invalid_argument(io::printable(message)) {}
+  explicit HostScriptError(std::string_view message) : std::invalid_argument(io::exception_text(message)) {}
 };
 
 /// A step begins when the step before has been sent. It waits for its condition, and then sends its words.
