@@ -211,8 +211,9 @@ def test_the_masters_clocks_are_those_of_the_bus(busy: Drawn) -> None:
 
 
 def test_processes_and_the_plant(busy: Drawn) -> None:
-    crane = busy.timeline.slices[busy.timeline.track("processes", "crane")]
-    assert [one.name.split()[0] for one in crane][:2] == ["1", "2"]
+    for robot, numbers in (("no robot", ["1", "2"]), ("crane", ["3"])):
+        drawn = busy.timeline.slices[busy.timeline.track("processes", robot)]
+        assert [one.name.split()[0] for one in drawn][:2] == numbers
     assert busy.timeline.units[busy.timeline.track("plant", "load x")] == "m"
     times = [at for at, _ in busy.timeline.values[busy.timeline.track("plant", "l")]]
     assert len(times) > 30 and all(at % 20_000_000 == 0 for at in times)

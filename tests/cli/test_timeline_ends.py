@@ -94,6 +94,8 @@ def test_the_cranes_process_for_an_agv_is_the_cranes(tmp_path: Path) -> None:
     timeline.check_order(drawn.timeline)
     (load,) = (one for one in slices(drawn, "processes", "crane") if one.name == "4 load")
     assert load.notes == {"agv": 0} and 19 * MS < load.end - load.begin < 21 * MS
+    assert [one.name[0] for one in slices(drawn, "processes", "no robot")] == ["1", "2"]
+    assert len([path for path in drawn.timeline.paths.values() if path[0] == "processes" and "(" in path[-1]]) == 0
     agv = slices(drawn, "processes", "agv 0")
     assert [(one.name, one.begin, one.notes) for one in agv] == [("5 to the warehouse", load.end, {})]
 
@@ -135,8 +137,8 @@ def test_a_refresh_under_way_at_the_end(tmp_path: Path) -> None:
 def test_the_clocks_of_an_attempt_on_a_bus_at_the_end(tmp_path: Path) -> None:
     window = ["--perfetto-window", "0:1", "--perfetto-detail", "bus"]
     cut = 0
-    for end_ns in (30_000_000, 30_000_310, 30_000_620):
-        scene = ["--dsps", "2", "--idle-policy", "spin", "--duration", f"{end_ns / 1e9:.9f}"]
+    for end_ns in (20_625_730, 20_626_220, 20_627_160):
+        scene = ["--dsps", "2", "--duration", f"{end_ns / 1e9:.9f}"]  # the host's refresh is at work
         drawn = draw(tmp_path, *scene, *window, *PRELOADED)
         timeline.check_order(drawn.timeline)
         for name, bus in drawn.report["buses"].items():
@@ -155,6 +157,7 @@ def test_processes_that_began_before_a_snapshot(tmp_path: Path) -> None:
     whole = draw(tmp_path, *scene, "--snapshot-at", "0.1001:half.snapshot")
     rest = draw(tmp_path, "--resume", "half.snapshot")
     timeline.check_order(rest.timeline)
+    drawn = 0
     for path in whole.timeline.paths.values():
         if path[0] != "processes" or len(path) == 1:
             continue
@@ -167,7 +170,8 @@ def test_processes_that_began_before_a_snapshot(tmp_path: Path) -> None:
             (one.name, one.begin, one.end, one.notes.get("begun") == "before the snapshot")
             for one in slices(rest, *path)
         ] == later
-        assert later
+        drawn += len(later)
+    assert drawn > 1
 
 
 def test_a_snapshot_between_the_reset_and_the_putting_back(tmp_path: Path) -> None:

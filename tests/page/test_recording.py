@@ -108,6 +108,23 @@ def test_a_dsp_that_is_reset_is_dead_until_then_and_boots(tmp_path: Path) -> Non
     )
 
 
+def test_a_block_that_is_put_back_after_a_reset_ends_no_other_block(tmp_path: Path) -> None:
+    """The DSP that had it runs another block by then."""
+    settings = {
+        "preset": "saturated",
+        "machine.dsps": 1,
+        "machine.boot": "preloaded",
+        "duration_s": 0.1,
+        "report.reference": "none",
+    }
+    _, recording = recorded(settings, [{"at_s": 0.05, "action": "reset", "dsp": 0}], tmp_path / "reset.html")
+    [lane], [dsp] = recording.lanes, recording.report["dsps"]
+    for number, kind in enumerate(recording.header["kinds"]):
+        own = lane.what == FIRST_KIND + number
+        took = (lane.to_s - lane.from_s)[own].sum()
+        assert took == pytest.approx(dsp["tasks_ps"].get(kind, 0) * 1e-12, abs=TICK_S * (1 + own.sum())), kind
+
+
 def test_signals_are_the_docks(run: tuple[cmrc.Simulation, Recording, Path]) -> None:
     simulation, recording, _ = run
     result = simulation.result()

@@ -246,11 +246,14 @@ void PerfettoRecorder::process(const report::Event& event) {
   under_way_.erase(found);
   if (!within(run.since, event.time)) return;
   const Process* row = simulation_.config().processes.find(number);
-  const bool of_agv = agv != 0 && (row == nullptr || row->robot == Robots::agv);
+  const Robots robots = row == nullptr ? Robots::agv : row->robot;
+  const bool of_agv = agv != 0 && robots == Robots::agv;
   std::vector<Trace::Note> notes;
   if (agv != 0 && !of_agv) notes.push_back({"agv", static_cast<std::int64_t>(agv) - 1});
   if (run.earlier) notes.push_back({"begun", "before the snapshot"});
-  processes_of(of_agv ? fmt::format("agv {}", agv - 1) : "crane")
+  processes_of(of_agv                   ? fmt::format("agv {}", agv - 1)
+               : robots == Robots::none ? "no robot"
+                                        : "crane")
       .slice(run.since, event.time, fmt::format("{} {}", number, row == nullptr ? std::string("process") : row->name),
              notes);
 }
