@@ -138,7 +138,7 @@ def seen(chip: Any) -> dict[str, Any]:
     return {"copied": copied, "echoed": echoed, "sent": chip.sent("F"), "R4": low(chip, "R4"), "R5": low(chip, "R5")}
 
 
-@pytest.mark.parametrize("seed", [*range(12), 113, 144, 200, 245])
+@pytest.mark.parametrize("seed", [*range(12), 113, 144, 200, 245, 602, 758])
 def test_a_dma_channel_at_devices(seed: int, tmp_path: Path) -> None:
     drawn = Drawn(seed, tmp_path)
     whole = drawn.made()
@@ -150,6 +150,7 @@ def test_a_dma_channel_at_devices(seed: int, tmp_path: Path) -> None:
         assert seen(other) == seen(whole), way
         if other.pc != drawn.program.symbols["main"]:  # where a run for an address may have ended
             assert other.snapshot().to_bytes() == whole.snapshot().to_bytes(), way
+    ends = []
     for cuts in (False, True):
         rng = random.Random(seed)
         network = Network([drawn.program, drawn.program], boards=str(drawn.board), turn_order=rng.randint(0, 5))
@@ -163,6 +164,8 @@ def test_a_dma_channel_at_devices(seed: int, tmp_path: Path) -> None:
             alone = drawn.made()
             alone.run(chip.cycles)
         assert seen(chip) == seen(alone), cuts
+        ends.append(network.snapshot().to_bytes())
+    assert ends[0] == ends[1]
 
 
 @pytest.mark.parametrize("cuts", [[10.0], [24.0], [2.0, 3.0, 20.0], [n / 4 for n in range(1, 100)]])

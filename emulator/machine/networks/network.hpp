@@ -12,6 +12,7 @@
 /// began. An access of the DMA to a shared memory makes its processor's access wait, whatever that accesses. A program
 /// that polls a value that never changes is found only if no timer of its chip runs, and some ten thousand cycles after
 /// the last event.
+#include <algorithm>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -389,7 +390,9 @@ class Network {
   std::vector<NetworkEvent> events_, net_events_;
   Scheduler scheduler_;
   Time now_{0};
-  void something_happened() { ++news_, happened_ = now_; }
+  void something_happened() { something_happened(now_); }
+  /// \param at later than now, if it is an access of a chip that runs ahead
+  void something_happened(Time at) { ++news_, happened_ = std::max(happened_, at); }
   std::uint64_t news_ = 0;  ///< on links, in shared memories, to chips: what could end a loop that polls
   Time happened_{0};        ///< the last of them
   /// The last thing on a link that was no mere exchange of the token, change of a pin, action, or event of a timer that

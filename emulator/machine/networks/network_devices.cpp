@@ -161,7 +161,7 @@ void Network::devices_acted() {
 /// may run.
 bool Network::Node::serve_device(const c40::ExternalAccess& access) {
   serve(*devices, chip, access);
-  if (access.write) network.something_happened();
+  if (access.write) network.something_happened(clock.at(access.cycle));
   if (device_turn == nullptr) return true;
   note_device_event();
   device_turn->changed();
