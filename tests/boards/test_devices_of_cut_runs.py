@@ -138,7 +138,7 @@ def seen(chip: Any) -> dict[str, Any]:
     return {"copied": copied, "echoed": echoed, "sent": chip.sent("F"), "R4": low(chip, "R4"), "R5": low(chip, "R5")}
 
 
-@pytest.mark.parametrize("seed", [*range(12), 113, 144, 200, 245])
+@pytest.mark.parametrize("seed", [*range(12), 113, 144, 200, 245, 602, 758])
 def test_a_dma_channel_at_devices(seed: int, tmp_path: Path) -> None:
     drawn = Drawn(seed, tmp_path)
     whole = drawn.made()

@@ -78,9 +78,11 @@ void Net::act(Time now) {
     if (pulses_.count != 0 && pulse_ == 2 * pulses_.count) pulsing_ = false;
     drives_[pulse->source] = pulse->drive;
   }
-  while (!changes_.empty() && changes_.front().time <= now) {
-    drives_[changes_.front().source] = changes_.front().drive;
-    changes_.pop_front();
+  // A driver that changes back at the same instant makes two edges, whether or not the first has acted already.
+  for (std::size_t last = drives_.size(); !changes_.empty() && changes_.front().time <= now; changes_.pop_front()) {
+    if (changes_.front().source == last) settle(now);
+    last = changes_.front().source;
+    drives_[last] = changes_.front().drive;
   }
   settle(now);
   for (std::size_t i = 0; i < receivers_.size(); ++i) {

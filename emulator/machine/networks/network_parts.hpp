@@ -278,7 +278,9 @@ struct Network::DeviceTurn final : Scheduler::Actor {
   Time next() const override { return node.next_device_event(); }
   void act(Time now) override {
     node.network.now_ = now;
-    if (node.devices_continue()) node.network.changed_ = now;  // the network was not at rest before
+    // The network was not at rest before. A chip that runs has not come to rest itself.
+    const bool counts = node.status != ChipStatus::running || node.devices->will_act_on_others();
+    if (counts && node.devices_continue()) node.network.changed_ = now;
     node.devices->advance_to(node.first_cycle(now));
     node.note_device_event();
     node.changed();
