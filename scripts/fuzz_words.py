@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parent.parent
 TOML_SOURCES = {
     "board": ["emulator/machine/boards/board_file*.cpp", "emulator/machine/boards/board_device_kinds.cpp"],
     "configuration": [
-        "emulator/cmrc/configuration/*.cpp",
+        "emulator/cmrc/configuration/**/*.cpp",
         "emulator/cmrc/processes/*.cpp",
         "emulator/cmrc/tasks/job_kinds.hpp",
         "emulator/machine/system/scripted_events.cpp",

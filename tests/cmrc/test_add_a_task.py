@@ -175,7 +175,7 @@ def test_a_sub_process_of_ones_own_runs_where_its_process_lists_it(desk: Path) -
     row, with_it = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)[1:3]
     grab = re.search(
         r"\[\[processes\]\]\nnumber = 3.*?\n\n",
-        (ROOT / "emulator" / "cmrc" / "configuration" / "processes.toml").read_text(),
+        (ROOT / "emulator" / "cmrc" / "configuration" / "rows" / "processes.toml").read_text(),
         re.DOTALL,
     )
     assert grab is not None

@@ -302,8 +302,8 @@ def test_the_scanner_sees_a_container_at_the_end_of_its_row(tmp_path: Path) -> N
 
 
 def test_the_gap_that_is_needed_follows_from_the_tolerance_of_identify(tmp_path: Path) -> None:
-    """The kernel searches where a cell is within its tolerance of the tier; a cell that a gap of this width lies half in
-    is lower by twice the tolerance."""
+    """The kernel searches where a cell is within its tolerance of the tier. A cell that holds half of the least gap is
+    lower by this tolerance."""
     source = (ROOT / "c40_programs" / "kernels" / "identify_constants.asm").read_text(encoding="utf-8")
     inverse_square = re.search(r"^K_ID_TOLERANCE .*\n *\.float ([0-9.]+)", source, re.MULTILINE)
     assert inverse_square

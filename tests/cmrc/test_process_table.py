@@ -23,7 +23,7 @@ EMULATOR = BUILD / "bin" / "emulator"
 
 def built_in() -> dict[str, Any]:
     text = subprocess.run([EMULATOR, "config", "--processes"], capture_output=True, text=True, check=True).stdout
-    assert text == (ROOT / "emulator" / "cmrc" / "configuration" / "processes.toml").read_text()
+    assert text == (ROOT / "emulator" / "cmrc" / "configuration" / "rows" / "processes.toml").read_text()
     return tomllib.loads(text)
 
 

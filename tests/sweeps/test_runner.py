@@ -95,7 +95,7 @@ def test_the_messages_of_dask_return_with_the_end_of_the_last_sweep() -> None:
 
 
 def test_the_settings_of_dask_return_with_the_end_of_the_last_sweep() -> None:
-    """Sweeps of several threads share its settings: one that ended first put its own back, and the last one's stayed."""
+    """Sweeps of several threads share its settings. One that ended first left the settings of the other behind."""
     dask = pytest.importorskip("dask")
     before = dict(dask.config.config)
     key = "distributed.scheduler.allowed-failures"
