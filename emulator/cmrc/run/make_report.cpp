@@ -9,6 +9,7 @@
 #include "cmrc/measures/measures.hpp"
 #include "machine/dsps/slot_links.hpp"
 #include "machine/networks/net.hpp"
+#include "machine/system/machine_config.hpp"
 #include "plant/numerics/math.hpp"
 #include "report/events/event.hpp"
 
