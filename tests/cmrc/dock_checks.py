@@ -96,7 +96,7 @@ def of_chips(report: Report, events: int, disturbed: bool) -> Iterator[str]:
     for dsp in report["dsps"]:
         if sum(dsp["causes"].values()) != dsp["cycles"]:
             yield f"DSP {dsp['slot']}: causes of {sum(dsp['causes'].values())} cycles, {dsp['cycles']} are counted"
-        through = report["simulated_ps"] * dsp["clock_hz"] / PS
+        through = report["simulated_ps"] * dsp["clock_hz"] * (1 + dsp["clock_ppm"] * 1e-6) / PS
         # A chip stops between two instructions: one may reach beyond the end, one is not over.
         if not disturbed and not -100 < dsp["cycles"] - through < 100:
             yield f"DSP {dsp['slot']}: {dsp['cycles']} cycles in a time of {through}"
@@ -138,7 +138,7 @@ def broken(report: Report, dock: Dock, config: Any) -> list[str]:
         wrong += of_task(kind, task, reported.get(kind))
     if sum(task["misses"] for task in report["tasks"].values()) != len(report["misses"]) + report["misses_left_out"]:
         wrong.append("misses listed and left out are not all")
-    wrong += of_chips(report, len(dock.events), disturbed=bool(dock.events) or config.to_dict()["run.phase_jitter"])
+    wrong += of_chips(report, len(dock.events), disturbed=bool(dock.events))
     for path, summary in summaries({key: part for key, part in report.items() if key != "configuration"}):
         wrong += of_summary(path, summary)
     return wrong

@@ -197,6 +197,34 @@ def test_buses_that_a_bridge_joins_run_on_one_clock() -> None:
     joined = run(duration_s=0.03, **{"topology.bridges": "A-B", "topology.boards": "A"})["buses"]
     apart = run(duration_s=0.25)["buses"]
     assert joined["A"]["clocks"] == joined["B"]["clocks"] and apart["A"]["clocks"] != apart["B"]["clocks"]
+    assert joined["A"]["clock_ppm"] == joined["B"]["clock_ppm"] != 0
+
+
+@pytest.mark.parametrize("settings", [{}, {"cycle_time_factor": 1.25}, {"ideal": True}], ids=str)
+@pytest.mark.parametrize("jitter", [False, True])
+def test_the_report_has_the_clocks_that_ran(jitter: bool, settings: dict[str, Any]) -> None:
+    """Counted cycles and clocks are those of the nominal clock and its ppm. Those of the ideal run have none."""
+    report = run(jitter=jitter, duration_s=1.0, **settings)
+    drawn = clocks(jitter=jitter, **settings)
+    of_chips = {f"DSP {dsp['slot']}": (dsp["clock_hz"], dsp["clock_ppm"], dsp["cycles"]) for dsp in report["dsps"]}
+    of_buses = {
+        f"PCI {name}": (bus["clock_hz"], bus["clock_ppm"], bus["clocks"]) for name, bus in report["buses"].items()
+    }
+    for name, (nominal_hz, ppm, counted) in {**of_chips, **of_buses}.items():
+        assert (nominal_hz, ppm) == (pytest.approx(drawn[name]["nominal_hz"], rel=1e-12), drawn[name]["ppm"])
+        assert abs(counted - nominal_hz * (1 + ppm * 1e-6)) < 100, name
+    assert any(ppm for _, ppm, _ in {**of_chips, **of_buses}.values()) == (jitter and "ideal" not in settings)
+
+
+def test_an_event_slow_is_no_other_clock() -> None:
+    slow = {"at_s": 0.02, "action": "slow", "dsp": 1, "factor": 0.5}
+    simulation = cmrc.Simulation(
+        cmrc.config(settings={"dsps": 2, "duration_s": 0.06, "report.reference": "none"}, events=[slow])
+    )
+    simulation.run()
+    whole, half = json.loads(simulation.report_json())["dsps"]
+    assert whole["clock_hz"] == half["clock_hz"] and whole["clock_ppm"] == half["clock_ppm"] == 0
+    assert half["cycles"] == pytest.approx(whole["cycles"] * (0.02 + 0.5 * 0.04) / 0.06, rel=1e-3)
 
 
 # ---- the plant's clocks

@@ -80,6 +80,7 @@ def test_the_bootstrap_is_seeded_and_holds_the_mean() -> None:
     ("tasks.pid.response_ps.log2_histogram[3]", "jobs"),
     ("host.semaphore_hold_ps.count", ""),
     ("dsps[0].clock_hz", "Hz"),
+    ("dsps[0].clock_ppm", "ppm"),
     ("dsps[0].tasks_ps.trajectory_planning.crane", "ps"),
     ("errors.load_m.rms", "m"),
     ("errors.window_s[0]", "s"),

@@ -9,6 +9,7 @@
 #include "cmrc/measures/measures.hpp"
 #include "machine/dsps/slot_links.hpp"
 #include "machine/networks/net.hpp"
+#include "machine/system/machine_config.hpp"
 #include "plant/numerics/math.hpp"
 #include "report/events/event.hpp"
 
@@ -38,6 +39,7 @@ report::BusReport bus_report(const machine::Machine& machine, machine::BusId id,
   report::BusReport report;
   report.name = bus.config().name;
   report.clock_hz = hertz;
+  report.clock_ppm = machine::skew_of_bus(machine.config(), static_cast<unsigned>(id)).ppm;
   const pci::BusStatistics statistics = machine.bus_statistics(id);
   report.clocks = statistics.total();
   report.data = statistics.data;
@@ -75,6 +77,7 @@ report::DspReport dsp_report(const ReportInputs& e, unsigned slot) {
     }
   }
   report.clock_hz = e.machine.chip_clock().hertz();
+  report.clock_ppm = machine::skew_of_chip(e.machine.config(), slot).ppm;
   const machine::Spent spent = e.machine.spent(slot);
   report.cycles = spent.cycles;
   report.instructions = chip.instructions();

@@ -41,21 +41,26 @@ Config checked(Config config) {
   return config;
 }
 
+Skew skew_of_chip(const Config& config, unsigned slot) { return skew_of(config.chip_skews, slot); }
+
+// A bridge between buses gives its far side the clock of its near side.
+Skew skew_of_bus(const Config& config, unsigned bus) {
+  unsigned first = 0;
+  while (hops(config.topology, first, bus) < 0) ++first;
+  return skew_of(config.bus_skews, first);
+}
+
 std::vector<Clock> clocks_of_chips(const Config& config) {
   std::vector<Clock> all;
   for (unsigned slot = 0; slot < config.slots; ++slot)
-    all.push_back(skew_of(config.chip_skews, slot).clock(config.chip_hz, config.chip_hz_denominator));
+    all.push_back(skew_of_chip(config, slot).clock(config.chip_hz, config.chip_hz_denominator));
   return all;
 }
 
-// A bridge between buses gives its far side the clock of its near side.
 std::vector<Clock> clocks_of_buses(const Config& config) {
   std::vector<Clock> all;
-  for (unsigned bus = 0; bus < config.topology.buses.size(); ++bus) {
-    unsigned first = 0;
-    while (hops(config.topology, first, bus) < 0) ++first;
-    all.push_back(skew_of(config.bus_skews, first).clock(config.pci_hz_numerator, config.pci_hz_denominator));
-  }
+  for (unsigned bus = 0; bus < config.topology.buses.size(); ++bus)
+    all.push_back(skew_of_bus(config, bus).clock(config.pci_hz_numerator, config.pci_hz_denominator));
   return all;
 }
 

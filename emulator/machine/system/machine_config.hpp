@@ -65,6 +65,9 @@ Config checked(Config config);
 /// \throws std::invalid_argument for an event that makes no sense at `now`
 void require_sense(const ScriptedEvent& event, Time now, const Config& config);
 
+/// The deviations of the clocks of a slot and of a bus.
+Skew skew_of_chip(const Config& config, unsigned slot);
+Skew skew_of_bus(const Config& config, unsigned bus);
 /// By slot; by bus.
 std::vector<Clock> clocks_of_chips(const Config& config);
 std::vector<Clock> clocks_of_buses(const Config& config);

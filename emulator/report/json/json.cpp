@@ -126,6 +126,7 @@ Json dsp(const DspReport& of) {
   return {{"slot", of.slot},
           {"state", of.state},
           {"clock_hz", of.clock_hz},
+          {"clock_ppm", of.clock_ppm},
           {"cycles", of.cycles},
           {"instructions", of.instructions},
           {"causes", shares(of.causes)},
@@ -154,6 +155,7 @@ Json bus(const BusReport& of) {
   const std::int64_t busy = of.data + of.wait + of.turnaround;
   Json object = {
       {"clock_hz", of.clock_hz},
+      {"clock_ppm", of.clock_ppm},
       {"clocks", of.clocks},
       {"utilisation", of.clocks > 0 ? Json(static_cast<double>(busy) / static_cast<double>(of.clocks)) : Json(nullptr)},
       {"clocks_by_use",

@@ -49,8 +49,9 @@ struct BootReport {
 
 struct DspReport {
   unsigned slot = 0;
-  std::string state;  ///< "running", "idle", "halted: <fault>", "unplugged"
-  double clock_hz = 0;
+  std::string state;           ///< "running", "idle", "halted: <fault>", "unplugged"
+  double clock_hz = 0;         ///< nominal
+  std::int64_t clock_ppm = 0;  ///< what its oscillator deviates from that
   std::int64_t cycles = 0;
   std::uint64_t instructions = 0;
   std::vector<Share> causes;  ///< cycles by cause; sums to cycles
@@ -103,8 +104,9 @@ struct TargetReport {
 
 /// One bus; the five shares of its clocks sum to clocks.
 struct BusReport {
-  std::string name;  ///< "A", "B"
-  double clock_hz = 0;
+  std::string name;            ///< "A", "B"
+  double clock_hz = 0;         ///< nominal
+  std::int64_t clock_ppm = 0;  ///< what its oscillator deviates from that
   std::int64_t clocks = 0;
   std::int64_t data = 0;
   std::int64_t wait = 0;

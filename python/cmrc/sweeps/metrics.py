@@ -32,7 +32,7 @@ NAMED: dict[str, tuple[str, Callable[[Mapping[str, Any]], Any]]] = {
     "worst_response_us": ("us", lambda report: _worst(report)),
 }
 """Short names: unit and meaning. ``any_miss`` is yes or no, so that its mean is a share of the runs."""
-UNITS = {unit: unit for unit in ("s", "ms", "us", "ns", "ps", "m", "rad", "mrad", "deg", "kg")} | {
+UNITS = {unit: unit for unit in ("s", "ms", "us", "ns", "ps", "m", "rad", "mrad", "deg", "kg", "ppm")} | {
     "hz": "Hz", "m_s": "m/s", "rad_s": "rad/s", "m2": "m2", "m2s": "m2 s",
     "share": "share", "cycles": "cycles", "refreshes": "refreshes",
 }  # fmt: skip
