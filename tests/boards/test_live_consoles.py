@@ -66,6 +66,19 @@ def test_no_cycles_pass_while_a_program_sleeps_until_somebody_types(tmp_path: Pa
     assert again.splitlines()[-1] == rest.splitlines()[-1]
 
 
+def test_an_input_is_read_up_to_a_limit(tmp_path: Path) -> None:
+    """The program reads none of it: one without an end would fill the memory."""
+    text = LONG.replace("ldi 2000,", "ldi 4000,") + END
+    run = [program(tmp_path, text), "--board", board(tmp_path, device("console", name="TTY"))]
+    (tmp_path / "typed").write_bytes(b"y" * (2**20 + 1))
+    command = [str(each) for each in (EMULATOR, "exec", *run, "--console-input", "live")]
+    with (tmp_path / "typed").open("rb") as typed:
+        done = subprocess.run(command, stdin=typed, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert "--console-input live: what came behind the first 1 MiB was not read" in done.stderr
+    assert "stop: halt: " in done.stdout
+
+
 def test_a_sleep_that_no_character_ends_is_the_end(tmp_path: Path) -> None:
     run = [program(tmp_path, PROMPT + "        idle\n"), "--board", board(tmp_path, device("console", name="TTY"))]
     with started(*run) as running:

@@ -181,6 +181,8 @@ bool BoardConsole::empty() const {
                              [](const auto& board) { return board.second == nullptr || board.second->empty(); });
 }
 
+constexpr std::size_t most_typed = std::size_t{1} << 20;
+
 void BoardConsole::listen(c40::Cycles now, bool waits) {
   constexpr int look_ms = 200;  // a signal that comes right before poll() is seen then
   if (!may_be_typed()) return;
@@ -189,8 +191,14 @@ void BoardConsole::listen(c40::Cycles now, bool waits) {
   while (poll(&ready, 1, waits ? look_ms : 0) <= 0)
     if (!waits || io::stop_asked()) return;
   const ssize_t count = read(STDIN_FILENO, typed.data(), typed.size());
-  if (count <= 0) {
+  at_end_ = count <= 0;
+  if (at_end_) return;
+  // A pipe without an end that the program does not read would fill the memory.
+  typed_characters_ += static_cast<std::size_t>(count);
+  if (typed_characters_ > most_typed) {
     at_end_ = true;
+    io::note_lost(
+        fmt::format("--console-input live: what came behind the first {} MiB was not read", most_typed >> 20));
     return;
   }
   typed_.push_back(live_->type({typed.data(), static_cast<std::size_t>(count)}, now));

@@ -59,6 +59,7 @@ class BoardConsole {
   bool shows_;
   machine::BoardDevices* live_ = nullptr;
   bool at_end_ = false;
+  std::size_t typed_characters_ = 0;
   std::vector<machine::HostStep> typed_;
   std::vector<Output> outputs_;
   std::optional<io::OutputFile> record_;
