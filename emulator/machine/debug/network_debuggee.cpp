@@ -77,7 +77,8 @@ std::optional<std::size_t> NetworkDebuggee::calls() const {
 }
 
 void NetworkDebuggee::changed_by_hand(std::optional<std::size_t> moved) {
-  ended_.reset(), holds_.clear();
+  ended_.reset();
+  holds_.clear();
   network_.changed_by_hand(moved);
   for (std::size_t n = 0; n < status_.size(); ++n) status_[n] = network_.status(n);
 }
@@ -146,7 +147,8 @@ std::string NetworkDebuggee::save() { return state::save(network_); }
 
 void NetworkDebuggee::load(std::string_view state) {
   state::load(network_, state);
-  ended_.reset(), holds_.clear();
+  ended_.reset();
+  holds_.clear();
   now_ = network_.now();
   reported_ = network_.events().size();
   for (std::size_t n = 0; n < status_.size(); ++n) status_[n] = network_.status(n);
