@@ -1,9 +1,9 @@
 """Which fields of a run's state no snapshot test would miss: loads the state without each listed field, one after the
 other.
 
-For each scene of tests/cmrc/test_snapshots.py and each instant of its tests, the state goes into a new run with one
-field as that run had it before, as if its line were not in the list. A field is noticed where the run then differs: at
-once, in its report at the end, or in another field at the end. Prints those that never were, with how often they
+For each scene of tests/cmrc/snapshots/test_snapshots.py and each instant of its tests, the state goes into a new run
+with one field as that run had it before, as if its line were not in the list. A field is noticed where the run then
+differs: at once, in its report at the end, or in another field at the end. Prints those that never were, with how often they
 differed at all: 0 means that no scene has another value than the one to begin with.
 
     PYTHONPATH=build/python .venv/bin/python scripts/unnoticed_fields.py [SCENE ...]
@@ -19,7 +19,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-sys.path[:0] = [str(Path(__file__).parents[1] / "tests" / part) for part in ("", "cmrc")]
+sys.path[:0] = [str(Path(__file__).parents[1] / "tests" / part) for part in ("", "cmrc", "cmrc/snapshots")]
 
 import test_snapshots as scenes
 from cmrc import _core

@@ -128,7 +128,7 @@ def test_a_container_that_sticks_out_of_the_scan_is_seen_as_far_as_it_goes(bay: 
 def test_containers_end_to_end_are_told_apart_from_the_gap_on_that_layouts_must_have(bay: Bay, share: float) -> None:
     """A share of the gap lies in the cell to the left of an edge of cells. The container to the left is the nearer one.
     At half and half the gap shows least: 10 mm less, and the crane would aim between the two
-    (tests/cmrc/test_dock_job.py: such layouts are refused)."""
+    (tests/cmrc/settings/test_dock_job.py: such layouts are refused)."""
     cells = X0 + DX / 2 + 79 * DX  # an edge between two cells
 
     def found(gap: float) -> tuple[float, float]:

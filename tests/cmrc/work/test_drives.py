@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 from cmrc import _core
+from error_scenes import LEG, at, clear, only, rates, run
 from locations import OVER_A_CONTAINER
 from low_rates import AT_ONCE_AND_LOW
-from test_errors import LEG, at, clear, only, rates, run
 
 cmrc = _core.cmrc
 
