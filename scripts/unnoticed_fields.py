@@ -3,8 +3,8 @@ other.
 
 For each scene of tests/cmrc/snapshots/test_snapshots.py and each instant of its tests, the state goes into a new run
 with one field as that run had it before, as if its line were not in the list. A field is noticed where the run then
-differs: at once, in its report at the end, or in another field at the end. Prints those that never were, with how often they
-differed at all: 0 means that no scene has another value than the one to begin with.
+differs: at once, in its report at the end, or in another field at the end. Prints those that never were, with how
+often they differed at all: 0 means that no scene has another value than the one to begin with.
 
     PYTHONPATH=build/python .venv/bin/python scripts/unnoticed_fields.py [SCENE ...]
 """

@@ -2,7 +2,11 @@
 
 namespace report {
 
+namespace {
+
 using Json = nlohmann::ordered_json;
+
+}  // namespace
 
 Json errors_json(const std::vector<HandledError>& errors) {
   const auto seconds = [](const std::optional<Time>& time) {
