@@ -279,6 +279,17 @@ def test_the_lag_of_a_dead_machine_grows_by_a_second_per_second_where_points_are
     assert late - early == pytest.approx(0.5, abs=1e-3) and 3.0 - 2.03 < late < 3.0 - 1.02
 
 
+def test_the_lag_of_a_vehicle_is_counted_from_its_last_points() -> None:
+    """A point each 20 ms. The machine dies while both vehicles drive. Each uses the points that it has (three at most),
+    and brakes; the vehicles of the ideal run drive on."""
+    dead = [{"at_s": 2.0, "action": "fail", "dsp": dsp} for dsp in range(3)]
+    run = cmrc.run(dsps=3, duration_s=3.0, events=dead, settings={"load.driving": True, "agvs": 2})
+    for vehicle in ("agv 0", "agv 1"):
+        lag, error = run.errors["lag"][vehicle], run.errors["agvs"][vehicle]
+        assert 2.0 < 3.0 - lag["end_s"] < 2.06 and lag["peak_s"] == lag["end_s"]
+        assert 0.3 < error["end"] == error["peak"]
+
+
 # ---- how runs end ----------------------------------------------------------------------------------------------------
 
 
