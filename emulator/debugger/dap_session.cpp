@@ -221,9 +221,14 @@ Json Session::terminate(const Json&) {
 // ---- running ----
 
 void Session::run_on() {
-  const Stop& stop = core().go();
-  if (stop.reason == Stop::Reason::paused) return;
-  runs_ = false;
+  try {
+    if (core().go().reason == Stop::Reason::paused) return;
+    runs_ = false;
+  } catch (const DebugError& error) {  // a condition that has no value
+    runs_ = false;
+    output(std::string(error.what()) + "\n", "important");
+    return tell_stop("breakpoint");
+  }
   tell_stop();
 }
 

@@ -70,6 +70,21 @@ def test_conditions_hit_counts_and_log_points(program: Path) -> None:
         assert "hitCondition" in break_at(editor, program, line, hitCondition="often").message
 
 
+def test_a_condition_without_a_value_is_a_stop_that_says_so(program: Path) -> None:
+    with Editor() as editor:
+        editor.begin(program=str(program), stopAtEnd=True)
+        line = line_of(program, "sti     r1")
+        number = break_at(editor, program, line, condition="1 / (r1 - r1)").id
+        editor.configured()
+        event = editor.stopped()
+        assert event.reason == "breakpoint" and event.text.startswith("paused at")
+        said = f'stop condition {number}, "if 1 / (r1 - r1)": a division by zero\n'
+        assert said in editor.outputs
+        break_at(editor, program, line)
+        editor.client.continue_(1)
+        assert editor.stopped().reason == "breakpoint"
+
+
 def test_steps_forward_and_back_come_to_the_same_lines(program: Path) -> None:
     with Editor() as editor:
         editor.begin(program=str(program), stopOnEntry=True)

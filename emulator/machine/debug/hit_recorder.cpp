@@ -173,7 +173,12 @@ Expression& Debugger::HitRecorder::condition_of(unsigned number, const Trigger& 
 bool Debugger::HitRecorder::holds(const Hit& hit) {
   const auto found = armed_.find(hit.trigger);
   if (found == armed_.end() || found->second.condition.empty()) return true;
-  return condition_of(hit.trigger, found->second, hit.chip.value_or(0)).value().truth();
+  try {
+    return condition_of(hit.trigger, found->second, hit.chip.value_or(0)).value().truth();
+  } catch (const DebugError& error) {
+    throw DebugError(
+        fmt::format("stop condition {}, \"if {}\": {}", hit.trigger, found->second.condition, error.what()));
+  }
 }
 
 void Debugger::HitRecorder::add(unsigned number, const Trigger& trigger, Hit hit) {

@@ -30,10 +30,9 @@ void sort(std::vector<Diagnostic>& diagnostics) {
 void conclude(std::vector<Diagnostic> diagnostics) {
   sort(diagnostics);
   if (diagnostics.size() > most_errors) {
-    Diagnostic rest = diagnostics[most_errors];
-    rest.message += fmt::format(" (and {} more errors)", diagnostics.size() - most_errors - 1);
-    diagnostics.resize(most_errors);
-    diagnostics.push_back(std::move(rest));
+    diagnostics.erase(diagnostics.begin() + most_errors + 1, diagnostics.end());
+    diagnostics.back().message +=
+        fmt::format(" (there may be more errors; the assembler gives up after {})", most_errors);
   }
   if (!diagnostics.empty()) throw AssemblyError(std::move(diagnostics));
 }

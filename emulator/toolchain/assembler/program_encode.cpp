@@ -176,6 +176,7 @@ void Program::encode_section(const Section& section, Image& image, std::vector<D
       run = i + 1;
     }
     const auto words = encode_item(section, item, image, diagnostics, relocations);
+    if (diagnostics.size() > most_errors) break;
     const auto file = std::find(image.files.begin(), image.files.end(), *item.line->file);
     const auto* instruction = std::get_if<InstructionItem>(&item.content);
     const bool parallel = instruction != nullptr && instruction->second_line != nullptr;
@@ -185,7 +186,7 @@ void Program::encode_section(const Section& section, Image& image, std::vector<D
     if (file == image.files.end()) image.files.push_back(*item.line->file);
     out.words.insert(out.words.end(), words.begin(), words.end());
   }
-  check_run(std::span(section.items).subspan(run), out, image);
+  if (diagnostics.size() <= most_errors) check_run(std::span(section.items).subspan(run), out, image);
   image.sections.push_back(std::move(out));
 }
 

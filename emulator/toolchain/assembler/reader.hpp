@@ -14,9 +14,6 @@
 
 namespace toolchain {
 
-/// After so many errors an assembly is given up.
-inline constexpr std::size_t most_errors = 1000;
-
 class Reader {
  public:
   Reader(Program& program, const Options& options, std::vector<Diagnostic>& diagnostics);

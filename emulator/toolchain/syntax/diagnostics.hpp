@@ -36,6 +36,9 @@ struct Diagnostic {
 
 Diagnostic make_diagnostic(const SourceLine& line, std::size_t offset, std::string message, bool warning = false);
 
+/// After so many errors an assembly is given up.
+inline constexpr std::size_t most_errors = 1000;
+
 /// Every error of a source text at once. what() is their formatted text.
 class AssemblyError : public std::runtime_error {
  public:
