@@ -93,9 +93,11 @@ class CtrlCInterrupts {
   CtrlCInterrupts& operator=(const CtrlCInterrupts&) = delete;
 };
 
-/// A line of standard input, or the beginning of one that is too long. A command is executed when its line is there, so
-/// that whoever writes the commands can wait for the answers. False: nothing is left.
+/// A line of standard input, or the beginning of one that is too long. A command is executed when its line is there,
+/// and its answer is written before the next line is read, so that whoever writes the commands can wait for the
+/// answers. False: nothing is left.
 bool next_line(std::string& line) {
+  std::fflush(stdout);
   line.clear();
   int c = std::getc(stdin);
   const bool any = c != EOF;

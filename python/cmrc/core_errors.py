@@ -78,5 +78,7 @@ def class_in_our_words(cls: type, name: str) -> None:
             setattr(cls, member, property(value.fget, setter, value.fdel, value.__doc__))
         elif member == "__init__":
             setattr(cls, member, in_our_words(name, value))
+        elif isinstance(value, staticmethod):
+            setattr(cls, member, staticmethod(in_our_words(f"{name}.{member}", value.__func__)))
         elif type(value).__name__ == "instancemethod" and not member.startswith("_"):
             setattr(cls, member, in_our_words(f"{name}.{member}", value))

@@ -13,6 +13,7 @@ import numpy as np
 
 from cmrc import _core, arguments, files
 from cmrc.chip_state import ChipState
+from cmrc.core_errors import class_in_our_words
 from cmrc.debug import Debugger
 from cmrc.keywords import listed
 from cmrc.keywords import settings as settings_by_keyword
@@ -36,6 +37,7 @@ Reference = _core.cmrc.Reference
 
 Snapshot = _core.cmrc.Snapshot
 """The state of a run at an instant. Opaque; it can be pickled, and written by ``write_snapshot``."""
+class_in_our_words(Snapshot, "Snapshot")
 
 _LARGEST_SNAPSHOT = 1 << 32
 _NO_WAY_BACK = "what is collected beside the run cannot be taken back"

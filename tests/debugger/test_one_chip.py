@@ -121,3 +121,19 @@ def test_a_word_that_holds_its_value_ends_the_run_again_after_going_back(program
         "debug", program, "--until", "v==3", stdin="c\nback\nc\nassert [v] == 3\nback\ngoto 1 s\nassert r1 == 3\n"
     )
     assert done.returncode == 0 and done.stdout.count("over: 00") == 3, done.stdout
+
+
+@pytest.mark.parametrize("before", [True, False])
+def test_a_fault_that_the_debugger_did_not_run_into_is_an_end(before: bool) -> None:
+    program = c40.assemble("\t.text\nstart:\tnop\n\tnop\n")
+    processor = c40.Processor(program)
+    debugger = processor.debug() if before else None
+    processor.pc = "start"
+    processor.memory[processor.pc] = 0xFFFFFFFF
+    assert processor.step().reason == "fault"
+    debugger = debugger or processor.debug()
+    assert [debugger.step().reason, debugger.go(0.001).reason] == ["over", "over"]
+    assert debugger.step().text == "it is halted after a fault"
+    processor.reset()
+    processor.pc = program.symbols["start"] + 1
+    assert debugger.step().reason == "step"

@@ -361,6 +361,11 @@ CALLS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     "default_dock": (lambda: plant.default_dock("x"), W, "default_dock: 'x' (str) cannot be used; agv_count: a whole"),
     "apply_layout": (lambda: plant.apply_layout(3, ""), W, "apply_layout: 3 (int), '' (str)"),
     "inverse_kinematics": (lambda: plant.inverse_kinematics(3), W, "inverse_kinematics: 3 (int)"),
+    "Snapshot.from_bytes": (
+        lambda: cmrc.Snapshot.from_bytes("x"),
+        W,
+        "Snapshot.from_bytes: 'x' (str) cannot be used; bytes",
+    ),
     "Pose": (lambda: plant.Pose("x"), W, "Pose: 'x' (str) cannot be used; (x: a number, y: a number, heading: a numb"),
     "Signal": (lambda: plant.Signal(3), W, "Signal: "),
     "Dock": (lambda: plant.Dock(None), W, "Dock: None (NoneType) cannot be used; config: DockConfig"),

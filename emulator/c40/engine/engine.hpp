@@ -165,7 +165,7 @@ class Engine {
   void account(const Transition& transition, const std::optional<StepTiming>& without_dma);
   void settle_accesses(const Step& step, Address pc);
   void finish_step(const Step& step);
-  void advance_pc(Address pc);
+  void advance_pc(Address pc, Flow flow);
   void emit_trace(const Step& step, const Core& before, Cycles cycle, const Causes& causes);
 
   // engine_access.cpp: accesses whose region is not known yet, and faults

@@ -322,7 +322,7 @@ void Engine::left_block(CodeBlock& block, InBlock in, const Outcome& outcome) {
     const std::uint8_t slots = block.delay_slots[at];
     leave(block, in, at + 1);
     state_.core.delay_slots = slots;
-    advance_pc(block.key.pc + static_cast<Address>(at));
+    advance_pc(block.key.pc + static_cast<Address>(at), Flow::straight);
     return;
   }
   leave(block, in, at);

@@ -203,8 +203,9 @@ void Engine::finish_step(const Step& step) {
   core.attention |= bound.writes_status || bound.writes_interrupts || !step.repeatable;
 }
 
-// Delayed branches take effect after their third slot; the loop hardware compares PC with RE.
-void Engine::advance_pc(Address pc) {
+// Delayed branches take effect after their third slot; the loop hardware compares PC with RE. No program control may
+// stand at RE: an RPTB there has set RE itself, after it was fetched.
+void Engine::advance_pc(Address pc, Flow flow) {
   Core& core = state_.core;
   if (core.delay_slots != 0 && --core.delay_slots == 0) {
     core.pc = core.delay_target;
@@ -216,7 +217,7 @@ void Engine::advance_pc(Address pc) {
     }
     return;
   }
-  if ((core.modes & st::RM) == 0 || pc != core.r[reg::RE]) return;
+  if ((core.modes & st::RM) == 0 || pc != core.r[reg::RE] || flow != Flow::straight) return;
   if (static_cast<std::int32_t>(--core.r[reg::RC]) >= 0) {
     core.pc = core.r[reg::RS];
     if (core.repeat_single == 1) core.repeat_single = 2;
@@ -288,7 +289,7 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
       return why;
     }
     settle_accesses(step, pc);
-    if (decided) advance_pc(pc);
+    if (decided) advance_pc(pc, bound.flow);
     finish_step(step);
     if (pins_.driven() && (bound.writes_interrupts || step.register_writes != 0)) [[unlikely]]
       if (const auto pin = pins_.contended())
@@ -316,7 +317,7 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
     dma_side_.note_accesses(annul ? Demand{} : decoded.demand, *step.timing, before);
   if (bound.flow != Flow::straight || bound.writes_status)
     cache_.note_control(state_.cycle - 1 - step.timing->of(Cause::branch));
-  if (!decided) advance_pc(pc);
+  if (!decided) advance_pc(pc, bound.flow);
   return Stepped::done;
 }
 
@@ -403,7 +404,7 @@ template <class Continues>
     account(decoded.transition);
     if (code_.cacheable && cache_.on() && core.repeat_single != 2 && !cache_.frozen()) [[unlikely]]
       cache_.hit(pc);
-    if (core.delay_slots != 0 || (core.modes & st::RM) != 0) advance_pc(pc);
+    if (core.delay_slots != 0 || (core.modes & st::RM) != 0) advance_pc(pc, decoded.bound.flow);
     if (!continues()) return false;
   } while (core.pc == pc && decoded.fetch_bits == unfetched_bits);
   return true;

@@ -23,7 +23,9 @@ ChipDebuggee::ChipDebuggee(c40::Chip& chip, const toolchain::Image& program, Boa
       around_(around),
       ignored_(ignored),
       program_(program),
-      now_(chip.cycle() * period) {}
+      now_(chip.cycle() * period) {
+  notice_halt();
+}
 
 bool ChipDebuggee::answered(const c40::ExternalAccess& access) {
   return (around_ != nullptr && around_->serve(access)) || (ignored_ != nullptr && ignored_->serve(chip_, access));
@@ -77,8 +79,14 @@ std::optional<std::string> ChipDebuggee::rests() const {
   return std::nullopt;
 }
 
+/// A fault that the chip met without the debugger.
+void ChipDebuggee::notice_halt() {
+  if (chip_.halted() && !over_) over_ = "it is halted after a fault";
+}
+
 // A chip that has not ended yet finds its end by itself: a probe is to hear of it.
 void ChipDebuggee::look_again() {
+  notice_halt();
   if (!over_ || chip_.halted()) return;
   over_ = rests();
   calls_ = false;
@@ -108,7 +116,7 @@ std::string ChipDebuggee::save() {
 void ChipDebuggee::load(std::string_view state) {
   Listed all{[this](state::Visitor& list) { list_state(list); }};
   state::load(all, state);
-  if (chip_.halted() && !over_) over_ = "it is halted after a fault";
+  notice_halt();
   now_ = chip_.cycle() * period;
 }
 

@@ -43,6 +43,7 @@ class ChipDebuggee final : public Debuggee {
   bool answered(const c40::ExternalAccess& access);
   std::optional<std::string> end_of(const c40::StopInfo& stop) const;
   std::optional<std::string> rests() const;
+  void notice_halt();
 
   c40::Chip& chip_;
   BoardDevices* devices_;

@@ -79,14 +79,15 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   struct Patience {
     static constexpr c40::Cycles first = 10'000;
     static constexpr int growth = 8;
-    c40::Cycles since = 0;       ///< no event anywhere since this cycle
-    c40::Cycles length = first;  ///< until the next check
-    std::uint64_t news = 0;      ///< Network::news_ at that cycle
+    static constexpr c40::Cycles longest_look = 1'000'000;  ///< every instruction of a look is kept, in 50 bytes
+    c40::Cycles since = 0;                                  ///< no event anywhere since this cycle
+    c40::Cycles length = first;                             ///< until the next check
+    std::uint64_t news = 0;                                 ///< Network::news_ at that cycle
     std::optional<LoopWatch> looking;
     std::optional<LoopWatch::Loop> loop;  ///< the loop found; valid until the next event
     Time found{0};                        ///< when
     bool is_private = false;              ///< it reads nothing that others could change
-    c40::Cycles next_look() const { return since + length + (looking ? length / 10 : 0); }
+    c40::Cycles next_look() const { return since + length + (looking ? std::min(length / 10, longest_look) : 0); }
   } patience;
   c40::TraceSink* trace = nullptr;
   mutable std::optional<AddressNames> named;
