@@ -35,7 +35,7 @@ class SchemaError(ResultError):
 
 
 def save(result: Result, path: str | os.PathLike[str]) -> None:
-    """Writes a result, whole or not at all. Raises OSError."""
+    """Writes a result, whole or not at all. Raises OSError; ResultError for columns of signals that no file can have."""
     head = {"format": FORMAT, "profile": result.profile is not None, "events": result.events is not None}
     members: dict[str, bytes] = {
         "result.json": json.dumps(head).encode(),
@@ -154,6 +154,24 @@ def load_report(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def _packed(table: Table) -> bytes:
+    """As numpy.savez_compressed does, for names that are keywords of that function, too."""
     out = io.BytesIO()
-    np.savez_compressed(out, **dict(table))  # type: ignore[arg-type]  # the names are its own
+    with zipfile.ZipFile(out, "w") as archive:
+        for name, column in table.items():
+            entry = zipfile.ZipInfo(f"{_column_name(name)}.npy", _DATE)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            values = np.asarray(column)
+            if values.dtype.hasobject or values.shape != (table.rows,):
+                raise ResultError(
+                    f"signals: the column {name!r} has {values.dtype} of shape {values.shape}; a number, text or time "
+                    f"for each of {table.rows} rows is expected"
+                )
+            with archive.open(entry, "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, values, allow_pickle=False)
     return out.getvalue()
+
+
+def _column_name(name: object) -> str:
+    if not isinstance(name, str) or not name or not name.isprintable():
+        raise ResultError(f"signals: {name!r} cannot be the name of a column in a file; printable text is expected")
+    return name

@@ -172,10 +172,13 @@ def test_other_folders_are_refused_by_name(tmp_path: Path) -> None:
     (tmp_path / "old" / store.HEAD).write_text(json.dumps({"format": 0, "cmrc": "0.0.9"}))
     (tmp_path / "bad").mkdir()
     (tmp_path / "bad" / store.HEAD).write_text("{")
+    (tmp_path / "deep").mkdir()
+    (tmp_path / "deep" / store.HEAD).write_text("[" * 100_000)
     for name, says in (
         ("file", "is a file"),
         ("full", "not a folder of a sweep"),
         ("bad", "cannot be read"),
+        ("deep", "cannot be read"),
         ("old", "written by cmrc 0.0.9 in format 0; cmrc .* reads format 1"),
     ):
         with pytest.raises(SweepError, match=f"{name}.*{says}"):

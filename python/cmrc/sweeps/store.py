@@ -147,7 +147,7 @@ class Folder:
             found = json.loads(files.read(self.path / HEAD, LARGEST_HEAD))
         except FileNotFoundError:
             return None
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, RecursionError) as error:
             raise SweepError(f"{self.path / HEAD}: cannot be read: {files.reason(error)}") from None
         if not isinstance(found, dict):
             raise SweepError(f"{self.path / HEAD}: no head of a sweep")
