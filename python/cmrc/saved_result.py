@@ -35,7 +35,7 @@ class SchemaError(ResultError):
 
 
 def save(result: Result, path: str | os.PathLike[str]) -> None:
-    """Writes a result, whole or not at all. Raises OSError; ResultError for columns of signals that no file can have."""
+    """Writes a result, whole or not at all. Raises OSError; ResultError for a column of signals that no file has."""
     head = {"format": FORMAT, "profile": result.profile is not None, "events": result.events is not None}
     members: dict[str, bytes] = {
         "result.json": json.dumps(head).encode(),
