@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cmrc.sweeps import Sweep, SweepError, store
+from cmrc.sweeps import Sweep, SweepError, store, sweep
 from cmrc.sweeps.identity import build
 from cmrc.sweeps.store import Folder
 from locations import BUILD
@@ -297,6 +297,14 @@ def test_a_cell_that_no_sweep_writes_is_refused_by_name(
     unchecked(tmp_path / "s", **cells)
     with pytest.raises(SweepError, match=f"{re.escape(str(tmp_path / 's'))}.*{re.escape(says)}"):
         list(Sweep(tmp_path / "s").reports())
+
+
+@pytest.mark.parametrize("settings", ["{", "5", "[" * 100_000])
+def test_a_refused_row_that_is_damaged_is_named_before_a_run(settings: str, tmp_path: Path) -> None:
+    unchecked(tmp_path / "s", status=store.REFUSED, settings=settings)
+    grid = {"fixed": {"duration_s": 0.03, "report.reference": "none"}, "axes": {"dsps": [1, 17]}}
+    with pytest.raises(SweepError, match="the settings of the run 000000000000 is damaged"):
+        sweep(grid, tmp_path / "s", workers=1)
 
 
 def test_other_columns_and_other_names_are_refused_by_name(tmp_path: Path) -> None:

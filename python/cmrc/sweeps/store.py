@@ -183,6 +183,10 @@ class Folder:
         """A row with its JSON, ``place`` and ``settings``, as dictionaries. Raises SweepError."""
         return {**row, **{name: self._object(row, name, row[name]) for name in ("place", "settings")}}
 
+    def settings(self, row: Mapping[str, Any]) -> dict[str, Any]:
+        """The settings of a row. Raises SweepError."""
+        return self._object(row, "settings", row["settings"])
+
     def report(self, row: Mapping[str, Any]) -> dict[str, Any]:
         """The report of a row. Raises SweepError."""
         try:
