@@ -14,6 +14,7 @@ from cmrc.sweeps import Sweep, SweepError, store, sweep
 from cmrc.sweeps.identity import build
 from cmrc.sweeps.store import Folder
 from locations import BUILD
+from sweep_helpers import report_with
 
 pytest.importorskip("pyarrow")
 
@@ -84,14 +85,7 @@ def test_the_table_of_a_folder(tmp_path: Path) -> None:
     measured, n where not every repeat was. Reasons are counted, ten at the most."""
 
     def done(number: int, dsps: int, seed: int, misses: int, lag: float | None) -> dict[str, Any]:
-        of = {
-            "configuration": {},
-            "misses": [],
-            "hash": "",
-            "schema_version": 4,
-            "tasks": {"pid": {"misses": misses, "on_time": 1}},
-        }
-        report = of | {"errors": {"lag": {"crane": {"end_s": lag}}}}
+        report = report_with(tasks={"pid": {"misses": misses, "on_time": 1}}, errors={"lag": {"crane": {"end_s": lag}}})
         return row(number, place=json.dumps({"machine.dsps": dsps}), seed=seed, report=store.packed(report))
 
     def refused(number: int, why: str) -> dict[str, Any]:
@@ -272,7 +266,7 @@ def unchecked(folder: Path, **cells: Any) -> None:
         made.parts()[0].rename(folder / "part-000001.parquet")
 
 
-REPORT = {"schema_version": 4, "configuration": {}, "tasks": {}, "misses": [], "hash": ""}
+REPORT = report_with()
 
 
 @pytest.mark.parametrize(("cells", "says"), [

@@ -20,6 +20,7 @@ from cmrc import plot
 from drawn import described
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from sweep_helpers import report_with
 
 
 @pytest.fixture(scope="module")
@@ -32,15 +33,11 @@ def axes() -> Axes:
 
 
 def row(n: int, place: dict[str, Any], seed: int, misses: int | None) -> dict[str, Any]:
-    report = {
-        "schema_version": 4,
-        "configuration": {},
-        "misses": [],
-        "hash": "",
-        "tasks": {"pid": {"misses": misses}},
-        "rates": {"f_p": {"missed_share": (misses or 0) / 100}},
-        "errors": {"load_m": {"rms": (misses or 0) * 1e-6}},
-    }
+    report = report_with(
+        tasks={"pid": {"misses": misses}},
+        rates={"f_p": {"missed_share": (misses or 0) / 100}},
+        errors={"load_m": {"rms": (misses or 0) * 1e-6}},
+    )
     done = misses is not None
     return {
         "key": f"{n:064}",
