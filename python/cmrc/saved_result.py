@@ -156,7 +156,7 @@ def checked_report(report: Any) -> dict[str, Any]:
         value = report.get(key, ...)
         within = value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ()
         if not isinstance(value, kind) or not all(isinstance(one, kind_within) for one in within):
-            raise ValueError(f"the report has no {key!r}, or one of a wrong kind")  # noqa: TRY004 (a file is wrong)
+            raise ValueError(f"the report has no {key!r}, or one of a wrong kind")
     if not all(isinstance(task.get("misses"), int) for task in report["tasks"].values()):
         raise ValueError("the report has a task without its number of misses")
     return dict(report)
