@@ -4,8 +4,8 @@ functions of the package."""
 from __future__ import annotations
 
 import cmrc
-from cmrc import signals
-from cmrc.commands import pages, streams, studies, sweeps
+from cmrc import signals, streams
+from cmrc.commands import pages, studies, sweeps
 from cmrc.commands.common import Parser
 
 

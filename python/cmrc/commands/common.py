@@ -10,8 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
-from cmrc import _core, arguments, files, signals
-from cmrc.commands import streams
+from cmrc import _core, arguments, files, signals, streams
 from cmrc.extras import needed
 from cmrc.simulation import ConfigError, Setting
 

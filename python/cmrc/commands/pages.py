@@ -5,8 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from cmrc import demo, events, files, page
-from cmrc.commands import streams
+from cmrc import demo, events, files, page, streams
 from cmrc.commands.common import (
     Commands,
     check_files,

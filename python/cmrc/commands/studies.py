@@ -8,8 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 import cmrc
-from cmrc import _core, files, signals, studies
-from cmrc.commands import streams
+from cmrc import _core, files, signals, streams, studies
 from cmrc.commands.common import (
     Commands,
     check_files,

@@ -10,8 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cmrc import _core, arguments, files
-from cmrc.commands import streams
+from cmrc import _core, arguments, files, streams
 from cmrc.commands.common import (
     Commands,
     check_files,

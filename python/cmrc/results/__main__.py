@@ -11,8 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from cmrc import arguments, files, signals
-from cmrc.commands import streams
+from cmrc import arguments, files, signals, streams
 from cmrc.extras import needed
 from cmrc.results import page, stated
 from cmrc.results.claim import Claim
