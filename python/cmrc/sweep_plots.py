@@ -100,8 +100,9 @@ def _chosen(counts: Mapping[str, int], x: str | None, lines: str | None) -> tupl
     from cmrc.sweeps.grid import axis_name
 
     varied = _varied(counts)
+    lines = lines if lines is None else axis_name(lines, "lines")
     x = axis_name(x, "x") if x is not None else next((name for name in varied if name != lines), next(iter(counts), ""))
-    lines = axis_name(lines, "lines") if lines is not None else next((name for name in varied if name != x), None)
+    lines = lines if lines is not None else next((name for name in varied if name != x), None)
     for name in (x, lines):
         if name is not None and name not in counts:
             raise ValueError(
