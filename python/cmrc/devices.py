@@ -195,11 +195,14 @@ class Front:
 
     def type(self, text: str | bytes) -> None:
         """Characters for the console of the board file, after those that wait."""
-        self._core.type(
-            text.encode("latin-1")
-            if isinstance(text, str)
-            else bytes(arguments.instance("text", text, bytes, "text or bytes"))
-        )
+        if isinstance(text, str):
+            try:
+                text = text.encode("latin-1")
+            except UnicodeEncodeError:
+                raise ValueError(
+                    f"text: {arguments.shown(text)} cannot be used; text of one-byte characters (Latin-1), or bytes, is expected"
+                ) from None
+        self._core.type(bytes(arguments.instance("text", text, bytes, "text or bytes")))
 
     @property
     def console(self) -> bytes:

@@ -1,5 +1,5 @@
-"""Conversions between the C40's float formats and Python's floats. Exact whenever the target can represent the
-value."""
+"""Conversions between the C40's float formats and Python's floats, exact whenever the target can represent the value;
+and a number as text."""
 
 from __future__ import annotations
 
@@ -45,6 +45,14 @@ def float_to_single(value: float) -> int:
     """
     exponent, mantissa = _parts(value, _SINGLE_FRACTION)
     return (exponent & 0xFF) << 24 | mantissa
+
+
+def shortest(value: bool | float | str) -> str:
+    """A value as it is written in a message, a table or a plot: a number with the digits that give it back."""
+    if not isinstance(value, float):
+        return str(value)
+    few = f"{value:g}"
+    return few if float(few) == value else repr(value)
 
 
 def _value(exponent: int, mantissa: int, fraction: int) -> float:

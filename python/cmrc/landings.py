@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from cmrc import _core, files
+from cmrc.floats import shortest
 
 BLOCK = ("<!-- landings: python -m cmrc.landings --page docs/wind.md -->", "<!-- end of landings -->")
 GUST = 0.13
@@ -124,7 +125,7 @@ def table(runs: list[Run]) -> str:
         share = f"{100 * sum(by_try) / landings:.1f} %" if landings else "-"
         above = sum(run.above_share for run in those) / len(those)
         waited = sum(run.waited_s for run in those) / len(those)
-        cells: list[object] = [f"{mean:g}", len(those), landings, *by_try, landings - sum(by_try), share]
+        cells: list[object] = [shortest(mean), len(those), landings, *by_try, landings - sum(by_try), share]
         cells += [f"{100 * above:.1f} %", f"{waited:.0f}"]
         lines.append("| " + " | ".join(str(cell) for cell in cells) + " |")
     return "\n".join(lines)

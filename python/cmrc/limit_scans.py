@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from cmrc import _core
+from cmrc.floats import shortest
 from cmrc.processes import Helpers, processors
 
 CYCLES, DSPS, SERVO = "cycles", "dsps", "servo"
@@ -62,7 +63,8 @@ class Scan:
 
     def text(self) -> str:
         lines = [f"\n{self.meaning} ({self.key})"]
-        lines += [f"  {_value(point):>9}  {_outcome(point)}{_cost(point)}" for point in self.points]
+        width = max((9, *(len(shortest(point["value"])) for point in self.points)))
+        lines += [f"  {_value(point):>{width}}  {_outcome(point)}{_cost(point)}" for point in self.points]
         limit, points = self.limit(), self._by_ease()
         if limit is not None:
             at = next(point for point in points if point["value"] == limit)
@@ -73,7 +75,7 @@ class Scan:
         else:
             lines.append("  no limit known: the easiest point has not been run")
         if beyond := self.beyond():
-            lines.append(f"  anomalies, passing beyond a miss: {', '.join(f'{value:g}' for value in beyond)}")
+            lines.append(f"  anomalies, passing beyond a miss: {', '.join(map(shortest, beyond))}")
         return "\n".join(lines) + "\n"
 
     def report(self) -> dict[str, Any]:
@@ -217,8 +219,8 @@ def _realised(scan: str, value: float, config: _core.cmrc.Config) -> float:
 
 def _value(point: Point) -> str:
     value, realised = point["value"], point["realised"]
-    same = realised is None or math.isclose(value, realised, rel_tol=1e-6)
-    return f"{value:g}" if same else f"{value:g} (runs at {realised:g})"
+    same = realised is None or math.isclose(value, realised, rel_tol=1e-12)
+    return shortest(value) if same else f"{shortest(value)} (runs at {shortest(realised)})"
 
 
 def _outcome(point: Point) -> str:

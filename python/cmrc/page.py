@@ -14,6 +14,8 @@ import os
 import re
 import struct
 import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -36,6 +38,53 @@ Column = NDArray[np.float64]
 
 class PageError(Error, ValueError):
     """A file that is not a page of this emulator, or is damaged."""
+
+
+def _number(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _whole(value: object) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < 1 << 63
+
+
+def _few(value: object) -> bool:
+    return isinstance(value, int) and _whole(value) and value < 256
+
+
+def _text(value: object) -> bool:
+    return isinstance(value, str)
+
+
+_HEADER: dict[str, Any] = {
+    "tick_ps": lambda value: _whole(value) and value > 0,
+    "from_s": _number,
+    "to_s": _number,
+    "slots": _few,
+    "kinds": [_text],
+    "columns": [{"name": _text, "at": _whole, "size": _whole}],
+    "layout": {
+        "ship": (_number,) * 6,
+        "boxes": [(_number,) * 6],
+        "containers": [(_number,) * 4],
+        "size": (_number,) * 3,
+        "lanes": [(_number,) * 5],
+        "agv": {"count": _few, "length": _number, "width": _number},
+        "crane": {"portal": {"along": _number, "leg": _number, "rails": [_number]}},
+        "movers": [(_number,) * 2],
+    },
+}
+"""What is read of a header: a tuple has so many elements, a list any number of the same."""
+
+
+def _fits(value: object, right: Any) -> bool:
+    if isinstance(right, dict):
+        return isinstance(value, dict) and all(_fits(value.get(key), one) for key, one in right.items())
+    if isinstance(right, tuple):
+        return isinstance(value, list) and len(value) == len(right) and all(map(_fits, value, right))
+    if isinstance(right, list):
+        return isinstance(value, list) and all(_fits(one, right[0]) for one in value)
+    return bool(right(value))
 
 
 def _inflated(data: bytes) -> bytes:
@@ -84,15 +133,17 @@ class Recording:
     def __init__(self, data: bytes) -> None:
         if not isinstance(data, (bytes, bytearray)):
             arguments.refuse("data", data, "the bytes of a recording")
+        self._name = ""
         if data[:8] != b"CMRCpage":
             raise PageError("the page holds no recording")
-        (size,) = struct.unpack("<I", data[8:12])
-        try:
+        with self._reading():
+            (size,) = struct.unpack("<I", data[8:12])
             self.header: dict[str, Any] = json.loads(data[12 : 12 + size].decode("utf-8"))
-        except ValueError as error:
-            raise PageError(f"the recording is damaged: {error}") from None
-        if self.header.get("format") != FORMAT:
-            raise PageError(f"a recording of format {self.header.get('format')} is not known; {FORMAT} is expected")
+            if self.header.get("format") != FORMAT:
+                raise PageError(f"a recording of format {self.header.get('format')} is not known; {FORMAT} is expected")
+            for key, right in _HEADER.items():
+                if not _fits(self.header.get(key), right):
+                    raise ValueError(f"its header has no {key}, or a wrong one")
         self._data = data[12 + size :]
         self._entries: dict[str, dict[str, Any]] = {entry["name"]: entry for entry in self.header["columns"]}
 
@@ -110,9 +161,30 @@ class Recording:
         if found is None:
             raise PageError(f"{name} is not a page of this emulator (cmrc page CONFIG.toml writes one)")
         try:
-            return cls(base64.b64decode(found[1], validate=True))
-        except (PageError, binascii.Error, struct.error, KeyError) as error:
+            recording = cls(base64.b64decode(found[1], validate=True))
+        except (PageError, binascii.Error) as error:
             raise PageError(f"{name}: {error}") from None
+        recording._name = f"{name}: "
+        return recording
+
+    @contextmanager
+    def _reading(self) -> Iterator[None]:
+        """Whatever does not fit together is damage."""
+        try:
+            yield
+        except PageError as error:
+            text = str(error)
+            raise PageError(text if text.startswith(self._name) else self._name + text) from None
+        except (
+            ArithmeticError,
+            AttributeError,
+            LookupError,
+            RecursionError,
+            TypeError,
+            ValueError,
+            struct.error,
+        ) as error:
+            raise PageError(f"{self._name}the recording is damaged: {files.reason(error)}") from None
 
     def names(self) -> list[str]:
         """The names of all columns."""
@@ -120,6 +192,10 @@ class Recording:
 
     def whole(self, name: str) -> NDArray[np.int64]:
         """A column in its own units."""
+        with self._reading():
+            return self._column(name)
+
+    def _column(self, name: str) -> NDArray[np.int64]:
         entry = self._entries[name]
         return _numbers(self._bytes(entry), entry["count"], entry["order"])
 
@@ -129,76 +205,80 @@ class Recording:
     @cached_property
     def report(self) -> dict[str, Any]:
         """The run's report."""
-        report: dict[str, Any] = json.loads(self._bytes(self._entries["report"]))
-        return report
+        with self._reading():
+            report: dict[str, Any] = json.loads(self._bytes(self._entries["report"]))
+            return report
 
     @cached_property
     def signals(self) -> dict[str, Column]:
         """The dock at equal intervals, units in the names; ``time_s`` is one of them. NaN: not planned yet."""
-        signals = {
-            name: (self.whole(name) * float(entry["unit"])).astype(np.float64)
-            for name, entry in self._entries.items()
-            if "count" in entry and not re.match(r"(lane|run|job|bus)\.", name)
-        }
-        for prefix, rows in self.header.get("planned_rows", {}).items():
-            for name, values in signals.items():
-                if name.startswith(prefix):
-                    values[:rows] = math.nan
-        return signals
+        with self._reading():
+            signals = {
+                name: (self._column(name) * float(entry["unit"])).astype(np.float64)
+                for name, entry in self._entries.items()
+                if "count" in entry and not re.match(r"(lane|run|job|bus)\.", name)
+            }
+            for prefix, rows in self.header.get("planned_rows", {}).items():
+                for name, values in signals.items():
+                    if name.startswith(prefix):
+                        values[:rows] = math.nan
+            return signals
 
     @cached_property
     def lanes(self) -> list[Lane]:
         """The lane of each slot."""
-        slot, what, took = (self.whole(f"lane.{name}") for name in ("slot", "what", "took"))
-        run = np.where(what >= FIRST_KIND, np.cumsum(what >= FIRST_KIND) - 1, -1)
-        second, lanes = self.header["tick_ps"] * 1e-12, []
-        begin = math.floor(self.header["from_s"] / second + 1e-6)
-        for number in range(self.header["slots"]):
-            own = slot == number
-            ends = begin + np.cumsum(took[own])
-            lanes.append(Lane((ends - took[own]) * second, ends * second, what[own], run[own]))
-        return lanes
+        with self._reading():
+            slot, what, took = (self._column(f"lane.{name}") for name in ("slot", "what", "took"))
+            run = np.where(what >= FIRST_KIND, np.cumsum(what >= FIRST_KIND) - 1, -1)
+            second, lanes = self.header["tick_ps"] * 1e-12, []
+            begin = math.floor(self.header["from_s"] / second + 1e-6)
+            for number in range(self.header["slots"]):
+                own = slot == number
+                ends = begin + np.cumsum(took[own])
+                lanes.append(Lane((ends - took[own]) * second, ends * second, what[own], run[own]))
+            return lanes
 
     @cached_property
     def jobs(self) -> dict[str, NDArray[Any]]:
         """Every run of a job, then the jobs that never ran (``dsp`` -1): kind, robot, number, dsp, times in s (NaN: no
         deadline), outcome, missed, end."""
-        second = self.header["tick_ps"] * 1e-12
-        slot, what = self.whole("lane.slot"), self.whole("lane.what")
-        busy = what >= FIRST_KIND
-        claimed, ended = np.zeros(busy.size), np.zeros(busy.size)
-        for number, lane in enumerate(self.lanes):
-            claimed[slot == number], ended[slot == number] = lane.from_s, lane.to_s
-        runs = {
-            name: self.whole(f"run.{name}")
-            for name in ("number", "robot", "end", "waited", "allowed", "outcome", "missed")
-        }
-        never = {
-            name: self.whole(f"job.{name}")
-            for name in ("number", "kind", "robot", "released", "took", "allowed", "outcome", "missed")
-        }
-        kind = what[busy] - FIRST_KIND
-        released = np.round(claimed[busy] / second).astype(np.int64) - runs["waited"]
-        since = np.concatenate((released, never["released"]))
-        allowed = np.concatenate((runs["allowed"], never["allowed"]))
-        return {
-            "kind": np.concatenate((kind, never["kind"])),
-            "robot": np.concatenate((runs["robot"], never["robot"])),
-            "number": np.concatenate(
-                (
-                    _absolute(runs["number"], kind, runs["robot"]),
-                    _absolute(never["number"], never["kind"], never["robot"]),
-                )
-            ),
-            "dsp": np.concatenate((slot[busy], np.full(never["kind"].size, -1))),
-            "claimed_s": np.concatenate((claimed[busy], never["released"] * second)),
-            "ended_s": np.concatenate((ended[busy], (never["released"] + never["took"]) * second)),
-            "released_s": since * second,
-            "deadline_s": np.where(allowed == 0, np.nan, (since + allowed - 1) * second),
-            "outcome": np.concatenate((runs["outcome"], never["outcome"])),
-            "missed": np.concatenate((runs["missed"], never["missed"])).astype(bool),
-            "end": np.concatenate((runs["end"], np.zeros(never["kind"].size, dtype=np.int64))),
-        }
+        with self._reading():
+            second = self.header["tick_ps"] * 1e-12
+            slot, what = self._column("lane.slot"), self._column("lane.what")
+            busy = what >= FIRST_KIND
+            claimed, ended = np.zeros(busy.size), np.zeros(busy.size)
+            for number, lane in enumerate(self.lanes):
+                claimed[slot == number], ended[slot == number] = lane.from_s, lane.to_s
+            runs = {
+                name: self._column(f"run.{name}")
+                for name in ("number", "robot", "end", "waited", "allowed", "outcome", "missed")
+            }
+            never = {
+                name: self._column(f"job.{name}")
+                for name in ("number", "kind", "robot", "released", "took", "allowed", "outcome", "missed")
+            }
+            kind = what[busy] - FIRST_KIND
+            released = np.round(claimed[busy] / second).astype(np.int64) - runs["waited"]
+            since = np.concatenate((released, never["released"]))
+            allowed = np.concatenate((runs["allowed"], never["allowed"]))
+            return {
+                "kind": np.concatenate((kind, never["kind"])),
+                "robot": np.concatenate((runs["robot"], never["robot"])),
+                "number": np.concatenate(
+                    (
+                        _absolute(runs["number"], kind, runs["robot"]),
+                        _absolute(never["number"], never["kind"], never["robot"]),
+                    )
+                ),
+                "dsp": np.concatenate((slot[busy], np.full(never["kind"].size, -1))),
+                "claimed_s": np.concatenate((claimed[busy], never["released"] * second)),
+                "ended_s": np.concatenate((ended[busy], (never["released"] + never["took"]) * second)),
+                "released_s": since * second,
+                "deadline_s": np.where(allowed == 0, np.nan, (since + allowed - 1) * second),
+                "outcome": np.concatenate((runs["outcome"], never["outcome"])),
+                "missed": np.concatenate((runs["missed"], never["missed"])).astype(bool),
+                "end": np.concatenate((runs["end"], np.zeros(never["kind"].size, dtype=np.int64))),
+            }
 
     def last_runs(self) -> NDArray[np.int64]:
         """For each job its last row in ``jobs``: the run that finished, else the last one."""

@@ -15,7 +15,7 @@ import numpy as np
 
 from cmrc.arguments import drawn_from
 from cmrc.page import Recording
-from cmrc.result_plots import cdf, gantt, histogram, legend, load_error, misses, sheet, style
+from cmrc.result_plots import cdf, gantt, histogram, legend, load_error, misses, name_rows, sheet, style
 from cmrc.sweep_plots import cost, grid
 
 if TYPE_CHECKING:
@@ -226,7 +226,7 @@ def deadlines(recording: Recording, axes: Axes) -> None:
             vmin=0,
             vmax=2,
         )
-        axes.set_yticks(np.arange(len(kinds)) + 0.5, kinds, fontsize=7)
+        name_rows(axes, kinds, 0.5)
     axes.set(xlabel="time, s", title="deadlines")
     legend(
         axes,

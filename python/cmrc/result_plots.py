@@ -6,6 +6,7 @@ Every line has its own style, and every bar its own hatch: the plots can be read
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,7 @@ from cmrc.events import built_in_tasks
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.text import Text
 
     from cmrc.result import Result
 
@@ -33,9 +35,10 @@ HATCHES = (
     *("||..", "\\\\..", "--..", "xx..", "++..", "//--", "\\\\||", "//||", "\\\\--", "++xx", "xx", "//oo"),
 )
 """More than a run has kinds of jobs: 12, and at most 8 of [[tasks]]."""
-MISSED = ("late", "unfinished", "never_started", "lost", "dropped")
-UNRECORDED = ("unfinished", "never_started", "lost")
-"""Outcomes that are known at the end of the run only, and have no event."""
+MISSED = ("late", "past the deadline at the end", "lost", "dropped")
+"""Missed jobs by outcome. The second one is what still runs or waits at the end of the run."""
+OUTCOMES = ("on_time", "late", "unfinished", "never_started", "lost", "dropped")
+"""By the class of an event ``miss``: report::Outcome."""
 _BLOCK = re.compile(
     r"(?P<time>\d+\.\d+) (?:"
     r"\[dsp (?P<taker>\d+)\] (?P<taken>claim|finish) block=(?P<block>\S+) kind=(?P<kind>\d+)"
@@ -44,7 +47,7 @@ _BLOCK = re.compile(
     r"|\[host\] scripted action=(?:0|1|2|3|5) number=(?P<broken>\d+)"
     r"|\[host\] requeue block=(?P<back>\S+) .*owner=(?P<late>\d+))"
 )
-_MISS = re.compile(r"(\d+\.\d+) \[host\] miss ")
+_MISS = re.compile(r"(?P<time>\d+\.\d+) \[host\] miss kind=(?P<kind>\d+) tick=\d+ class=(?P<class>\d+)")
 
 
 def _result() -> type:
@@ -70,7 +73,22 @@ def _bar_style(n: int) -> dict[str, Any]:
 def legend(axes: Axes, **more: Any) -> None:
     """Beside the axes, where it covers nothing."""
     if "handles" in more or axes.get_legend_handles_labels()[1]:
-        axes.legend(fontsize=7, handlelength=4, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, **more)
+        shown = axes.legend(
+            fontsize=7, handlelength=4, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, **more
+        )
+        as_they_are(*shown.get_texts())
+
+
+def as_they_are(*texts: Text) -> None:
+    """A dollar in a name is a dollar, and begins no formula."""
+    for text in texts:
+        if "$" in text.get_text():
+            text.set_parse_math(False)
+
+
+def name_rows(axes: Axes, names: list[str], first: float = 0.0) -> None:
+    """A row of the y axis for each name."""
+    axes.set_yticks(np.arange(len(names)) + first, names, fontsize=7, parse_math=False)
 
 
 @_of_result
@@ -78,8 +96,9 @@ def gantt(result: Result, axes: Axes, from_s: float, to_s: float) -> None:
     """The blocks of each DSP from ``from_s`` to ``to_s``: a bar per block, a cross per miss.
 
     A bar begins with the claim, and ends with the block, its DSP (failed, hung, halted, in reset, unplugged), the
-    watchdog's putting it back, or the run. A cross is at the instant of the event ``miss``; a job that had not ended
-    with the run has no event, and its cross is at its deadline, if the report lists it (``report.misses_max``).
+    watchdog's putting it back, or the run. A cross is at the instant of the event ``miss``. A job whose end or tick the
+    host did not come to before the run ended has no event. If the report lists it (``report.misses_max``), its cross is
+    at its release if it was dropped, else at its deadline.
 
     Raises ValueError for a result without events (``cmrc.run(..., keep_events=True)``), and for an empty window.
     """
@@ -95,9 +114,7 @@ def gantt(result: Result, axes: Axes, from_s: float, to_s: float) -> None:
         for (slot, *_), bar in zip(of, bars, strict=True):
             axes.broken_barh([bar], (slot - 0.4, 0.8), linewidth=0.4, **_bar_style(n))
         axes.broken_barh([], (0, 0), label=kind, **_bar_style(n))
-    missed = [float(found[1]) for found in _MISS.finditer(result.events)]
-    missed += [_due_s(miss) for miss in result.missed if miss["outcome"] in UNRECORDED]
-    shown = [instant * 1e3 for instant in missed if from_s <= instant <= to_s]
+    shown = [instant * 1e3 for instant in _missed_s(result) if from_s <= instant <= to_s]
     slots = len(result.report["dsps"])
     if shown:
         axes.plot(shown, [slots - 0.3] * len(shown), "kx", ms=5, label="miss", clip_on=False)
@@ -124,6 +141,25 @@ def runs(result: Result) -> Iterator[tuple[int, str, float, float]]:
             block[slot] = found["block"]
     for slot, begun in running.items():
         yield slot, *begun, float(result.report["simulated_s"])
+
+
+def _missed_s(result: Result) -> Iterator[float]:
+    """The instants of all misses that have an event, then of those that the report alone has."""
+    kinds = _kinds(result.report)
+    noted: Counter[tuple[str, str]] = Counter()
+    for found in _MISS.finditer(result.events or ""):
+        yield float(found["time"])
+        noted[kinds[int(found["kind"])], OUTCOMES[int(found["class"])]] += 1
+    # The host comes to ticks and ends in their order, so that those without an event are the last ones of a kind.
+    for miss in sorted(result.missed, key=lambda miss: miss["release_ps" if _dropped(miss) else "end_ps"]):
+        of = miss["kind"], miss["outcome"]
+        noted[of] -= 1
+        if noted[of] < 0:
+            yield miss["release_ps"] / 1e12 if _dropped(miss) else _due_s(miss)
+
+
+def _dropped(miss: Mapping[str, Any]) -> bool:
+    return bool(miss["outcome"] == "dropped")
 
 
 def _kinds(report: Mapping[str, Any]) -> list[str]:
@@ -175,7 +211,7 @@ def histogram(result: Result, axes: Axes) -> None:
         title="response times: share of a kind's jobs, %",
         ylim=(len(shares) - 0.5, -0.5),
     )
-    axes.set_yticks(range(len(kinds)), list(kinds), fontsize=7)
+    name_rows(axes, list(kinds))
 
 
 @_of_result
@@ -207,25 +243,30 @@ def cdf(result: Result, axes: Axes) -> None:
 
 @_of_result
 def misses(result: Result, axes: Axes) -> None:
-    """Jobs of each kind that were not on time, by outcome."""
+    """Missed jobs of each kind, by outcome: a bar is as long as ``misses`` of the kind in the report."""
     tasks = {kind: task for kind, task in result.report["tasks"].items() if task["released"]}
-    names = list(tasks)
-    left = np.zeros(len(names))
-    for n, outcome in enumerate(MISSED):
-        counts = np.array([tasks[name][outcome] for name in names], dtype=float)
+    parts = np.array([_missed(task) for task in tasks.values()], dtype=float).reshape(-1, len(MISSED))
+    left = np.zeros(len(tasks))
+    for n, (outcome, counts) in enumerate(zip(MISSED, parts.T, strict=True)):
         if counts.any():
-            axes.barh(names, counts, left=left, label=outcome.replace("_", " "), linewidth=0.4, **_bar_style(n))
+            axes.barh(range(len(tasks)), counts, left=left, label=outcome, linewidth=0.4, **_bar_style(n))
         left += counts
-    for y, (name, total) in enumerate(zip(names, left, strict=True)):
-        axes.text(total, y, f" {int(total)} of {tasks[name]['released']}", va="center", fontsize=7)
+    for y, task in enumerate(tasks.values()):
+        axes.text(left[y], y, f" {task['misses']} of {task['released']}", va="center", fontsize=7)
     axes.set(
-        xlabel="jobs not on time",
+        xlabel="missed jobs",
         title="deadlines",
         xlim=(0, max(1.0, left.max(initial=0.0) * 1.35)),
-        ylim=(len(names) - 0.4, -0.6),
+        ylim=(len(tasks) - 0.4, -0.6),
     )
-    axes.tick_params(axis="y", labelsize=7)
+    name_rows(axes, list(tasks))
     legend(axes)
+
+
+def _missed(task: Mapping[str, Any]) -> list[int]:
+    """Missed jobs of a kind by outcome, in the order of MISSED."""
+    late, lost, dropped = task["late"], task["lost"], task["dropped"]
+    return [late, task["misses"] - late - lost - dropped, lost, dropped]
 
 
 @_of_result

@@ -26,6 +26,25 @@ _LARGEST = 1 << 32  # limit of one unpacked member: a damaged file cannot reques
 _LARGEST_REPORT = 1 << 29
 
 
+_TABLE, _NUMBER, _NOTHING = Mapping, (int, float), type(None)
+_READ: dict[str, tuple[Any, Any]] = {
+    "hash": (str, object),
+    "emulator_version": (str, object),
+    "stop_reason": (str, object),
+    "simulated_s": (_NUMBER, object),
+    "containers_delivered": (_NUMBER, object),
+    "configuration": (_TABLE, object),
+    "tasks": (_TABLE, _TABLE),
+    "buses": (_TABLE, _TABLE),
+    "misses": (list, _TABLE),
+    "dsps": (list, _TABLE),
+    "cycles": (list, _TABLE),
+    "rates": ((_TABLE, _NOTHING), object),
+    "errors": ((_TABLE, _NOTHING), object),
+}
+"""What a Result reads of its report: the kind of each member, and of what is in it."""
+
+
 class ResultError(Error, ValueError):
     """A file that is neither a saved result nor a report."""
 
@@ -35,7 +54,7 @@ class SchemaError(ResultError):
 
 
 def save(result: Result, path: str | os.PathLike[str]) -> None:
-    """Writes a result, whole or not at all. Raises OSError."""
+    """Writes a result, whole or not at all. Raises OSError; ResultError for a column of signals that no file has."""
     head = {"format": FORMAT, "profile": result.profile is not None, "events": result.events is not None}
     members: dict[str, bytes] = {
         "result.json": json.dumps(head).encode(),
@@ -87,7 +106,10 @@ def _unpacked(archive: zipfile.ZipFile) -> dict[str, Any]:
     report = checked_report(json.loads(read("report.json")))
     profile = None
     if head["profile"]:
-        profile = Profile(json.loads(read("profile.json")), read("profile.txt").decode())
+        data = json.loads(read("profile.json"))
+        if not isinstance(data.get("groups"), list) or not isinstance(data.get("cycles"), int):
+            raise ValueError("profile.json has no groups or no cycles")
+        profile = Profile(data, read("profile.txt").decode())
     with np.load(io.BytesIO(read("signals.npz")), allow_pickle=False) as arrays:
         if sum(entry.file_size for entry in arrays.zip.infolist()) > _LARGEST:
             raise ValueError(f"signals.npz is larger than {_LARGEST} bytes")
@@ -130,9 +152,13 @@ def checked_report(report: Any) -> dict[str, Any]:
     if not isinstance(report, Mapping) or "schema_version" not in report:
         raise ValueError("there is no report with a schema_version in it")
     check_schema(report)
-    for key, kind in (("configuration", Mapping), ("tasks", Mapping), ("misses", list), ("hash", str)):
-        if not isinstance(report.get(key), kind):
-            raise ValueError(f"the report has no {key!r}, or one of a wrong kind")  # noqa: TRY004 (a file is wrong)
+    for key, (kind, kind_within) in _READ.items():
+        value = report.get(key, ...)
+        within = value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ()
+        if not isinstance(value, kind) or not all(isinstance(one, kind_within) for one in within):
+            raise ValueError(f"the report has no {key!r}, or one of a wrong kind")
+    if not all(isinstance(task.get("misses"), int) for task in report["tasks"].values()):
+        raise ValueError("the report has a task without its number of misses")
     return dict(report)
 
 
@@ -154,6 +180,24 @@ def load_report(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def _packed(table: Table) -> bytes:
+    """As numpy.savez_compressed does, for names that are keywords of that function, too."""
     out = io.BytesIO()
-    np.savez_compressed(out, **dict(table))  # type: ignore[arg-type]  # the names are its own
+    with zipfile.ZipFile(out, "w") as archive:
+        for name, column in table.items():
+            entry = zipfile.ZipInfo(f"{_column_name(name)}.npy", _DATE)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            values = np.asarray(column)
+            if values.dtype.hasobject or values.shape != (table.rows,):
+                raise ResultError(
+                    f"signals: the column {name!r} has {values.dtype} of shape {values.shape}; a number, text or time "
+                    f"for each of {table.rows} rows is expected"
+                )
+            with archive.open(entry, "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, values, allow_pickle=False)
     return out.getvalue()
+
+
+def _column_name(name: object) -> str:
+    if not isinstance(name, str) or not name or not name.isprintable():
+        raise ResultError(f"signals: {name!r} cannot be the name of a column in a file; printable text is expected")
+    return name

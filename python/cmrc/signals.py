@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-from cmrc import _core
+from cmrc import _core, processes
 
 NUMBERS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
@@ -27,11 +28,13 @@ def status(stop: KeyboardInterrupt) -> int:
 
 
 def end_quietly() -> None:
-    """The ``initializer`` of a pool's workers: a worker ends when its pool does, without a traceback. Otherwise it
-    would inherit the handlers of ``raised``; but Ctrl-C, which reaches each process of the terminal, is handled by the
-    parent."""
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """The ``initializer`` of a pool's workers: a worker ends when its pool or its parent does, without a traceback.
+    Otherwise it would inherit the handlers of ``raised``; but signals that reach each process of the terminal are
+    handled by the parent."""
+    processes.leave_signals_to_parent()
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # a pool ends its workers by it
+    if (parent := multiprocessing.parent_process()) is not None and parent.pid is not None:
+        processes.die_with_parent(parent.pid)
 
 
 @contextmanager

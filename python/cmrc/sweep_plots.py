@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cmrc.arguments import drawn_from, text
-from cmrc.result_plots import MARKS, legend, style
+from cmrc.floats import shortest
+from cmrc.result_plots import MARKS, as_they_are, legend, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,30 +31,31 @@ _of_sweep = drawn_from("sweep", _sweep, "a cmrc.sweeps.Sweep")
 @_of_sweep
 def grid(sweep: Sweep, axes: Axes, x: str | None = None, lines: str | None = None, metric: Metric = "misses") -> None:
     """A metric over the setting ``x``, one line per value of the setting ``lines``; if repeats vary, with a 95 %
-    interval. Without names: the axis with the most values, and the next one.
+    interval. Without names: the axis with the most values, and the next one that does not go together with it.
 
-    Points that were refused or failed are gaps. Raises ValueError if further axes vary, because one point would have
-    several values.
+    Points that were refused or failed are gaps. Raises ValueError for a sweep without axes, and if further axes vary,
+    because one point would have several values.
     """
     for name, axis in (("x", x), ("lines", lines)):
         if axis is not None:
             text(name, axis, "the name of an axis of the sweep")
     from cmrc.sweeps import metrics
 
-    summary = sweep.summary(metric)
+    summary = _placed(sweep, metric)
     x, lines = _axes_of(sweep, summary, x, lines)
     groups: dict[Any, list[tuple[Any, Spread]]] = {}
     for place, spread in summary:
         groups.setdefault(place.get(lines) if lines else None, []).append((place[x], spread))
     names = list(dict.fromkeys(place[x] for place, _ in summary))
-    words = any(isinstance(name, (str, bool)) for name in names)
-    for n, (value, points) in enumerate(sorted(groups.items(), key=lambda group: _order(group[0]))):
-        points = points if words else sorted(points, key=lambda point: float(point[0]))
+    words = not all(isinstance(name, (int, float)) and not isinstance(name, bool) for name in names)
+    values = sorted(groups, key=_order)
+    labels = [None] * len(values) if lines is None else _labels(sweep, lines, values)
+    for n, (value, label) in enumerate(zip(values, labels, strict=True)):
+        points = groups[value] if words else sorted(groups[value], key=lambda point: float(point[0]))
         at = [names.index(place) if words else place for place, _ in points]
         means = np.array([spread.mean if spread.n else math.nan for _, spread in points])
         low = np.array([spread.mean - spread.low if spread.varies else 0.0 for _, spread in points])
         high = np.array([spread.high - spread.mean if spread.varies else 0.0 for _, spread in points])
-        label = None if lines is None else f"{_short(lines)} = {_cut(_value(value))}"
         axes.errorbar(
             at, means, yerr=[low, high], label=label, marker=MARKS[n % len(MARKS)], ms=5, lw=1.3, capsize=3, **style(n)
         )
@@ -64,60 +66,93 @@ def grid(sweep: Sweep, axes: Axes, x: str | None = None, lines: str | None = Non
     unit = metrics.unit_of(metric)
     _engineering(axes, y=unit)
     axes.set(xlabel=_labelled(x), ylabel=metrics.name_of(metric) + (f", {unit}" if unit else ""), title=_title(summary))
+    as_they_are(axes.yaxis.label)
     axes.margins(x=0.04)
     legend(axes)
+
+
+def _placed(sweep: Sweep, metric: Metric) -> list[tuple[dict[str, Any], Spread]]:
+    """The points that have a place. A run that was not made may have no value on an axis of another grid's runs."""
+    return [
+        (place, spread)
+        for place, spread in sweep.summary(metric)
+        if spread.n or all(place.get(name) is not None for name in sweep.axes)
+    ]
+
+
+Together = Sequence[Mapping[str, Any]]
+"""Places over axes whose values may depend on each other; the axes of a grid have one each, settings that go together
+too."""
 
 
 def _axes_of(
     sweep: Sweep, summary: Sequence[tuple[dict[str, Any], Spread]], x: str | None, lines: str | None
 ) -> tuple[str, str | None]:
     if not summary:
-        raise ValueError("grid: the sweep has no runs")
-    counts = {name: len({repr(place.get(name)) for place, _ in summary}) for name in sweep.axes}
-    x, lines = _chosen(counts, x, lines)
-    _one_point_each(counts, x, lines, len({_at(place, x, lines) for place, _ in summary}), len(summary))
+        raise ValueError("grid: the sweep has no runs with a value on each axis")
+    places = [{name: place.get(name) for name in sweep.axes} for place, _ in summary]
+    x, lines = _chosen([places], x, lines)
+    _one_point_each([places], x, lines)
     return x, lines
 
 
 def check_grid(grid: Grid) -> None:
     """Raises ValueError where ``grid`` without names cannot draw a sweep over this grid."""
-    counts = {name: len({repr(value[name]) for value in axis}) for axis in grid.axes for name in axis[0]}
-    x, lines = _chosen(counts, None, None)
-    drawn = math.prod(len({_at(value, x, lines) for value in axis}) for axis in grid.axes)
-    _one_point_each(counts, x, lines, drawn, math.prod(map(len, grid.axes)))
+    x, lines = _chosen(grid.axes, None, None)
+    _one_point_each(grid.axes, x, lines)
 
 
-def _at(place: Mapping[str, Any], x: str, lines: str | None) -> tuple[str, str]:
-    return repr(place.get(x)), repr(place.get(lines)) if lines else ""
+def _counts(parts: Sequence[Together]) -> dict[str, int]:
+    """The number of values of each axis."""
+    return {name: _values_at(part, name) for part in parts for name in part[0]}
 
 
-def _varied(counts: Mapping[str, int]) -> list[str]:
+def _values_at(part: Together, *names: str | None) -> int:
+    """How many different values the places have on these axes, taken together."""
+    own = [name for name in names if name is not None and name in part[0]]
+    return len({tuple(repr(place[name]) for name in own) for place in part})
+
+
+def _varied(parts: Sequence[Together]) -> list[str]:
     """The axes with the most values first."""
+    counts = _counts(parts)
     return sorted((name for name in counts if counts[name] > 1), key=lambda name: -counts[name])
 
 
-def _chosen(counts: Mapping[str, int], x: str | None, lines: str | None) -> tuple[str, str | None]:
+def _follows(parts: Sequence[Together], name: str, other: str | None) -> bool:
+    """There is one value of ``name`` for each of the other axis."""
+    return any(
+        name in part[0] and other in part[0] and _values_at(part, name, other) == _values_at(part, other)
+        for part in parts
+    )
+
+
+def _chosen(parts: Sequence[Together], x: str | None, lines: str | None) -> tuple[str, str | None]:
     from cmrc.sweeps.grid import axis_name
 
-    varied = _varied(counts)
-    lines = lines if lines is None else axis_name(lines, "lines")
-    x = axis_name(x, "x") if x is not None else next((name for name in varied if name != lines), next(iter(counts), ""))
-    lines = lines if lines is not None else next((name for name in varied if name != x), None)
+    counts, varied = _counts(parts), _varied(parts)
+    if not counts:
+        raise ValueError("grid: the sweep has no axes; at least one is expected")
+    x, lines = axis_name(x, "x") if x is not None else None, axis_name(lines, "lines") if lines is not None else None
     for name in (x, lines):
         if name is not None and name not in counts:
-            raise ValueError(
-                f"grid: {name or 'nothing'} is not an axis of the sweep; {', '.join(counts) or 'none'} are"
-            )
+            raise ValueError(f"grid: {name} is not an axis of the sweep; {', '.join(counts)} are")
+    if x is None:
+        others = [name for name in (*varied, *counts) if name != lines] or [*counts]
+        x = next((name for name in others if not _follows(parts, name, lines)), others[0])
+    if lines is None:
+        lines = next((name for name in varied if not _follows(parts, name, x)), None)
     return x, lines
 
 
-def _one_point_each(counts: Mapping[str, int], x: str, lines: str | None, drawn: int, points: int) -> None:
-    if drawn < points:
-        others = [name for name in _varied(counts) if name not in (x, lines)]
-        raise ValueError(
-            f"grid: besides {x} and {lines}, {', '.join(others)} {'varies' if len(others) == 1 else 'vary'}; "
-            "a sweep over two axes is expected"
-        )
+def _one_point_each(parts: Sequence[Together], x: str, lines: str | None) -> None:
+    if all(_values_at(part, x, lines) == _values_at(part, *part[0]) for part in parts):
+        return
+    others = [name for name in _varied(parts) if not any(_follows(parts, name, of) for of in (x, lines))]
+    raise ValueError(
+        f"grid: besides {x} and {lines}, {', '.join(others)} {'varies' if len(others) == 1 else 'vary'}; "
+        "a sweep over two axes is expected"
+    )
 
 
 @_of_sweep
@@ -132,7 +167,9 @@ def cost(sweep: Sweep, axes: Axes, missed: Metric = "f_p_missed", price: Metric 
     for run in sweep.runs:
         if run["key"] in shares:
             groups.setdefault(run["place"].get(first), []).append(run["key"])
-    for n, (value, keys) in enumerate(sorted(groups.items(), key=lambda group: _order(group[0]))):
+    values = sorted(groups, key=_order)
+    names = [None] * len(values) if first is None else _labels(sweep, first, values)
+    for n, (value, name) in enumerate(zip(values, names, strict=True)):
         look = {
             "color": style(n)["color"],
             "marker": MARKS[n % len(MARKS)],
@@ -140,13 +177,14 @@ def cost(sweep: Sweep, axes: Axes, missed: Metric = "f_p_missed", price: Metric 
             "ms": 6,
             "mfc": "none" if n % 2 else None,
         }
-        label = None if first is None else f"{_short(first)} = {_value(value)}"
-        axes.plot([float(shares[key]) for key in keys], [float(prices[key]) for key in keys], label=label, **look)
+        keys = groups[value]
+        axes.plot([float(shares[key]) for key in keys], [float(prices[key]) for key in keys], label=name, **look)
     labels = [
         metrics.name_of(of) + (f", {metrics.unit_of(of)}" if metrics.unit_of(of) else "") for of in (missed, price)
     ]
     _engineering(axes, metrics.unit_of(missed), metrics.unit_of(price))
     axes.set(xlabel=labels[0], ylabel=labels[1], title="what misses cost")
+    as_they_are(axes.xaxis.label, axes.yaxis.label)
     legend(axes)
 
 
@@ -174,19 +212,23 @@ def _title(summary: Sequence[tuple[dict[str, Any], Spread]]) -> str:
     )
 
 
-def _short(name: str) -> str:
-    return name.rpartition(".")[2]
+def _labels(sweep: Sweep, axis: str, values: Sequence[Any]) -> list[str]:
+    """The names in a legend of these values of an axis."""
+    from cmrc.sweeps.ranges import short_names
+
+    short = dict(zip(sweep.axes, short_names(sweep.axes), strict=True))[axis]
+    return [f"{short} = {value}" for value in _cut([_value(value) for value in values])]
 
 
 def _labelled(name: str) -> str:
     from cmrc.sweeps.metrics import unit_of_name
 
-    unit = unit_of_name(_short(name))
+    unit = unit_of_name(name.rpartition(".")[2])
     return f"{name}, {unit}" if unit else name
 
 
 def _value(value: Any) -> str:
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    return "–" if value is None else shortest(value)
 
 
 MOST_OF_A_NAME = 28
@@ -195,21 +237,21 @@ TICKS_IN_A_ROW = 60
 """Characters that have room below an axis, side by side."""
 
 
-def _cut(name: str) -> str:
-    """What distinguishes names is often at their ends: one that is too long loses its middle."""
-    if len(name) <= MOST_OF_A_NAME:
-        return name
+def _cut(names: Sequence[str]) -> list[str]:
+    """What distinguishes names is often at their ends: one that is too long loses its middle, if they stay distinct."""
     half = (MOST_OF_A_NAME - 1) // 2
-    return f"{name[: MOST_OF_A_NAME - 1 - half]}…{name[-half:]}"
+    cut = [
+        name if len(name) <= MOST_OF_A_NAME else f"{name[: MOST_OF_A_NAME - 1 - half]}…{name[-half:]}" for name in names
+    ]
+    return cut if len(set(cut)) == len(set(names)) else list(names)
 
 
 def _name_ticks(axes: Axes, names: Sequence[str]) -> None:
     """One tick for each name; slanted where they would lie on each other."""
-    cut = [_cut(name) for name in names]
-    shown = cut if len(set(cut)) == len(set(names)) else list(names)
+    shown = _cut(names)
     slanted: dict[str, Any] = {"rotation": 25, "ha": "right", "rotation_mode": "anchor"}
     crowded = len(names) * (max(map(len, shown)) + 2) > TICKS_IN_A_ROW
-    axes.set_xticks(range(len(names)), shown, **(slanted if crowded else {}))
+    axes.set_xticks(range(len(names)), shown, parse_math=False, **(slanted if crowded else {}))
 
 
 __all__ = ["cost", "grid"]

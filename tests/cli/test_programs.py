@@ -87,6 +87,15 @@ def test_hex_is_loaded_and_started_at_the_given_address(run, tmp_path: Path, mar
     assert (report["stop"]["reason"], report["stop"]["pc"]) == ("halt", 0x1002)
 
 
+def test_hex_that_passes_the_end_of_memory_is_refused(run, tmp_path: Path) -> None:
+    (tmp_path / "p.hex").write_text("0C800000\n" * 20)
+    assert run("disasm", "p.hex", "--load-at", "0FFFFFFECh").stdout.endswith("19 more of the same, to FFFFFFFFh\n")
+    for command in ("disasm", "exec"):
+        refused = run(command, "p.hex", "--load-at", "0FFFFFFEDh")
+        assert refused.returncode == 2
+        assert "p.hex: 20 words at FFFFFFEDh pass the end of the address space" in refused.stderr
+
+
 def test_limit_of_cycles(run, tmp_path: Path) -> None:
     (tmp_path / "loop.asm").write_text("start: nop\n       b start\nnever: nop\n")
     for option, status, message in (

@@ -5,10 +5,13 @@ import base64
 import hashlib
 import html
 import json
+import random
 import re
 import struct
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import cmrc
 import numpy as np
@@ -296,6 +299,16 @@ def test_a_page_may_fetch_nothing(run: tuple[cmrc.Simulation, Recording, Path]) 
     )
 
 
+def spoiled(page: Path, to: Path, spoil: Callable[[bytes], bytes]) -> Path:
+    """The page with another recording in it."""
+    text = page.read_text(encoding="utf-8")
+    found = re.search(r'id="recording">([^<]*)<', text)
+    assert found
+    recording = base64.b64encode(spoil(base64.b64decode(found[1]))).decode()
+    to.write_text(text.replace(found[1], recording), encoding="utf-8")
+    return to
+
+
 @pytest.mark.parametrize(
     ("spoil", "says"),
     [
@@ -308,19 +321,72 @@ def test_a_page_may_fetch_nothing(run: tuple[cmrc.Simulation, Recording, Path]) 
 def test_a_damaged_page_is_refused(
     run: tuple[cmrc.Simulation, Recording, Path], tmp_path: Path, spoil, says: str
 ) -> None:  # type: ignore[no-untyped-def]
-    text = run[2].read_text(encoding="utf-8")
-    found = re.search(r'id="recording">([^<]*)<', text)
-    assert found
-    path = tmp_path / "damaged.html"
-    path.write_text(
-        text.replace(found[1], base64.b64encode(spoil(base64.b64decode(found[1]))).decode()), encoding="utf-8"
-    )
+    path = spoiled(run[2], tmp_path / "damaged.html", spoil)
     with pytest.raises(PageError, match=says):
         assert Recording.read(path).report
     other = tmp_path / "other.html"
     other.write_text("<html></html>", encoding="utf-8")
     with pytest.raises(PageError, match="not a page of this emulator"):
         Recording.read(other)
+
+
+def with_header(data: bytes, change: Callable[[Any], Any]) -> bytes:
+    (size,) = struct.unpack("<I", data[8:12])
+    header = json.dumps(change(json.loads(data[12 : 12 + size]))).encode()
+    return data[:8] + struct.pack("<I", len(header)) + header + data[12 + size :]
+
+
+def read_all(recording: Recording) -> None:
+    assert recording.report and recording.signals and recording.lanes and recording.jobs and recording.last_runs().size
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda h: [h],
+        lambda h: {**h, "slots": 2**40},
+        lambda h: {**h, "slots": "4"},
+        lambda h: {**h, "tick_ps": 0},
+        lambda h: {**h, "from_s": None},
+        lambda h: {**h, "columns": 5},
+        lambda h: {**h, "columns": [{**column, "count": "x"} for column in h["columns"]]},
+        lambda h: {**h, "columns": [{**column, "unit": None} for column in h["columns"]]},
+        lambda h: {**h, "columns": h["columns"][:-4]},
+        lambda h: {**h, "planned_rows": [1]},
+        lambda h: {**h, "kinds": [1]},
+        lambda h: {**h, "layout": {**h["layout"], "ship": [1, 2]}},
+        lambda h: {**h, "layout": {**h["layout"], "lanes": [[1]]}},
+        lambda h: {**h, "layout": {**h["layout"], "agv": {"count": 10**12}}},
+    ],
+)
+def test_a_changed_header_is_refused_by_name(
+    run: tuple[cmrc.Simulation, Recording, Path], change: Callable[[Any], Any], tmp_path: Path
+) -> None:
+    path = spoiled(run[2], tmp_path / "page.html", lambda data: with_header(data, change))
+    with pytest.raises(PageError, match=f"^{re.escape(str(path))}: the recording is damaged: "):
+        read_all(Recording.read(path))
+
+
+def test_a_flipped_bit_is_refused_by_name_or_changes_values(
+    run: tuple[cmrc.Simulation, Recording, Path], tmp_path: Path
+) -> None:
+    """The columns have no checksum: a bit may be another value."""
+    drawn = random.Random(1)
+
+    def flipped(data: bytes) -> bytes:
+        out = bytearray(data)
+        out[drawn.randrange(len(out))] ^= 1 << drawn.randrange(8)
+        return bytes(out)
+
+    refused = 0
+    for _ in range(60):
+        path = spoiled(run[2], tmp_path / "page.html", flipped)
+        try:
+            read_all(Recording.read(path))
+        except PageError as error:
+            assert str(error).startswith(f"{path}: ") and str(error).count(str(path)) == 1
+            refused += 1
+    assert 10 < refused < 60
 
 
 def test_what_cannot_be_recorded_is_refused(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import resource
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -346,3 +347,18 @@ def test_interrupts_and_dma_are_events() -> None:
 def test_bad_commands(run: Any, arguments: list[str], message: str) -> None:
     result = run(*arguments)
     assert result.returncode == 2 and result.stdout == "" and message in result.stderr, result.stderr
+
+
+def half_a_gigabyte() -> None:
+    resource.setrlimit(resource.RLIMIT_AS, (1 << 29, 1 << 29))
+
+
+@pytest.mark.unsanitized
+def test_a_long_run_without_an_event_needs_no_more_memory(emulator: Path, tmp_path: Path) -> None:
+    """The check for endless loops keeps instructions. At 330 million cycles it looks for the sixth time."""
+    (tmp_path / "counts.asm").write_text("start:\tldi 0,r0\nround:\taddi 1,r0\n\tb round\n")
+    done = subprocess.run(
+        [emulator, "exec", "counts.asm", "counts.asm", "--max-cycles", "380000000"],
+        cwd=tmp_path, capture_output=True, text=True, check=False, preexec_fn=half_a_gigabyte,
+    )  # fmt: skip
+    assert done.returncode == 1 and "380000001 cycles" in done.stdout, done.stderr

@@ -198,6 +198,25 @@ def test_a_pickle_among_the_signals_is_not_executed(result: cmrc.Result, tmp_pat
     assert not (tmp_path / "executed").exists()
 
 
+def test_columns_of_ones_own_are_saved_or_refused(result: cmrc.Result, tmp_path: Path) -> None:
+    """The first two are keywords of numpy.savez."""
+    more = copy.deepcopy(result)
+    for name in ("file", "allow_pickle", "arr_0", "a/b", "../x", "Größe"):
+        more.signals[name] = np.arange(more.signals.rows)
+    more.save(tmp_path / "more")
+    assert same(cmrc.Result.load(tmp_path / "more"), more)
+    rows = more.signals.rows
+    for name, column in (
+        ("a\0b", np.ones(rows)), ("\ud800", np.ones(rows)), ("", np.ones(rows)), (1, np.ones(rows)),
+        ("short", np.ones(3)), ("deep", np.ones((rows, 2))), ("objects", np.full(rows, None)),
+    ):  # fmt: skip
+        broken = copy.deepcopy(result)
+        broken.signals[name] = column  # type: ignore[index]
+        with pytest.raises(ValueError, match=re.escape(repr(name))):
+            broken.save(tmp_path / "more")
+    assert same(cmrc.Result.load(tmp_path / "more"), more)
+
+
 def test_a_failed_save_keeps_the_file_that_was_there(result: cmrc.Result, tmp_path: Path) -> None:
     with pytest.raises(OSError):
         result.save(tmp_path / "missing" / "a")

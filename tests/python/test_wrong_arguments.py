@@ -165,6 +165,8 @@ CALLS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     "registers = too much": (lambda: processor().registers.__setitem__("AR0", 2**32), V, "AR0: 4294967296"),
     "floats": (lambda: processor().floats[3], W, "registers: 3 (int)"),
     "floats = text": (lambda: processor().floats.__setitem__("R0", "x"), W, "R0: 'x' (str)"),
+    "Processor.type": (lambda: processor().type("\u20ac"), V, "text: '\u20ac' cannot be used; text of one-byte"),
+    "Processor.type surrogate": (lambda: processor().type("\ud800"), V, r"text: '\ud800' cannot be used"),
     "Processor.run text": (lambda: processor().run("x"), W, "max_cycles: 'x' (str)"),
     "Processor.run float": (lambda: processor().run(1.5), W, "max_cycles: 1.5 (float)"),
     "Processor.run -1": (lambda: processor().run(-1), V, "max_cycles: -1"),

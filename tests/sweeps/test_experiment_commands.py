@@ -71,7 +71,7 @@ def test_a_sweep_from_empty_to_picture(tmp_path: Path, capsys: pytest.CaptureFix
     (GRID, ["--metric", "misess"], '--metric: misess: the report has no such place; did you mean "misses"?'),
     (GRID, ["--metric", "misses", "--metric", "dsps[0].cycels"], 'did you mean "cycles"?'),
     (GRID, ["--metric", ""], "--metric: an empty name"),
-    (GRID.partition("[axes]")[0], ["--plot", "a.svg"], "--plot: grid: nothing is not an axis of the sweep"),
+    (GRID.partition("[axes]")[0], ["--plot", "a.svg"], "--plot: grid: the sweep has no axes"),
     (GRID + "cycle_time_factor = [1, 2]\nphase_jitter = [false, true]\n", ["--plot", "a.svg"],
      "--plot: grid: besides machine.dsps and machine.cycle_time_factor, run.phase_jitter varies; a sweep over two axes is"),
     (GRID + "cycle_time_factor = [1, 2]\nphase_jitter = [false, true]\nstrict = [true, false]\n", ["--plot", "a.svg"],

@@ -10,10 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cmrc.sweeps import Sweep, SweepError, store
+from cmrc.sweeps import Sweep, SweepError, store, sweep
 from cmrc.sweeps.identity import build
 from cmrc.sweeps.store import Folder
 from locations import BUILD
+from sweep_helpers import report_with
 
 pytest.importorskip("pyarrow")
 
@@ -84,14 +85,7 @@ def test_the_table_of_a_folder(tmp_path: Path) -> None:
     measured, n where not every repeat was. Reasons are counted, ten at the most."""
 
     def done(number: int, dsps: int, seed: int, misses: int, lag: float | None) -> dict[str, Any]:
-        of = {
-            "configuration": {},
-            "misses": [],
-            "hash": "",
-            "schema_version": 4,
-            "tasks": {"pid": {"misses": misses, "on_time": 1}},
-        }
-        report = of | {"errors": {"lag": {"crane": {"end_s": lag}}}}
+        report = report_with(tasks={"pid": {"misses": misses, "on_time": 1}}, errors={"lag": {"crane": {"end_s": lag}}})
         return row(number, place=json.dumps({"machine.dsps": dsps}), seed=seed, report=store.packed(report))
 
     def refused(number: int, why: str) -> dict[str, Any]:
@@ -172,10 +166,13 @@ def test_other_folders_are_refused_by_name(tmp_path: Path) -> None:
     (tmp_path / "old" / store.HEAD).write_text(json.dumps({"format": 0, "cmrc": "0.0.9"}))
     (tmp_path / "bad").mkdir()
     (tmp_path / "bad" / store.HEAD).write_text("{")
+    (tmp_path / "deep").mkdir()
+    (tmp_path / "deep" / store.HEAD).write_text("[" * 100_000)
     for name, says in (
         ("file", "is a file"),
         ("full", "not a folder of a sweep"),
         ("bad", "cannot be read"),
+        ("deep", "cannot be read"),
         ("old", "written by cmrc 0.0.9 in format 0; cmrc .* reads format 1"),
     ):
         with pytest.raises(SweepError, match=f"{name}.*{says}"):
@@ -269,7 +266,7 @@ def unchecked(folder: Path, **cells: Any) -> None:
         made.parts()[0].rename(folder / "part-000001.parquet")
 
 
-REPORT = {"schema_version": 4, "configuration": {}, "tasks": {}, "misses": [], "hash": ""}
+REPORT = report_with()
 
 
 @pytest.mark.parametrize(("cells", "says"), [
@@ -294,6 +291,14 @@ def test_a_cell_that_no_sweep_writes_is_refused_by_name(
     unchecked(tmp_path / "s", **cells)
     with pytest.raises(SweepError, match=f"{re.escape(str(tmp_path / 's'))}.*{re.escape(says)}"):
         list(Sweep(tmp_path / "s").reports())
+
+
+@pytest.mark.parametrize("settings", ["{", "5", "[" * 100_000])
+def test_a_refused_row_that_is_damaged_is_named_before_a_run(settings: str, tmp_path: Path) -> None:
+    unchecked(tmp_path / "s", status=store.REFUSED, settings=settings)
+    grid = {"fixed": {"duration_s": 0.03, "report.reference": "none"}, "axes": {"dsps": [1, 17]}}
+    with pytest.raises(SweepError, match="the settings of the run 000000000000 is damaged"):
+        sweep(grid, tmp_path / "s", workers=1)
 
 
 def test_other_columns_and_other_names_are_refused_by_name(tmp_path: Path) -> None:

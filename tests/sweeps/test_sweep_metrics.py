@@ -89,6 +89,11 @@ def test_the_bootstrap_is_seeded_and_holds_the_mean() -> None:
     ("configuration.control.slew_bandwidth_rad_s", "rad/s"),
     ("configuration.agv.drag_n_s2_m2", ""),
     ("pid_error.s.rms", ""),
+    ("tasks.user.zeta_s.released", ""),
+    ("tasks.user.count.released", ""),
+    ("tasks.user.zeta_s.response_ps.p99", "ps"),
+    ("dsps[0].tasks_ps.user.zeta_s", "ps"),
+    ("dsps[0].causes.zeta_s", ""),
 ])  # fmt: skip
 def test_a_unit_is_that_of_the_whole_ending(metric: str, unit: str) -> None:
     assert metrics.unit_of(metric) == unit

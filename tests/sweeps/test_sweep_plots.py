@@ -1,17 +1,14 @@
 """Plots of results and sweeps: what is drawn is what the data say, with units, legends outside."""
 
 import itertools
-import json
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import cmrc
 import numpy as np
 import pytest
-from cmrc.sweeps import Sweep, store
-from cmrc.sweeps.identity import build
+from cmrc.sweeps import Sweep
 from cmrc.sweeps.store import Folder
 
 pytest.importorskip("matplotlib")
@@ -21,6 +18,7 @@ from cmrc.events import built_in_tasks
 from drawn import described
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from sweep_rows import row
 
 
 @pytest.fixture(scope="module")
@@ -30,33 +28,6 @@ def result() -> cmrc.Result:
 
 def axes() -> Axes:
     return Figure(figsize=(6, 4), layout="constrained").subplots()
-
-
-def row(n: int, place: dict[str, Any], seed: int, misses: int | None) -> dict[str, Any]:
-    report = {
-        "schema_version": 4,
-        "configuration": {},
-        "misses": [],
-        "hash": "",
-        "tasks": {"pid": {"misses": misses}},
-        "rates": {"f_p": {"missed_share": (misses or 0) / 100}},
-        "errors": {"load_m": {"rms": (misses or 0) * 1e-6}},
-    }
-    done = misses is not None
-    return {
-        "key": f"{n:064}",
-        "status": store.DONE if done else store.REFUSED,
-        "message": "" if done else "no",
-        "seed": seed,
-        "place": json.dumps(place),
-        "settings": "{}",
-        "hash": "",
-        "build": build(),
-        "emulator_version": "0",
-        "elapsed_s": 1.0,
-        "host": "",
-        "report": store.packed(report) if done else None,
-    }
 
 
 @pytest.fixture(scope="module")
@@ -135,7 +106,7 @@ def test_lines_of_a_legend_can_be_distinguished_in_grey() -> None:
 
 def test_each_kind_of_a_gantt_chart_has_its_own_hatch_on_a_colour_that_shows_it() -> None:
     kinds = [f"user.{n}" for n in range(8)]
-    tasks: dict[str, Any] = {kind: {} for kind in [*built_in_tasks(), *kinds]}
+    tasks: dict[str, dict[str, int]] = {kind: {} for kind in [*built_in_tasks(), *kinds]}
     events = "".join(
         f"{0.001 * n:.9f} [dsp 0] claim block={n} kind={n}\n{0.001 * n + 0.0005:.9f} [dsp 0] finish block={n} kind={n}\n"
         for n in range(len(tasks))
@@ -227,6 +198,43 @@ def test_a_gantt_chart_has_the_misses_of_the_trace_and_the_reports_names(tmp_pat
     whole = cmrc.run(preset="saturated", dsps=1, duration_s=0.1, keep_events=True)
     plot.gantt(whole, drawn := axes(), 0.0, 0.2)
     assert sum(len(line.get_xdata()) for line in drawn.lines) == len(whole.missed)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("action", [{"action": "pause_host"}, {"action": "stall_bus", "bus": "A"}])
+def test_a_gantt_chart_has_the_misses_that_the_host_did_not_come_to(action: dict[str, str]) -> None:
+    away = {"at_s": 0.05, "lasts_ms": 200, **action}
+    found = cmrc.run(preset="saturated", dsps=2, duration_s=0.1, keep_events=True, events=[away])
+    plot.gantt(found, drawn := axes(), 0.0, 0.1)
+    crosses = [x for line in drawn.lines for x in line.get_xdata()]  # type: ignore[union-attr]
+    assert len(crosses) == found.misses == len(found.missed) > 100
+    last = [miss for miss in found.missed if miss["kind"] == "pid" and miss["release_ps"] > 52e9]
+    assert {miss["outcome"] for miss in last} == {"dropped"}
+    assert all(miss["release_ps"] / 1e9 in crosses for miss in last)
+
+
+def test_a_run_without_misses_has_the_names_of_its_tasks() -> None:
+    found = cmrc.run(dsps=2, duration_s=0.1)
+    plot.misses(found, drawn := axes())
+    assert found.misses == 0 and not drawn.containers
+    released = [kind for kind, task in found.report["tasks"].items() if task["released"]]
+    assert [tick.get_text() for tick in drawn.get_yticklabels()] == released
+
+
+@pytest.mark.parametrize(("dsps", "any_miss"), [(1, True), (16, False)])
+def test_the_bars_of_misses_are_those_of_the_report(dsps: int, any_miss: bool) -> None:
+    """Jobs that run or wait at the end before their deadline are no misses."""
+    found = cmrc.run(preset="saturated", dsps=dsps, duration_s=0.1)
+    tasks = {kind: task for kind, task in found.report["tasks"].items() if task["released"]}
+    assert (found.misses > 0) == any_miss and any(task["unfinished"] for task in tasks.values())
+    plot.misses(found, drawn := axes())
+    misses = [task["misses"] for task in tasks.values()]
+    long = [sum(part.patches[y].get_width() for part in drawn.containers) for y in range(len(tasks))]
+    assert long == misses
+    assert [text.get_text() for text in drawn.texts] == [
+        f" {missed} of {task['released']}" for missed, task in zip(misses, tasks.values(), strict=True)
+    ]
+    parts = {str(part.get_label()): [bar.get_width() for bar in part.patches] for part in drawn.containers}
+    assert parts.get("late", [0] * len(tasks)) == [task["late"] for task in tasks.values()]
 
 
 def test_cumulated_response_times_hold_the_percentiles(result: cmrc.Result) -> None:

@@ -1,7 +1,6 @@
 """Whole numbers of a sweep that some of its runs lack: in the table, the frame and the CSV."""
 
 import csv
-import json
 import math
 from pathlib import Path
 from typing import Any
@@ -9,32 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 from cmrc.commands import main
-from cmrc.sweeps import Sweep, store
-from cmrc.sweeps.identity import build
+from cmrc.sweeps import Sweep
 from cmrc.sweeps.store import Folder
+from sweep_rows import row
 
 pytest.importorskip("pyarrow")
 
 BIG = 2**53 + 1
-
-
-def row(n: int, place: dict[str, Any], seed: int | None, misses: int | None) -> dict[str, Any]:
-    tasks = {"pid": {"misses": misses, "on_time": 1}}
-    report = {"schema_version": 4, "configuration": {}, "misses": [], "hash": "", "tasks": tasks}
-    return {
-        "key": f"{n:064}",
-        "status": store.REFUSED if misses is None else store.DONE,
-        "message": "",
-        "seed": seed,
-        "place": json.dumps(place),
-        "settings": "{}",
-        "hash": "",
-        "build": build(),
-        "emulator_version": "0",
-        "elapsed_s": 1.0,
-        "host": "",
-        "report": None if misses is None else store.packed(report),
-    }
 
 
 @pytest.fixture

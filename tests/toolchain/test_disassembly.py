@@ -85,6 +85,17 @@ def test_a_disassembly_names_sections_labels_and_targets(tmp_path: Path, emulato
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize("form", [(), ("--object",)])
+def test_labels_behind_the_last_word_of_a_section_are_shown(
+    form: tuple[str, ...], tmp_path: Path, emulator: Path
+) -> None:
+    source = tmp_path / "p.asm"
+    source.write_text('\t.text\nstart:\tnop\n\t.data\n\t.word 1\nlast:\n\t.sect "more"\n')
+    subprocess.run([emulator, "asm", source, "-o", tmp_path / "p.out", *form], check=True)
+    shown = subprocess.run([emulator, "disasm", tmp_path / "p.out"], capture_output=True, text=True, check=True).stdout
+    assert re.search(r"  \.word 0x00000001\nlast:\n(?!0)", shown)
+
+
 def reassembled(emulator: Path, program: Path, folder: Path) -> toolchain.Image:
     """The program that the source makes, by the options that its head names."""
     source = subprocess.run(
@@ -141,7 +152,7 @@ def test_the_source_of_a_program_of_the_ram_model_holds_what_the_loader_sets(tmp
 
 
 def test_the_source_begins_where_the_program_does(tmp_path: Path, emulator: Path) -> None:
-    source = '\t.text\nstart:\tnop\nL300001\t.set 7\nfoo:\tnop\n\tb $\n\t.sect "a b"\n\t.word 1\n\t.sect "it\'s $HOME"\n\t.word 2\n'
+    source = '\t.text\nstart:\tnop\nL300001\t.set 7\nfoo:\tnop\n\tb $\n\t.sect "a b"\n\t.word 1\n\t.sect "it\'s $HOME"\n\t.word 2\n\t.sect "a=b"\n\t.word 3\n'
     for name, entry in (("foo", 0x300001), ("start", 0x300000), ("L300001", 7)):
         image = toolchain.assemble(source, entry=name)
         toolchain.write_coff(image, tmp_path / "p.out")

@@ -37,6 +37,9 @@ Image read_hex(const std::string& path, Address load_at) {
     words.push_back(*word);
   }
   if (words.empty()) throw InputError(fmt::format("{}: contains no word", path));
+  if (const std::uint64_t end = std::uint64_t{load_at} + words.size(); end > isa::address_space(isa::Cpu::c40))
+    throw InputError(
+        fmt::format("{}: {} words at {:X}h pass the end of the address space", path, words.size(), load_at));
   Image image;
   image.entry = load_at;
   const auto size = static_cast<Address>(words.size());

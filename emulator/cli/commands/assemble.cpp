@@ -18,7 +18,7 @@ namespace {
 /// NAME=NUMBER; without a number the value is `otherwise`, if there is one.
 std::pair<std::string, toolchain::Word> assignment(const std::string& text, std::string_view option,
                                                    std::optional<toolchain::Word> otherwise) {
-  const auto equals = text.find('=');
+  const auto equals = text.rfind('=');  // the name of a section may have one
   const std::string name = text.substr(0, equals);
   if (name.empty() || (equals == std::string::npos && !otherwise))
     throw InputError(fmt::format("{}: \"{}\" is not NAME=NUMBER", option, text));

@@ -25,7 +25,7 @@ constexpr std::string_view usage =
     "ti|gnu] [--listing FILE] [--source-map FILE]";
 
 std::pair<std::string, toolchain::Word> parse_assignment(const std::string& text) {
-  const auto equals = text.find('=');
+  const auto equals = text.rfind('=');  // the name of a section may have one
   const std::string number = equals == std::string::npos ? "1" : text.substr(equals + 1);
   const bool hex = number.starts_with("0x");
   const auto value = ascii::number<toolchain::Word>(number.substr(hex ? 2 : 0), hex ? 16 : 10);

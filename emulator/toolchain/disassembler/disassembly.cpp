@@ -23,13 +23,15 @@ bool is_table_for_loader(const Image& image, const Image::Section& section) {
   return !section.initial_values && next < image.sections.size() && image.sections[next].initial_values;
 }
 
-/// Names of addresses within the sections; if an address has several, the first in the alphabet.
+/// Names of addresses within the sections, and so many words behind them; if an address has several, the first in the
+/// alphabet.
 template <class Names>
-Labels labels_of(const Image& image, const Names& names) {
+Labels labels_of(const Image& image, const Names& names, Address behind) {
   Labels out;
   for (const auto& [name, value] : names)
     for (const auto& section : image.sections)
-      if (value - section.address < section.size && !name.starts_with('.') && !is_table_for_loader(image, section))
+      if (section.size != 0 && value - section.address < section.size + behind && !name.starts_with('.') &&
+          !is_table_for_loader(image, section))
         out.emplace(value, name);
   return out;
 }
@@ -73,6 +75,14 @@ std::size_t equal_words(const Words& words, std::size_t first, const Marked& is_
 std::string folded(std::size_t run, Address first) {
   return run == 1 ? std::string()
                   : fmt::format("...       {} more of the same, to {:08X}h\n", run - 1, first + run - 1);
+}
+
+/// The label behind the last word of a section with contents; empty: there is none.
+template <class Section>
+std::string label_at_end(const Section& section, const isa::SymbolLookup& lookup) {
+  if (section.words.empty()) return {};
+  const std::string label = lookup(section.address + static_cast<Address>(section.words.size()));
+  return label.empty() ? label : label + ":\n";
 }
 
 /// The name of the address; a new one if it has none.
@@ -178,7 +188,7 @@ std::string argument(const std::string& text) {
 }  // namespace
 
 std::string disassembly(const Image& image) {
-  const Labels labels = labels_of(image, image.names());
+  const Labels labels = labels_of(image, image.names(), 1);
   const auto lookup = lookup_in(labels);
   std::string out = head(image.cpu);
   for (const auto& section : image.sections) {
@@ -194,6 +204,10 @@ std::string disassembly(const Image& image) {
       run = equal_words(section.words, i, is_marked);
       out += folded(run, address);
     }
+    const auto is_at_end = [end = section.address + section.size](const auto& other) {
+      return end - other.address < other.size;
+    };
+    if (std::ranges::none_of(image.sections, is_at_end)) out += label_at_end(section, lookup);
   }
   return out;
 }
@@ -235,13 +249,14 @@ std::string disassembly(const Object& object) {
       run = first == last ? equal_words(section.words, at, is_marked) : 1;
       out += folded(run, address);
     }
+    out += label_at_end(section, lookup);
   }
   return out;
 }
 
 std::string source_of(const Image& image) {
   Labels labels;
-  for (const auto& [address, name] : labels_of(image, image.symbols))
+  for (const auto& [address, name] : labels_of(image, image.symbols, 0))
     if (can_be_written(name)) labels.emplace(address, name);
   add_targets(image, labels);
   const std::string entry = named(image.entry, image, labels);

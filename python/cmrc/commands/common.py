@@ -136,7 +136,7 @@ def write_each(name: str, *writes: Callable[[], None]) -> None:
     for write in writes:
         try:
             write()
-        except (OSError, RuntimeError) as error:
+        except Exception as error:  # noqa: BLE001 (raised at the end)
             failed.append(error)
     for other in failed[1:]:
         streams.say(f"cmrc {name}: {files.printable(_words(other))}")

@@ -12,7 +12,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from cmrc import arguments, files
+from cmrc import arguments, files, signals
+from cmrc.commands import streams
 from cmrc.extras import needed
 from cmrc.results import page, stated
 from cmrc.results.claim import Claim
@@ -179,7 +180,17 @@ def _options(claim: Claim) -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """0, or 2 for bad input."""
+    """0; 2 for bad input; 130, 143 or 129 after a signal."""
+    streams.prepare()
+    try:
+        with signals.raised():
+            return _main(arguments)
+    except KeyboardInterrupt as stop:
+        streams.say("cmrc.results: interrupted")
+        return signals.status(stop)
+
+
+def _main(arguments: Sequence[str] | None) -> int:
     given = parser().parse_args(arguments)
     asked = [claim for claim in CLAIMS if given.claim is None or claim.NUMBER in given.claim]
     try:

@@ -14,8 +14,11 @@ from pathlib import Path
 from typing import Any
 
 from cmrc import files, signals
+from cmrc.saved_result import checked_report
 from cmrc.simulation import Reference, Setting, Simulation
 
+LARGEST = 1 << 30
+"""Bytes of the reports of one run that are kept."""
 Report = dict[str, Any]
 Reports = Sequence[Report]
 
@@ -121,7 +124,13 @@ class Laboratory:
     progress: Callable[[str], None] = field(default=lambda text: print(text, end="", file=sys.stderr, flush=True))
 
     def all(self, runs: Sequence[Run], what: str) -> list[list[Report]]:
-        """The reports of every run, in order; long ones are begun first."""
+        """The reports of every run, in order; long ones are begun first. Raises ValueError for a cache that cannot be
+        used."""
+        if self.cache is not None:
+            try:
+                self.cache.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise ValueError(f"{self.cache}: no folder for a cache ({files.reason(error)})") from None
         results: dict[int, list[Report]] = {}
         for index, run in enumerate(runs):
             if (known := self._known(run)) is not None:
@@ -153,12 +162,18 @@ class Laboratory:
         file = None if self.cache is None else self.cache / f"{run.key()}.json"
         if file is None or not file.exists():
             return None
-        reports: list[Report] = json.loads(file.read_text(encoding="utf-8"))
-        return reports
+        try:
+            reports = json.loads(files.read(file, LARGEST))
+            if not isinstance(reports, list) or not reports:
+                raise ValueError("there is no list of reports in it")
+            return [checked_report(report) for report in reports]
+        except (OSError, ValueError, RecursionError) as error:
+            raise ValueError(
+                f"{file}: cannot be used ({files.reason(error)}); what an earlier --cache wrote is expected, or no file"
+            ) from None
 
     def _keep(self, run: Run, reports: list[Report]) -> None:
         if self.cache is not None:
-            self.cache.mkdir(parents=True, exist_ok=True)
             files.write(self.cache / f"{run.key()}.json", json.dumps(reports))
 
 

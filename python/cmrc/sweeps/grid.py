@@ -14,6 +14,7 @@ from typing import Any
 
 from cmrc import _core, files
 from cmrc.extras import needed
+from cmrc.floats import shortest
 from cmrc.simulation import Setting
 from cmrc.sweeps.ranges import MOST_RUNS, MOST_WHOLE, GridError, scalar, schema, seeds_of, values_of
 
@@ -284,8 +285,8 @@ class _Reader:
                 begins = event.get("at_s")
                 if isinstance(begins, (int, float)) and begins < at_s:
                     raise GridError(
-                        f"futures[{n}].events[{i}].at_s: {begins:g} s is before fork.at_s, {at_s:g} s; until then runs "
-                        "that share a beginning have to be alike"
+                        f"futures[{n}].events[{i}].at_s: {shortest(begins)} s is before fork.at_s, {shortest(at_s)} s; "
+                        "until then runs that share a beginning have to be alike"
                     )
         return float(at_s)
 

@@ -86,10 +86,14 @@ def _problem(node: Mapping[str, Any], rest: str, place: str) -> str:
     if name is not None:
         return _problem(own[name], _behind(rest, name), place)
     if isinstance(others, Mapping):  # names that a run gives, which may have dots
-        ends = [end.start() for end in re.finditer(r"[.\[]|$", rest) if end.start()]
-        problems = [_problem(others, _behind(rest, rest[:end]), place) for end in ends]
+        problems = [_problem(others, _behind(rest, rest[:end]), place) for end in _ends(rest)]
         return "" if "" in problems else problems[0]
     return "" if others and "items" not in node else _none(place, rest, own)
+
+
+def _ends(rest: str) -> list[int]:
+    """Where a name may end that a run gives, and that may have dots."""
+    return [end.start() for end in re.finditer(r"[.\[]|$", rest) if end.start()]
 
 
 def _none(place: str, rest: str, known: Iterable[str]) -> str:
@@ -164,17 +168,37 @@ def name_of(metric: Metric) -> str:
 
 
 def unit_of(metric: Metric) -> str:
-    """The unit of a short name, or from the ending of the last part of a place that has one; empty if unknown."""
+    """The unit of a short name, or from the ending of the last name of a place that has one; empty if unknown. The
+    names of tasks and other names that the run gives have no units."""
     if not isinstance(metric, str):
         return ""
     if metric in NAMED:
         return NAMED[metric][0]
-    for part in reversed(re.sub(r"\[\d+\]", "", metric).split(".")):
-        if part in COUNTED:
+    if metric.startswith("configuration."):
+        return unit_of_name(metric.rpartition(".")[2]) or ""
+    for name in reversed(_own_names(_schema(), metric) or []):
+        if name in COUNTED:
             return "jobs" if metric.startswith("tasks.") else ""
-        if (unit := unit_of_name(part)) is not None:
+        if (unit := unit_of_name(name)) is not None:
             return unit
     return ""
+
+
+def _own_names(node: Mapping[str, Any], rest: str) -> list[str] | None:
+    """The names along a place without those that a run gives; None for a place that no report has."""
+    if not rest:
+        return []
+    index = re.match(r"\[\d+\]\.?", rest)
+    if index and "items" in node:
+        return _own_names(node["items"], rest[index.end() :])
+    own, others = node.get("properties", {}), node.get("additionalProperties")
+    if (name := _step(own, rest)) is not None:
+        below = _own_names(own[name], _behind(rest, name))
+        return None if below is None else [name, *below]
+    if not isinstance(others, Mapping):
+        return None
+    found = (_own_names(others, _behind(rest, rest[:end])) for end in _ends(rest))
+    return next((below for below in found if below is not None), None)
 
 
 def unit_of_name(name: str) -> str | None:

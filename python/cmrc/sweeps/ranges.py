@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import cache
 from typing import Any
@@ -34,12 +34,15 @@ def plain(value: Any) -> Any:
     return value.item() if single else value
 
 
-def shortest(value: Setting) -> str:
-    """A setting as it is written in a message or a table: a number with the digits that give it back."""
-    if not isinstance(value, float):
-        return str(value)
-    few = f"{value:g}"
-    return few if float(few) == value else repr(value)
+def short_names(names: Sequence[str]) -> list[str]:
+    """The last part of each name; more parts where several names have the same last ones."""
+    return [_short(name, [other for other in names if other != name]) for name in names]
+
+
+def _short(name: str, others: Sequence[str]) -> str:
+    parts = name.split(".")
+    endings = (".".join(parts[-n:]) for n in range(1, len(parts)))
+    return next((end for end in endings if not any(f".{other}".endswith(f".{end}") for other in others)), name)
 
 
 def as_typed(name: str, value: Any) -> Any:

@@ -12,13 +12,14 @@ from typing import Any, ClassVar
 
 from cmrc import arguments
 from cmrc.extras import needed
+from cmrc.floats import shortest
 from cmrc.simulation import Setting
 from cmrc.sweeps import grid as grids
 from cmrc.sweeps import metrics, ranges, store, work
 from cmrc.sweeps.grid import SEED, Grid
 from cmrc.sweeps.identity import Run
 from cmrc.sweeps.metrics import Spread
-from cmrc.sweeps.ranges import GridError, shortest
+from cmrc.sweeps.ranges import GridError
 from cmrc.sweeps.runner import Status
 from cmrc.sweeps.session import Place, Session
 from cmrc.sweeps.study import GridLike, Sweep, grid_of

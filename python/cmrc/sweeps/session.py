@@ -110,10 +110,10 @@ class Session:
             there[row["key"]] = row["status"]
             if row["status"] == store.REFUSED:
                 refused.append(row)
-        asked = {_point(place_of(run.point)["settings"]): run for run in planned} if refused else {}
+        asked = {_point(json.loads(place_of(run.point)["settings"])): run for run in planned} if refused else {}
         old = set()
         for row in refused:
-            run = asked.get(_point(row["settings"]))
+            run = asked.get(_point(self.folder.settings(row)))
             if run is not None and (run.key, run.refused) != (row["key"], row["message"]):
                 old.add(row["key"])
         if old:
@@ -157,6 +157,6 @@ class Session:
                 )
 
 
-def _point(settings: str) -> str:
+def _point(settings: Mapping[str, Any]) -> str:
     """The settings of a row, whichever grid has written them: a setting may be fixed in one and an axis in another."""
-    return json.dumps(json.loads(settings), sort_keys=True)
+    return json.dumps(settings, sort_keys=True)

@@ -147,7 +147,7 @@ class Folder:
             found = json.loads(files.read(self.path / HEAD, LARGEST_HEAD))
         except FileNotFoundError:
             return None
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, RecursionError) as error:
             raise SweepError(f"{self.path / HEAD}: cannot be read: {files.reason(error)}") from None
         if not isinstance(found, dict):
             raise SweepError(f"{self.path / HEAD}: no head of a sweep")
@@ -182,6 +182,10 @@ class Folder:
     def opened(self, row: Mapping[str, Any]) -> Row:
         """A row with its JSON, ``place`` and ``settings``, as dictionaries. Raises SweepError."""
         return {**row, **{name: self._object(row, name, row[name]) for name in ("place", "settings")}}
+
+    def settings(self, row: Mapping[str, Any]) -> dict[str, Any]:
+        """The settings of a row. Raises SweepError."""
+        return self._object(row, "settings", row["settings"])
 
     def report(self, row: Mapping[str, Any]) -> dict[str, Any]:
         """The report of a row. Raises SweepError."""

@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from typing import TYPE_CHECKING, Any
 
 from cmrc import arguments, files, saved_result, simulation
+from cmrc.floats import shortest
 from cmrc.sweeps import grid as grids
 from cmrc.sweeps import metrics, ranges, store, work
 from cmrc.sweeps.grid import Grid
@@ -261,7 +262,7 @@ class Sweep:
         asked = of or metrics.USUAL
         summaries = self._summaries(asked)
         axes = self.axes
-        heads = [*(name.rpartition(".")[2] for name in axes), "n"]
+        heads = [*ranges.short_names(axes), "n"]
         heads += [
             " ".join(filter(None, (name, _bracket(metrics.unit_of(metric)))))
             for name, metric in zip(metrics.names_of(asked, {*axes, "n"}), asked, strict=True)
@@ -423,7 +424,7 @@ def _bracket(unit: str) -> str:
 
 def _cell(value: Any) -> str:
     """In one line, also a name with a line feed."""
-    return "–" if value is None else files.printable(ranges.shortest(value)).replace("\n", "\\x0A")
+    return "–" if value is None else files.printable(shortest(value)).replace("\n", "\\x0A")
 
 
 def _columns(lines: Sequence[Sequence[str]]) -> str:

@@ -1,0 +1,88 @@
+"""Saved results and caches that somebody has changed: each is refused by the name of its file."""
+
+import json
+import re
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import cmrc
+import pytest
+from cmrc.results import __main__ as command
+from cmrc.saved_result import ResultError
+
+Report = dict[str, Any]
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("saved") / "whole.cmrc"
+    cmrc.run(dsps=1, duration_s=0.03, profile=True).save(path)
+    return path
+
+
+def changed(path: Path, to: Path, member: str, change: Callable[[Any], Any]) -> Path:
+    with zipfile.ZipFile(path) as archive, zipfile.ZipFile(to, "w") as out:
+        for name in archive.namelist():
+            content = archive.read(name)
+            out.writestr(name, json.dumps(change(json.loads(content))) if name == member else content)
+    return to
+
+
+CHANGES: dict[str, tuple[str, Callable[[Any], Any]]] = {
+    "no dsps": ("report", lambda r: {key: value for key, value in r.items() if key != "dsps"}),
+    "buses": ("report", lambda r: {**r, "buses": []}),
+    "a bus": ("report", lambda r: {**r, "buses": {"A": 1}}),
+    "cycles": ("report", lambda r: {**r, "cycles": 1.5}),
+    "a miss": ("report", lambda r: {**r, "misses": [None]}),
+    "a task": ("report", lambda r: {**r, "tasks": {"pid": None}}),
+    "a task's misses": ("report", lambda r: {**r, "tasks": {"pid": {"misses": "1"}}}),
+    "rates": ("report", lambda r: {**r, "rates": 3}),
+    "a list": ("report", lambda r: [r]),
+    "profile": ("profile", lambda p: []),
+    "groups": ("profile", lambda p: {**p, "groups": {}}),
+}
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_a_changed_result_is_refused_by_name(name: str, saved: Path, tmp_path: Path) -> None:
+    member, change = CHANGES[name]
+    path = changed(saved, tmp_path / "r.cmrc", f"{member}.json", change)
+    with pytest.raises(ResultError, match=f"{re.escape(str(path))}: no saved result"):
+        cmrc.Result.load(path)
+
+
+def test_what_is_refused_is_what_was_changed(saved: Path, tmp_path: Path) -> None:
+    assert repr(cmrc.Result.load(changed(saved, tmp_path / "r.cmrc", "report.json", lambda r: r)))
+
+
+def quick(*options: str) -> list[str]:
+    return ["--claim", "1", "--quick", "--jobs", "1", *options]
+
+
+@pytest.mark.parametrize("content", ['{"a', "\xff\xfe", "[]", "{}", "[{}]", "[" * 100_000, None])
+def test_a_cache_that_cannot_be_used_is_named_and_stays(
+    content: str | None, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """None: a folder in its place."""
+    from cmrc.results import runs
+
+    monkeypatch.setattr(runs.Run, "key", lambda self: "run")
+    (tmp_path / "cache").mkdir()
+    file = tmp_path / "cache" / "run.json"
+    if content is None:
+        file.mkdir()
+    else:
+        file.write_text(content, encoding="latin-1")
+    assert command.main(quick("--cache", str(tmp_path / "cache"))) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"cmrc.results: {file}: cannot be used (") and said.count("\n") == 1
+    assert file.is_dir() if content is None else file.read_text(encoding="latin-1") == content
+
+
+def test_a_file_is_no_folder_for_a_cache(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "file").write_text("mine")
+    assert command.main(quick("--cache", str(tmp_path / "file"))) == 2
+    assert capsys.readouterr().err == f"cmrc.results: {tmp_path / 'file'}: no folder for a cache (File exists)\n"
+    assert (tmp_path / "file").read_text() == "mine"
