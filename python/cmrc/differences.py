@@ -177,14 +177,12 @@ def _leaves(node: Any, path: str = "") -> Iterator[tuple[str, Any]]:
         yield path, node
 
 
-_ABSENT = object()
-
-
 def _unlike(left: Mapping[str, Any], right: Mapping[str, Any]) -> Iterator[tuple[str, tuple[Any, Any]]]:
+    """Names with their values where these differ. What is not there is null: beside a table it has no value either."""
     for name in dict.fromkeys([*left, *right]):
-        one, other = left.get(name, _ABSENT), right.get(name, _ABSENT)
+        one, other = left.get(name), right.get(name)
         if one != other:
-            yield name, (None if one is _ABSENT else one, None if other is _ABSENT else other)
+            yield name, (one, other)
 
 
 def _number(value: Any) -> float:

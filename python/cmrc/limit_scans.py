@@ -155,7 +155,7 @@ class Scans:
         for value in values:
             point: Point = {"value": value, "realised": None, **NOT_RUN}
             scan.points.append(point)
-            whole = scan.name == DSPS and value == int(value)
+            whole = scan.name == DSPS and float(value).is_integer()
             try:
                 config = self._layers.config({scan.key: int(value) if whole else value})
             except _core.cmrc.ConfigError as error:

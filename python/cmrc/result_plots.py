@@ -24,9 +24,17 @@ if TYPE_CHECKING:
 
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#56b4e9", "#e69f00", "#009e73", "#cc79a7", "#999999")
 """Okabe and Ito's colours, so ordered that neighbours also differ in grey."""
-LINES = ("-", "--", "-.", ":")
+LINES = (
+    *("-", "--", "-.", ":"),
+    *((0, (5, 2) * (of - dots) + (1, 2) * dots) for of in range(3, 8) for dots in range(1, of)),
+)
+"""24 kinds of dashes: the usual ones, then each so many long and so many short ones in turn."""
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
-HATCHES = ("", "////", "\\\\\\\\", "....", "xxxx", "||||", "++++", "oooo")
+HATCHES = (
+    *("", "////", "\\\\\\\\", "....", "xxxx", "||||", "++++", "oooo", "----", "**", "OO", "//.."),
+    *("||..", "\\\\..", "--..", "xx..", "++..", "//--", "\\\\||", "//||", "\\\\--", "++xx", "xx", "//oo"),
+)
+"""More than a run has kinds of jobs: 12, and at most 8 of [[tasks]]."""
 MISSED = ("late", "past the deadline at the end", "lost", "dropped")
 """Missed jobs by outcome. The second one is what still runs or waits at the end of the run."""
 OUTCOMES = ("on_time", "late", "unfinished", "never_started", "lost", "dropped")
@@ -53,13 +61,21 @@ _of_result = drawn_from("result", _result, "a cmrc.Result")
 
 def style(n: int) -> dict[str, Any]:
     """Colour and dashes of the n-th line."""
-    return {"color": COLOURS[n % len(COLOURS)], "linestyle": LINES[(n + n // len(COLOURS)) % len(LINES)]}
+    return {"color": COLOURS[(n + n // len(LINES)) % len(COLOURS)], "linestyle": LINES[n % len(LINES)]}
+
+
+def _bar_style(n: int) -> dict[str, Any]:
+    """Colour and hatch of the n-th kind of bars; none is black, on which no hatch is seen."""
+    colours = COLOURS[1:]
+    return {"facecolor": colours[n % len(colours)], "edgecolor": "k", "hatch": HATCHES[n % len(HATCHES)]}
 
 
 def legend(axes: Axes, **more: Any) -> None:
     """Beside the axes, where it covers nothing."""
     if "handles" in more or axes.get_legend_handles_labels()[1]:
-        shown = axes.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, **more)
+        shown = axes.legend(
+            fontsize=7, handlelength=4, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, **more
+        )
         as_they_are(*shown.get_texts())
 
 
@@ -96,22 +112,8 @@ def gantt(result: Result, axes: Axes, from_s: float, to_s: float) -> None:
         of = [block for block in blocks if block[1] == kind]
         bars = [(max(b, from_s) * 1e3, (min(e, to_s) - max(b, from_s)) * 1e3) for _, _, b, e in of]
         for (slot, *_), bar in zip(of, bars, strict=True):
-            axes.broken_barh(
-                [bar],
-                (slot - 0.4, 0.8),
-                facecolor=COLOURS[(n + 1) % len(COLOURS)],
-                edgecolor="k",
-                linewidth=0.4,
-                hatch=HATCHES[n % len(HATCHES)],
-            )
-        axes.broken_barh(
-            [],
-            (0, 0),
-            facecolor=COLOURS[(n + 1) % len(COLOURS)],
-            edgecolor="k",
-            hatch=HATCHES[n % len(HATCHES)],
-            label=kind,
-        )
+            axes.broken_barh([bar], (slot - 0.4, 0.8), linewidth=0.4, **_bar_style(n))
+        axes.broken_barh([], (0, 0), label=kind, **_bar_style(n))
     shown = [instant * 1e3 for instant in _missed_s(result) if from_s <= instant <= to_s]
     slots = len(result.report["dsps"])
     if shown:
@@ -247,16 +249,7 @@ def misses(result: Result, axes: Axes) -> None:
     left = np.zeros(len(tasks))
     for n, (outcome, counts) in enumerate(zip(MISSED, parts.T, strict=True)):
         if counts.any():
-            axes.barh(
-                range(len(tasks)),
-                counts,
-                left=left,
-                label=outcome,
-                color=COLOURS[(n + 1) % len(COLOURS)],
-                hatch=HATCHES[n % len(HATCHES)],
-                edgecolor="k",
-                linewidth=0.4,
-            )
+            axes.barh(range(len(tasks)), counts, left=left, label=outcome, linewidth=0.4, **_bar_style(n))
         left += counts
     for y, task in enumerate(tasks.values()):
         axes.text(left[y], y, f" {task['misses']} of {task['released']}", va="center", fontsize=7)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -16,16 +17,21 @@ if TYPE_CHECKING:
 
 
 class Table(dict[str, NDArray[Any]]):
-    """A dict of NumPy arrays of equal length, one per column. Missing numbers are NaN.
+    """A dict of NumPy arrays of equal length, one per column. Missing numbers are NaN, and whole numbers beside them
+    floats; a column with a whole number that no float can hold is one of objects.
 
     ``len(table)`` is the number of columns, as of any dict; ``table.rows`` is the number of rows.
     """
 
     @classmethod
     def from_rows(cls, rows: Iterable[Mapping[str, Any]]) -> Table:
-        """One row per mapping. Nested mappings give columns joined by ``_``; lists (histograms) are left out."""
-        flat = [dict(_flatten(_row(row))) for row in rows]
-        names = list(dict.fromkeys(name for row in flat for name in row))
+        """One row per mapping. Nested mappings give columns joined by ``_``; lists (histograms) are left out. None
+        where another row has a nested mapping gives no column of its own."""
+        nested: set[str] = set()
+        flat = [dict(_flatten(_row(row), nested)) for row in rows]
+        names = dict.fromkeys(
+            name for row in flat for name, value in row.items() if value is not None or name not in nested
+        )
         return cls({name: _column([row.get(name) for row in flat]) for name in names})
 
     @property
@@ -61,15 +67,22 @@ def _row(row: object) -> Mapping[str, Any]:
     return row
 
 
-def _flatten(row: Mapping[str, Any], prefix: str = "") -> Iterable[tuple[str, Any]]:
+def _flatten(row: Mapping[str, Any], nested: set[str], prefix: str = "") -> Iterable[tuple[str, Any]]:
+    """Columns and values of a row. The names of its nested mappings are added to ``nested``."""
     for name, value in row.items():
         if isinstance(value, Mapping):
-            yield from _flatten(value, f"{prefix}{name}_")
+            nested.add(prefix + name)
+            yield from _flatten(value, nested, f"{prefix}{name}_")
         elif not isinstance(value, list):
             yield prefix + name, value
 
 
 def _column(values: Sequence[Any]) -> NDArray[Any]:
-    if any(value is None for value in values) and not any(isinstance(value, str) for value in values):
-        return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
-    return np.array(values)
+    if any(isinstance(value, str) for value in values):
+        return np.array(values)
+    numbers = [math.nan if value is None else value for value in values]
+    column = np.array(numbers)
+    changed = column.dtype.kind == "f" and any(
+        isinstance(own, int) and own != made for own, made in zip(numbers, column.tolist(), strict=True)
+    )
+    return np.array(numbers, dtype=object) if changed else column

@@ -238,6 +238,15 @@ def test_a_number_beyond_every_double_differs_without_a_change(result: cmrc.Resu
     assert "host.refreshes" in cmrc.diff(result, tmp_path / "big.json").text()
 
 
+def test_what_is_not_there_is_no_other_value_than_null(result: cmrc.Result) -> None:
+    left, right = (json.loads(json.dumps(result.report)) for _ in range(2))
+    left["misses"] = [{**result.report["misses"][0], "previous": None}]
+    right["misses"] = [{**result.report["misses"][0], "previous": {"kind": "pid"}}]
+    assert cmrc.diff(left, right).metrics == [("misses[0].previous.kind", None, "pid")]
+    del right["misses"][0]["previous"]
+    assert not cmrc.diff(left, right)
+
+
 def test_a_difference_names_settings_event_and_metrics(result: cmrc.Result, other: cmrc.Result) -> None:
     found = cmrc.diff(result, other)
     assert found and found.configuration == {"machine.dsps": (1, 2)}

@@ -456,7 +456,7 @@ def test_earlier_runs_are_used_again(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "arguments, message",
     [
-        (["--claim", "2", "--servo-hz", "fast"], "--servo-hz: 'fast' is no float"),
+        (["--claim", "2", "--servo-hz", "fast"], "--servo-hz: 'fast'; a number above 0 is expected"),
         (
             ["--claim", "1", "--quick", "--releases", "never"],
             "--releases: 'never' is unknown; together, staggered, together-cap",

@@ -44,3 +44,19 @@ def test_no_rows() -> None:
         empty["misses"]
     with pytest.raises(KeyError, match="there is no column 'misses'; one of kind, "):
         Table.from_rows(ROWS)["misses"]
+
+
+BIG = 2**53 + 1
+
+
+def test_a_whole_number_that_no_float_can_hold_stays_what_it_is() -> None:
+    table = Table.from_rows([{"seed": BIG, "few": 3}, {"seed": None, "few": None}, {"seed": 0.5}])
+    assert table["seed"].dtype == object and table["seed"][0] == BIG and np.isnan(table["seed"][1])
+    assert table["few"].dtype == np.float64 and table["few"][0] == 3 and np.isnan(table["few"][2])
+    assert Table.from_rows([{"seed": BIG}])["seed"].dtype == np.int64
+
+
+def test_nothing_beside_a_nested_mapping_is_no_column() -> None:
+    table = Table.from_rows([{"errors": {"rms": 1.5}, "first": None}, {"errors": None, "first": None}])
+    assert list(table) == ["errors_rms", "first"] and np.isnan(table["errors_rms"][1])
+    assert list(Table.from_rows([{"errors": {"rms": 1}}, {"errors": 2}])) == ["errors_rms", "errors"]

@@ -8,7 +8,7 @@ from cmrc.sweeps.identity import build
 from sweep_helpers import report_with
 
 
-def row(n: int, place: dict[str, Any], seed: int, misses: int | None) -> dict[str, Any]:
+def row(n: int, place: dict[str, Any], seed: int | None, misses: int | None) -> dict[str, Any]:
     report = report_with(
         tasks={"pid": {"misses": misses}},
         rates={"f_p": {"missed_share": (misses or 0) / 100}},

@@ -149,7 +149,7 @@ def test_a_number_of_workers_is_written_as_other_numbers_are(
     with pytest.raises(SystemExit):
         results.parser().parse_args(["--jobs", text])
     parsed = results.parser().parse_args(["--dsps", text])
-    with pytest.raises(ValueError, match="--dsps: .* is no int"):
+    with pytest.raises(ValueError, match="--dsps: .*; a whole number from 0 on or a list of them is expected"):
         results.chosen(results.CLAIMS[0], parsed)
 
 

@@ -88,6 +88,8 @@ def test_runs_that_begin_alike_are_neighbours() -> None:
     ({"fork": {"at_s": 0}}, "fork.at_s: an instant"),
     ({"fork": {}}, "fork.at_s: an instant"),
     ({"fork": {"at_s": "x"}}, "fork.at_s: an instant"),
+    ({"fork": {"at_s": 10**400}}, "fork.at_s: an instant"),
+    ({"fork": {"at_s": float("inf")}}, "fork.at_s: an instant"),
     ({"fork": {"at": 1}}, "fork.at: unknown; at_s is known"),
     ({"futures": []}, "fork: only runs that differ by [[futures]] can share their beginnings"),
     ({"futures": [{"name": "a"}]}, "at least two futures are expected"),

@@ -239,6 +239,13 @@ def test_a_search_continues_in_the_folder_of_a_sweep(tmp_path: Path) -> None:
     ({"search": {"space": {"dsps": {"from": 1.5, "to": 6}}}}, "search.space.dsps.from: 1.5 cannot be used; machine.dsps is a whole"),
     ({"search": {"bisect": "dsps", "from": 8.5, "to": 1}}, "search.from: 8.5 cannot be used; machine.dsps is a whole"),
     ({"search": {"space": {"dsps": 3}}}, "search.space.dsps: a list of values"),
+    ({"search": {"space": {"cycle_time_factor": {"from": 1, "to": math.nan}}}}, "search.space.cycle_time_factor.to: nan is not a"),
+    ({"search": {"space": {"cycle_time_factor": {"from": 1, "to": math.inf}}}}, "search.space.cycle_time_factor.to: inf is not a"),
+    ({"search": {"space": {"cycle_time_factor": {"from": 1, "to": 10**400}}}}, "cycle_time_factor.to: 1000"),
+    ({"search": {"space": {"dsps": {"from": 1, "to": 10**400}}}}, "search.space.dsps.to: 1000"),
+    ({"search": {"bisect": "cycle_time_factor", "from": 1, "to": 10**400}}, "search.to: 1000"),
+    ({"search": {"bisect": "cycle_time_factor", "from": 1, "to": 2, "at_most": math.inf}}, "search.at_most: inf is not a number"),
+    ({"search": {"bisect": "cycle_time_factor", "from": 1, "to": 2, "batch": 10**400}}, "search.batch: a whole number from 1 to 10000000"),
 ])  # fmt: skip
 def test_a_bad_search_says_where(tables: dict[str, Any], says: str, tmp_path: Path) -> None:
     with pytest.raises((GridError, SweepError)) as error:

@@ -137,6 +137,26 @@ def test_a_place_that_only_some_reports_have_is_nan_in_the_others() -> None:
         metrics.of_reports(reports, ["dsps[0].claims", "dsps[4].claims"])
 
 
+def test_a_bin_that_a_histogram_leaves_out_is_0_up_to_the_last_one() -> None:
+    place = "tasks.home.crane.waiting_ps.log2_histogram[{}]".format
+    with_bins = [("a", [0, 3]), ("b", [0, 0, 0, 1]), ("c", [])]
+    reports = [(key, {"tasks": {"home.crane": {"waiting_ps": {"log2_histogram": bins}}}}) for key, bins in with_bins]
+    reports.append(("none", {"tasks": {"pid": {}}}))
+    found = metrics.of_reports(reports, [place(1), place(3), place(63)])
+    assert [found[key] for key in "abc"] == [[3, 0, 0], [0, 1, 0], [0, 0, 0]]
+    assert all(np.isnan(value) for value in found["none"])
+    third = metrics.spread([found[key][1] for key in found])
+    assert (third.n, third.mean) == (3, pytest.approx(1 / 3))
+    metrics.check_place(place(63))
+    with pytest.raises(KeyError, match=r"\[64\]: a histogram has no such bin; 0 to 63 is expected"):
+        metrics.of_reports(reports, [place(64)])
+    with pytest.raises(ValueError, match="a histogram has no such bin"):
+        metrics.check_place(place(64))
+    masters = [{"wait_clocks": {"log2_histogram": [1]}}]
+    with pytest.raises(KeyError, match=r"there is no \[1\]"):
+        metrics.value({"buses": {"A": {"masters": masters}}}, "buses.A.masters[1].wait_clocks.log2_histogram[0]")
+
+
 def places(node: Any, place: str = "") -> Iterator[str]:
     """The places of all numbers in a report."""
     if isinstance(node, dict):

@@ -14,6 +14,7 @@ from cmrc.sweeps.store import Folder
 pytest.importorskip("matplotlib")
 pytest.importorskip("pyarrow")
 from cmrc import plot
+from cmrc.events import built_in_tasks
 from drawn import described
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -98,10 +99,23 @@ def test_long_names_below_an_axis_do_not_lie_on_each_other(
 def test_lines_of_a_legend_can_be_distinguished_in_grey() -> None:
     from cmrc.result_plots import MARKS, style
 
-    looks = [(tuple(style(n).values()), MARKS[n % len(MARKS)]) for n in range(16)]
-    assert len(set(looks)) == 16
-    dashes = [style(n)["linestyle"] for n in range(8)]
-    assert all(one != other for one, other in itertools.pairwise(dashes))
+    looks = [(tuple(style(n).values()), MARKS[n % len(MARKS)]) for n in range(40)]
+    assert len(set(looks)) == 40
+    assert len({str(style(n)["linestyle"]) for n in range(24)}) == 24
+
+
+def test_each_kind_of_a_gantt_chart_has_its_own_hatch_on_a_colour_that_shows_it() -> None:
+    kinds = [f"user.{n}" for n in range(8)]
+    tasks: dict[str, dict[str, int]] = {kind: {} for kind in [*built_in_tasks(), *kinds]}
+    events = "".join(
+        f"{0.001 * n:.9f} [dsp 0] claim block={n} kind={n}\n{0.001 * n + 0.0005:.9f} [dsp 0] finish block={n} kind={n}\n"
+        for n in range(len(tasks))
+    )
+    report = {"tasks": tasks, "dsps": [{}], "simulated_s": 1.0, "misses": []}
+    plot.gantt(cmrc.Result(report, "", cmrc.Table(), None, events), drawn := axes(), 0.0, 1.0)
+    bars = drawn.get_legend_handles_labels()[0]
+    assert len(bars) == 20 and len({bar.get_hatch() for bar in bars}) == 20
+    assert min(float(sum(bar.get_facecolor()[0][:3])) for bar in bars) > 0.5
 
 
 def test_no_legend_covers_anything(result: cmrc.Result, sweep: Sweep) -> None:
@@ -119,6 +133,13 @@ def test_no_legend_covers_anything(result: cmrc.Result, sweep: Sweep) -> None:
         legend = drawn.get_legend()
         assert legend is not None and legend.get_window_extent().x0 >= drawn.get_window_extent().x1 - 1
         assert drawn.get_xlabel()
+
+
+def test_a_short_name_of_the_lines_means_the_axis_without_x_too(sweep: Sweep) -> None:
+    for lines in ("dsps", "machine.dsps"):
+        plot.grid(sweep, drawn := axes(), lines=lines)
+        assert [line.get_label() for line in drawn.containers] == ["dsps = 2", "dsps = 3", "dsps = 4"]
+        assert drawn.get_xlabel() == "scheduling.agv_phase"
 
 
 def test_the_cost_of_misses_is_a_point_per_run(sweep: Sweep) -> None:

@@ -6,7 +6,7 @@ import argparse
 import csv
 import io
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -157,12 +157,9 @@ def _check_results(given: argparse.Namespace, grid: Grid, metrics: Iterable[str]
             raise ValueError(f"--plot: {error}") from None
 
 
-def _csv(found: Sweep, metrics: Iterable[str]) -> str:
-    table = found.table(*metrics)
+def _csv(found: Sweep, metrics: Sequence[str]) -> str:
     out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(table)
-    writer.writerows(zip(*(column.tolist() for column in table.values()), strict=True))
+    csv.writer(out, lineterminator="\n").writerows(found._cells(metrics))
     return out.getvalue()
 
 

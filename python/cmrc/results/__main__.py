@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
+import math
 import os
 import shlex
 import sys
@@ -25,6 +26,8 @@ from cmrc.results.learning import Learning
 from cmrc.results.runs import Laboratory
 from cmrc.simulation import ConfigError
 
+MOST = 2**63
+"""Every number of a claim is below it."""
 CLAIMS: tuple[type[Claim], ...] = (Dsps, Failures, Hotplug, Importance, Learning, Fleet, Cost)
 
 
@@ -101,11 +104,23 @@ def _kind(default: object) -> type:
     return type(default[0]) if isinstance(default, tuple) else type(default)
 
 
-def _read(kind: type, word: str) -> Any:
+def _read(kind: type, word: str, least: float | None) -> Any:
     """A parameter of the command line. Raises ValueError, OverflowError."""
-    if kind is int:
-        return arguments.read_whole(word)
-    return float(arguments.read_number(word)) if kind is float else kind(word)
+    if kind is str:
+        return word
+    number = arguments.read_whole(word) if kind is int else float(arguments.read_number(word))
+    fits = number > 0 if kind is float and least is None else number >= (least or 0)
+    if not fits or not number < MOST:
+        raise ValueError(f"{word} is out of range")
+    return number
+
+
+def _right(kind: type, least: float | None) -> str:
+    """What a parameter can be."""
+    name = {int: "a whole number", float: "a number"}.get(kind, "a name")
+    if kind is str or least == -math.inf:
+        return name
+    return f"{name} above 0" if kind is float and least is None else f"{name} from {least or 0:g} on"
 
 
 def chosen(claim: type[Claim], given: argparse.Namespace) -> Claim:
@@ -116,15 +131,18 @@ def chosen(claim: type[Claim], given: argparse.Namespace) -> Claim:
         if text is None:
             continue
         try:
-            values = tuple(_read(kind, word) for word in text.split(",") if word)
+            values = tuple(_read(kind, word, one.metadata["least"]) for word in text.split(",") if word)
         except (ValueError, OverflowError):
-            raise ValueError(f"{_option(one.name)}: {text!r} is no {kind.__name__} or list of them") from None
+            right = _right(kind, one.metadata["least"]) + (" or a list of them" if several else "")
+            raise ValueError(f"{_option(one.name)}: {text!r}; {right} is expected") from None
         empty = several and one.metadata["quick"] == ()  # a part of the experiment that may be left out
         if (not values and not empty) or (len(values) > 1 and not several):
             raise ValueError(
                 f"{_option(one.name)}: {text!r}; claim {claim.NUMBER} expects "
                 f"{'one value or several' if several else 'one value'}"
             )
+        if len(set(values)) < len(values):
+            raise ValueError(f"{_option(one.name)}: {text!r} has a value twice; each is run once")
         changes[one.name] = values if several else values[0]
     return dataclasses.replace(claim.quick() if given.quick else claim(), **changes)
 

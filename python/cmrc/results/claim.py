@@ -15,9 +15,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def parameter(default: Any, meaning: str, quick: Any = None) -> Any:
-    """A field of a claim: its default, what ``--help`` says of it, and its value with ``--quick``, if that differs."""
-    metadata = {"help": meaning, "quick": default if quick is None else quick}
+def parameter(default: Any, meaning: str, quick: Any = None, least: float | None = None) -> Any:
+    """A field of a claim: its default, what ``--help`` says of it, its value with ``--quick``, if that differs, and the
+    least number that it can have. None: a whole number is at least 0, any other number is above 0."""
+    metadata = {"help": meaning, "quick": default if quick is None else quick, "least": least}
     return dataclasses.field(default=default, metadata=metadata)
 
 

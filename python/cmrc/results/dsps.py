@@ -74,7 +74,7 @@ class Dsps(Claim):
         tuple(1000.0 * k for k in range(1, 13)), "grid of f_p at base load, Hz", quick=(1000.0, 16000.0)
     )
     rate_dsps: tuple[int, ...] = parameter((1, 2, 4, 8), "numbers of DSPs for that grid", quick=(1, 2))
-    refreshes_per_servo: int = parameter(4, "f_s / f_p of that grid")
+    refreshes_per_servo: int = parameter(4, "f_s / f_p of that grid", least=1)
     rate_duration_s: float = parameter(0.12, "length of a run of that grid, s", quick=0.05)
     idle_policies: tuple[str, ...] = parameter(
         ("doorbell", "pause", "spin"),
@@ -303,13 +303,18 @@ class Dsps(Claim):
 def rates(servo_hz: float, refreshes: int) -> dict[str, Setting]:
     """f_p with f_s = ``refreshes`` times as much; N̂_a,max and a so that the invariants of equation (7) hold."""
     refresh_hz = servo_hz * refreshes
-    longest = int(2 * refresh_hz / AGV_POINT_HZ)
+    longest = whole_refreshes(2 * refresh_hz / AGV_POINT_HZ)
     return {
         "servo_frequency_hz": float(servo_hz),
         "refresh_frequency_hz": float(refresh_hz),
         "scheduling.agv_interval_max_refreshes": longest,
         "scheduling.a": max(1, min(0x40, P_PLUS_B_LIMIT // longest)),
     }
+
+
+def whole_refreshes(count: float) -> int:
+    """A number of refreshes that the configuration can check."""
+    return int(min(max(count, 1), 2**31 - 1))
 
 
 def late(all_rows: Sequence[Row], release: str, dsps: int | None) -> str:

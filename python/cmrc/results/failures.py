@@ -52,14 +52,14 @@ class Failures(Claim):
         ("fail", "hang", "unplug"), "what happens to it: actions of [[events]]", quick=("fail",)
     )
     servo_hz: float = parameter(1000.0, "f_p, Hz")
-    refreshes_per_servo: int = parameter(8, "f_s / f_p")
+    refreshes_per_servo: int = parameter(8, "f_s / f_p", least=1)
     agvs: int = parameter(4, "AGVs, which drive from the start")
     avoidance: str = parameter("vfh", "kernels.avoidance: their obstacle avoidance")
     trials: int = parameter(2, "failures of each action at each phase, and in each kind of task", quick=1)
     alone_trials: int = parameter(6, "failures of the only DSP, of each action", quick=1)
     seed: int = parameter(1, "draws instants and victims")
     looks: int = parameter(6000, "random instants at which it is looked what each DSP does, to choose from", quick=150)
-    earliest_s: float = parameter(0.0201, "first instant of a failure, s: identify has just begun")
+    earliest_s: float = parameter(0.0201, "first instant of a failure, s: identify has just begun", least=0)
     latest_s: float = parameter(0.06, "last instant of a failure, s", quick=0.03)
     after_s: float = parameter(
         0.15,

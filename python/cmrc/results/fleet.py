@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
@@ -31,7 +32,7 @@ class Fleet(Claim):
     dsps: int = parameter(1, "DSPs")
     duration_s: float = parameter(520.0, "length of a run, s", quick=1.0)
     lanes_m: tuple[float, ...] = parameter(
-        (0.0,), "layouts: the lane's turn is so many m farther east of the loading spot", quick=(0.0,)
+        (0.0,), "layouts: the lane's turn is so many m farther east of the loading spot", quick=(0.0,), least=-math.inf
     )
 
     def runs(self) -> list[Run]:

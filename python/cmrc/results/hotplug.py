@@ -29,7 +29,7 @@ class Hotplug(Claim):
 
     dsps: tuple[int, ...] = parameter((1, 2, 4), "DSPs before the plug", quick=(1,))
     servo_hz: float = parameter(8000.0, "f_p, Hz: so high that one DSP is too few")
-    refreshes_per_servo: int = parameter(4, "f_s / f_p")
+    refreshes_per_servo: int = parameter(4, "f_s / f_p", least=1)
     trials: int = parameter(8, "trials of each number of DSPs", quick=1)
     seed: int = parameter(
         1,

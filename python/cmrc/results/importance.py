@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from cmrc.keywords import settings
 from cmrc.results.claim import Claim, parameter
+from cmrc.results.dsps import rates, whole_refreshes
 from cmrc.results.ends import behind_identify
 from cmrc.results.judgement import PLANNING, SERVO, Row, Verdict, counted, markdown, measured, missed_share, of
 from cmrc.results.runs import Reports, Run
@@ -40,7 +41,7 @@ class Importance(Claim):
     equations: tuple[str, ...] = parameter(("restored", "as_printed"), "values of scheduling.equation")
     servo_hz: float = parameter(4000.0, "f_p of the test of the gaps, Hz")
     point_hz: float = parameter(1000.0, "f_t of that test, Hz")
-    ratios: tuple[int, ...] = parameter((2, 4, 8, 16), "f_s / f_p of that test", quick=(4,))
+    ratios: tuple[int, ...] = parameter((2, 4, 8, 16), "f_s / f_p of that test", quick=(4,), least=1)
     a: tuple[int, ...] = parameter((1, 5, 15), "values of scheduling.a, the ageing of the AGVs' blocks", quick=(1, 15))
     crowded_hz: tuple[float, ...] = parameter(
         (4000.0, 5000.0, 5500.0, 6000.0),
@@ -52,19 +53,15 @@ class Importance(Claim):
     duration_s: float = parameter(0.5, "length of a run, s", quick=0.1)
 
     def settings(self, servo_hz: float, point_hz: float, ratio: int) -> dict[str, Setting]:
-        interval = int(servo_hz * ratio / point_hz)  # N_t
-        longest = int(2 * servo_hz * ratio / 50)
+        interval = whole_refreshes(servo_hz * ratio / point_hz)  # N_t
         return {
             "machine.dsps": self.dsps,
             "dock.agvs": self.agvs,
             "load.driving": True,
-            "servo_frequency_hz": float(servo_hz),
-            "refresh_frequency_hz": float(servo_hz * ratio),
+            **rates(servo_hz, ratio),
             "rates.crane_point_frequency_hz": float(point_hz),
             "scheduling.alpha_refreshes": max(1, interval // 4),
             "scheduling.beta_refreshes": max(1, interval // 4) // 2,
-            "scheduling.agv_interval_max_refreshes": longest,
-            "scheduling.a": max(1, min(0x40, (0x7FFE - 0x2100) // longest)),
         }
 
     def runs(self) -> list[Run]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import cycle
@@ -69,13 +70,16 @@ class Learning(Claim):
     dsps: int = parameter(1, "DSPs")
     duration_s: float = parameter(1300.0, "length of the runs with proportional learning, s", quick=1.0)
     short_s: float = parameter(430.0, "length of the runs with the other rules, s", quick=1.0)
-    rate: float = parameter(0.8, "scheduling.learning_rate")
-    step_max: float = parameter(0.4, "scheduling.learning_step_max")
-    dead_band: float = parameter(0.02, "scheduling.learning_dead_band")
+    rate: float = parameter(0.8, "scheduling.learning_rate", least=0)
+    step_max: float = parameter(0.4, "scheduling.learning_step_max", least=0)
+    dead_band: float = parameter(0.02, "scheduling.learning_dead_band", least=0)
     lanes_m: tuple[float, ...] = parameter(
-        (0.0, 20.0), "layouts: the lane's turn is so many m farther east of the loading spot", quick=(0.0,)
+        (0.0, 20.0),
+        "layouts: the lane's turn is so many m farther east of the loading spot",
+        quick=(0.0,),
+        least=-math.inf,
     )
-    last: int = parameter(2, "cycles at the end of each run over which is judged")
+    last: int = parameter(2, "cycles at the end of each run over which is judged", least=1)
 
     def runs(self) -> list[Run]:
         return [

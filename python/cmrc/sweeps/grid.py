@@ -16,7 +16,7 @@ from cmrc import _core, files
 from cmrc.extras import needed
 from cmrc.floats import shortest
 from cmrc.simulation import Setting
-from cmrc.sweeps.ranges import MOST_RUNS, GridError, scalar, schema, seeds_of, values_of
+from cmrc.sweeps.ranges import MOST_RUNS, MOST_WHOLE, GridError, scalar, schema, seeds_of, values_of
 
 TABLES = ("fixed", "axes", "together", "repeats", "events", "futures", "fork", "search")
 REPEATS = ("seeds", "first", "phases")
@@ -274,7 +274,7 @@ class _Reader:
             if key != "at_s":
                 raise GridError(f"fork.{key}: unknown; at_s is known")
         at_s = table.get("at_s")
-        if not isinstance(at_s, (int, float)) or isinstance(at_s, bool) or not 0 < at_s < math.inf:
+        if not isinstance(at_s, (int, float)) or isinstance(at_s, bool) or not 0 < at_s <= MOST_WHOLE:
             raise GridError("fork.at_s: an instant of the runs in s, above 0, is expected")
         if len(futures) < 2:
             raise GridError(

@@ -38,7 +38,10 @@ UNITS = {unit: unit for unit in ("s", "ms", "us", "ns", "ps", "m", "rad", "mrad"
 }  # fmt: skip
 """By the ending of a name. Another ending made of BASES is a unit without an entry here."""
 BASES = {*UNITS, "n", "s2", "1"}
-COUNTED = ("count", "log2_histogram")
+HISTOGRAM = "log2_histogram"
+BINS = 64
+"""Of every histogram of a report, which leaves out those after the last used one (docs/report.md)."""
+COUNTED = ("count", HISTOGRAM)
 """Parts of a summary that count what was measured."""
 USUAL = ("misses", "f_p_missed", "load_rms", "lag")
 
@@ -62,7 +65,9 @@ def check_kind(metric: Metric, where: str = "metric") -> None:
 def check_place(metric: str) -> None:
     """What is known of a name before any run. Raises ValueError for a place that no report has."""
     if metric not in NAMED:
-        problem = _problem(_schema(), metric, metric) if metric else "an empty name; the name of a metric is expected"
+        problem = "an empty name; the name of a metric is expected"
+        if metric:
+            problem = _no_bin(metric) or _problem(_schema(), metric, metric)
         if problem:
             raise ValueError(problem)
 
@@ -221,9 +226,7 @@ def _at(report: Mapping[str, Any], place: str) -> Any:
             return None
         index = re.match(r"\[(\d+)\]\.?", rest)
         if index and isinstance(node, list):
-            if int(index[1]) >= len(node):
-                raise KeyError(f"{place}: there is no {rest}")
-            node, rest = node[int(index[1])], rest[index.end() :]
+            node, rest = _entry(node, int(index[1]), place, rest), rest[index.end() :]
             continue
         own = node if isinstance(node, Mapping) else {}
         name = _step(own, rest)
@@ -231,6 +234,25 @@ def _at(report: Mapping[str, Any], place: str) -> Any:
             raise KeyError(_none(place, rest, own))
         node, rest = own[name], _behind(rest, name)
     return node
+
+
+def _entry(entries: Sequence[Any], number: int, place: str, rest: str) -> Any:
+    """An entry of a list; 0 for a bin that a histogram leaves out."""
+    if number < len(entries):
+        return entries[number]
+    if not place.endswith(f".{HISTOGRAM}{rest}"):
+        raise KeyError(f"{place}: there is no {rest}")
+    if problem := _no_bin(place):
+        raise KeyError(problem)
+    return 0
+
+
+def _no_bin(place: str) -> str:
+    """What is wrong with a bin that no histogram has; empty for any other place."""
+    found = re.search(rf"\.{HISTOGRAM}\[(\d+)\]$", place)
+    if found is None or int(found[1]) < BINS:
+        return ""
+    return f"{place}: a histogram has no such bin; 0 to {BINS - 1} is expected"
 
 
 def _step(names: Iterable[str], rest: str) -> str | None:

@@ -64,6 +64,14 @@ def scalar(value: Any, where: str) -> Setting:
     return value
 
 
+def number(value: Any, where: str) -> int | float:
+    value = plain(value)
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise GridError(f"{where}: a number is expected")
+    scalar(value, where)
+    return value
+
+
 def values_of(key: str, value: Any, where: str, unique: bool = True) -> list[Setting]:
     if isinstance(value, Mapping):
         return _range(key, value, where)
@@ -90,10 +98,7 @@ def _range(key: str, value: Mapping[str, Any], where: str) -> list[Setting]:
     numbers = {}
     for part in ("from", "to", "step", "count"):
         if part in value:
-            number = scalar(value[part], f"{where}.{part}")
-            if isinstance(number, (bool, str)):
-                raise GridError(f"{where}.{part}: a number is expected")
-            numbers[part] = number
+            numbers[part] = number(value[part], f"{where}.{part}")
     if "to" not in numbers or ("step" in numbers) == ("count" in numbers):
         raise GridError(f"{where}: from and to, and either step or count, are expected")
     begin, end = numbers["from"], numbers["to"]

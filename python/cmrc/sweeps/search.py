@@ -185,17 +185,14 @@ class _Search(ABC):
     def error(self, key: str, says: str) -> GridError:
         return GridError(f"{self.name}: search.{key}: {says}")
 
-    def _whole(self, key: str, default: int, least: int) -> int:
+    def _whole(self, key: str, default: int, least: int, most: int = ranges.MOST_RUNS) -> int:
         value = self.table.get(key, default)
-        if not isinstance(value, int) or isinstance(value, bool) or value < least:
-            raise self.error(key, f"a whole number from {least} on is expected")
+        if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
+            raise self.error(key, f"a whole number from {least} to {most} is expected")
         return value
 
     def _number(self, key: str, default: float | None) -> float:
-        value = self.table.get(key, default)
-        if not isinstance(value, (int, float)) or isinstance(value, bool) or not math.isfinite(value):
-            raise self.error(key, "a number is expected")
-        return float(value)
+        return float(ranges.number(self.table.get(key, default), f"{self.name}: search.{key}"))
 
     def _is_whole(self, key: str, value: Any, where: str) -> None:
         if isinstance(value, bool) or not (isinstance(value, int) or (isinstance(value, float) and value.is_integer())):
@@ -301,7 +298,7 @@ class _Optimisation(_Search):
             raise self.error("goal", '"minimise" or "maximise" is expected')
         self.maximise = self.table.get("goal") == "maximise"
         self.trials = self._whole("trials", 40, 1)
-        self.seed = self._whole("seed", 1, 0)
+        self.seed = self._whole("seed", 1, 0, 2**32 - 1)
         space = self.table.get("space")
         if not isinstance(space, Mapping) or not space:
             raise self.error("space", "the settings that may vary are expected, [search.space]")
@@ -325,15 +322,19 @@ class _Optimisation(_Search):
             or not {"from", "to"} <= set(value)
         ):
             raise self.error(where, "a list of values, or from and to (with step or scale), is expected")
-        value = {part: ranges.plain(one) for part, one in value.items()}
-        log, step = value.get("scale") == "log", value.get("step")
+        numbers = {
+            part: ranges.number(value[part], f"{self.name}: search.{where}.{part}") for part in value if part != "scale"
+        }
+        log, step = value.get("scale") == "log", numbers.get("step")
         whole = ranges.schema().get(name, {}).get("type") == "integer"
         try:
             if whole:
-                for part in {"from", "to", "step"} & set(value):
-                    self._is_whole(name, value[part], f"{where}.{part}")
-                return optuna.distributions.IntDistribution(value["from"], value["to"], log=log, step=step or 1)
-            return optuna.distributions.FloatDistribution(float(value["from"]), float(value["to"]), log=log, step=step)
+                for part, one in numbers.items():
+                    self._is_whole(name, one, f"{where}.{part}")
+                return optuna.distributions.IntDistribution(numbers["from"], numbers["to"], log=log, step=step or 1)
+            return optuna.distributions.FloatDistribution(
+                float(numbers["from"]), float(numbers["to"]), log=log, step=step
+            )
         except (ValueError, TypeError) as error:
             raise self.error(where, str(error)) from None
 

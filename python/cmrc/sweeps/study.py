@@ -191,11 +191,15 @@ class Sweep:
     def table(self, *of: Metric) -> Table:
         """One row per run: its axes, ``seed``, ``status``, ``message``, and the metrics; NaN if nothing was measured.
         A metric whose name another column has gets a number (``<lambda> 2``)."""
+        return Table.from_rows(self._rows(of))
+
+    def _rows(self, of: Sequence[Metric]) -> list[dict[str, Any]]:
+        """Those of the table, with numbers as they are: whole ones are whole beside missing ones, too."""
         asked = of or metrics.USUAL
         found, axes = self._measured(asked), dict.fromkeys(self.axes)
         names = metrics.names_of(asked, {*axes, *BESIDE})
         nothing = [math.nan] * len(names)
-        return Table.from_rows(
+        return [
             {
                 **axes,
                 **run["place"],
@@ -205,11 +209,28 @@ class Sweep:
                 **dict(zip(names, found.get(run["key"], nothing), strict=True)),
             }
             for run in self.runs
-        )
+        ]
 
     def to_frame(self, *of: Metric) -> pandas.DataFrame:
-        """The same as a pandas frame. Raises ImportError without pandas."""
-        return self.table(*of).to_pandas()
+        """The same as a pandas frame. A column of whole numbers of which some are missing has the type Int64, with NA.
+        Raises ImportError without pandas."""
+        rows = self._rows(of)
+        frame = Table.from_rows(rows).to_pandas()
+        from pandas import array
+
+        for name in frame:
+            if _whole_with_gaps(values := [row[name] for row in rows]):
+                frame[name] = array([value if isinstance(value, int) else None for value in values], dtype="Int64")
+        return frame
+
+    def _cells(self, of: Sequence[Metric]) -> Iterator[list[Any]]:
+        """The table as plain values, its heads first. A whole number beside missing ones is no float here."""
+        rows = self._rows(of)
+        table = Table.from_rows(rows)
+        yield list(table)
+        columns = [column.tolist() for column in table.values()]
+        for row, made in zip(rows, zip(*columns, strict=True), strict=True):
+            yield [own if isinstance(own, int) else cell for own, cell in zip(row.values(), made, strict=True)]
 
     def summary(self, metric: Metric = "misses") -> list[tuple[dict[str, Any], Spread]]:
         """Each point of the grid, and the metric over its repeats. Raises SweepError where two runs have the same
@@ -336,6 +357,14 @@ def run_grid(
     with Session(folder, place, execute, again_failed, on_progress) as session:
         runs = session.run(grid.points(), grid.fork_at_s)
     return Sweep(session.folder.path, runs)
+
+
+def _whole_with_gaps(values: Sequence[Any]) -> bool:
+    """Whole numbers of 64 bits, of which some are missing."""
+    there = [value for value in values if type(value) is int]
+    others = [value for value in values if type(value) is not int]
+    missing = all(value is None or (isinstance(value, float) and math.isnan(value)) for value in others)
+    return bool(there and others) and missing and all(abs(value) < 2**63 for value in there)
 
 
 def _copied(settings: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """cmrc limits, which emulator limits starts, and compare: answers that are known beforehand, and bad input."""
 
 import json
+import math
 import os
 import shutil
 import signal
@@ -10,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import cmrc
+import numpy as np
 import pytest
 from cmrc import _core, limit_worker
 from cmrc.limit_scans import NOT_RUN, Scan, Scans
@@ -190,6 +192,30 @@ def test_a_point_that_is_not_allowed_is_refused_and_the_others_are_run() -> None
     servo, dsps = found.report["scans"]["servo"], found.report["scans"]["dsps"]
     assert servo["limit"] == 1000 and "f_s" in servo["points"][1]["refused"]
     assert dsps["limit"] == 2 and [point["refused"] is None for point in dsps["points"]] == [True, False, False]
+
+
+def test_an_infinite_value_is_a_refused_point_of_each_scan() -> None:
+    for scan, value in (("dsps", math.inf), ("dsps", -math.inf), ("cycles", math.inf), ("servo", math.inf)):
+        [point] = cmrc.limits(duration_s=0.022, **{scan: [value]}).report["scans"][scan]["points"]
+        assert point["value"] == value and f"{value} is out of range" in point["refused"]
+        with pytest.raises(ValueError, match=rf"{scan}\[0\]: nan is no number"):
+            cmrc.limits(duration_s=0.022, **{scan: [math.nan]})
+
+
+def test_errors_of_points_have_no_column_beside_their_own_where_one_was_refused() -> None:
+    points = cmrc.limits(dsps=[2, 99], errors=True, duration_s=0.022).points
+    assert [name for name in points if name.startswith("errors")] == [
+        f"errors_{name}"
+        for name in (
+            "f_p_realised_hz",
+            "f_p_missed_share",
+            "f_t_realised_hz",
+            "f_t_missed_share",
+            "load_rms_m",
+            "lag_s",
+        )
+    ]
+    assert list(np.isnan(points["errors_load_rms_m"])) == [False, True]
 
 
 def test_a_rate_that_does_not_exist_is_shown_with_the_one_that_runs() -> None:
