@@ -369,7 +369,7 @@ def test_an_interrupted_sweep_keeps_what_was_done_and_continues(tmp_path: Path) 
     seen: list[Status] = []
     after = study.run_grid(points, tmp_path / "s", Place(workers=1), execute, on_progress=seen.append)
     assert len(after) == 8 and seen[0].known == len(before)
-    deadline = time.monotonic() + 10
+    deadline = time.monotonic() + 60
     while workers_of(os.getpid()) and time.monotonic() < deadline:
         time.sleep(0.05)
     assert workers_of(os.getpid()) == []
