@@ -165,17 +165,19 @@ def examine(claim: Claim, laboratory: Laboratory, plots: Path | None, link: str 
             figure.savefig(out, format="svg", metadata={"Date": None})
         if link:
             text += f"![{claim.TITLE}]({link}/{name})\n\n"
-    again = f"\nAgain: `python -m cmrc.results --claim {claim.NUMBER}{_options(claim)}`.\n"
+    again = f"\nAgain: `python -m cmrc.results --claim {claim.NUMBER}{options(claim)}`.\n"
     return page.wrapped(text + claim.section(rows) + stated.text(claim, runs)) + again
 
 
-def _options(claim: Claim) -> str:
+def options(claim: Claim) -> str:
     """What on the command line gives these parameters."""
-    return "".join(
-        f" {_option(one.name)} {shlex.quote(_text(getattr(claim, one.name)))}"
-        for one in dataclasses.fields(claim)
-        if getattr(claim, one.name) != one.default
-    )
+    changed = [one for one in dataclasses.fields(claim) if getattr(claim, one.name) != one.default]
+    return "".join(f" {_option(one.name)}{_argument(_text(getattr(claim, one.name)))}" for one in changed)
+
+
+def _argument(text: str) -> str:
+    """A value behind its option. argparse takes a word that begins with - for another option."""
+    return ("=" if text.startswith("-") else " ") + shlex.quote(text)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

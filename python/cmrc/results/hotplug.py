@@ -99,9 +99,10 @@ class Hotplug(Claim):
         own = of(relevant, dsps=least)
         before, after = mean(own, "before"), mean(own, "after")
         first = [row["first_claim_ms"] for row in own if row["first_claim_ms"] is not None]
+        latency = f", the first {with_interval(first)} ms after the plug (reset and boot)" if first else ""
         why = (
             f"In {len(working)} of {len(relevant)} trials in which deadlines were being missed the new DSP took blocks "
-            f"by itself, the first {with_interval(first)} ms after the plug (reset and boot). With {least} + 1 DSPs the "
+            f"by itself{latency}. With {least} + 1 DSPs the "
             f"share of missed jobs went from {before:.0f} % to {after:.1f} %."
         )
         limit = ""

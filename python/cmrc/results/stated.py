@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 
 from cmrc import _core
+from cmrc.floats import shortest
 from cmrc.results.claim import Claim
 from cmrc.results.judgement import markdown
 from cmrc.results.runs import Run
@@ -142,13 +143,7 @@ def _is_number(value: object) -> bool:
 def _toml(value: Setting) -> str:
     if isinstance(value, bool):
         return str(value).lower()
-    return f'"{value}"' if isinstance(value, str) else _shortest(value)
-
-
-def _shortest(value: float) -> str:
-    """A number with the digits that give it back."""
-    few = f"{value:g}"
-    return few if float(few) == value else repr(value)
+    return f'"{value}"' if isinstance(value, str) else shortest(value)
 
 
 def _events(events: Sequence[Mapping[str, Setting]]) -> str:
@@ -159,7 +154,7 @@ def _events(events: Sequence[Mapping[str, Setting]]) -> str:
     at = [float(event["at_s"]) for event in events]
     every = round((at[-1] - at[0]) / (len(at) - 1), 9) if len(at) > 1 else 0.0
     if len(at) > 2 and rest == rest[:1] * len(at) and at == [round(at[0] + n * every, 9) for n in range(len(at))]:
-        return f"event {_inline(events[0])} and again every {_shortest(every)} s, {len(at)} in all"
+        return f"event {_inline(events[0])} and again every {shortest(every)} s, {len(at)} in all"
     return ", ".join(f"event {_inline(event)}" for event in events)
 
 

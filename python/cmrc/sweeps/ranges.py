@@ -11,6 +11,7 @@ from typing import Any
 
 from cmrc import _core
 from cmrc.errors import Error
+from cmrc.floats import shortest
 from cmrc.simulation import Setting
 
 RANGE = ("from", "to", "step", "count", "scale")
@@ -115,7 +116,7 @@ def _range(key: str, value: Mapping[str, Any], where: str) -> list[Setting]:
     else:
         for one in found:
             if not isinstance(one, int):
-                raise GridError(f"{where}: {one:g} is among its values; {key} is a whole number")
+                raise GridError(f"{where}: {shortest(one)} is among its values; {key} is a whole number")
     if len(set(found)) < len(found):
         raise GridError(f"{where}: neighbours are one number ({found[0]!r} and so on); each is run once")
     return list(found)
