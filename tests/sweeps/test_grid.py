@@ -141,7 +141,7 @@ def test_a_grid_without_axes_or_with_one_value_on_each_is_one_run() -> None:
     ({"axes": {"dsps": {"from": 1, "to": 4, "step": 0}}}, "axes.dsps.step: 0"),
     ({"axes": {"dsps": {"from": 1, "to": 4, "step": 1e-9}}}, "axes.dsps.step: 3000000001 values"),
     ({"axes": {"dsps": {"from": 1, "to": 4, "count": 3}}}, "2.5 is among its values; machine.dsps is a whole number"),
-    ({"axes": {"seed": {"from": 1, "to": 10, "count": 3, "scale": "log"}}}, "3.1622776601683795 is among its values"),
+    ({"axes": {"seed": {"from": 1, "to": 10, "count": 3, "scale": "log"}}}, "3.16227766017 is among its values"),
     ({"axes": {"duration_s": {"from": 1e9, "to": 1.0000000000000002e9, "count": 9}}}, "axes.duration_s: neighbours are one number"),
     ({"axes": {"dsps": {"from": 1, "to": 4, "count": 1}}}, "axes.dsps.count: 1"),
     ({"axes": {"dsps": {"from": 1, "to": 4, "counts": 3}}}, "axes.dsps.counts: unknown"),
