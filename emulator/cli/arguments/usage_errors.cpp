@@ -106,16 +106,14 @@ std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
                      command == nullptr ? "" : command->get_name() + " ", command == nullptr ? "commands and " : "");
 }
 
-std::optional<std::string> misplaced_option(const CLI::App& app) {
+std::optional<std::string> misplaced_option(const CLI::App& app, const CLI::App& of_package) {
   const std::vector<CLI::App*> parsed = app.get_subcommands();
   if (parsed.empty()) return std::nullopt;
   const CLI::App& command = *parsed.front();
   for (const CLI::Option* option : app.get_options()) {
     if (option->count() == 0) continue;
     const std::string name = "--" + option->get_lnames().front();
-    // The package's commands are not known here; they take the settings of a run, as compare does.
-    const std::vector<std::string> own =
-        options_of(command.get_prefix_command() ? *app.get_subcommand("compare") : command);
+    const std::vector<std::string> own = options_of(command.get_prefix_command() ? of_package : command);
     const bool may_follow = std::ranges::find(own, name) != own.end();
     return fmt::format("{}: before a command it has no effect; {} is expected (emulator {} --help lists options)", name,
                        may_follow ? fmt::format("emulator {} {}", command.get_name(), name)

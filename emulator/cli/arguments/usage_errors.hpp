@@ -19,6 +19,7 @@ CLI::Validator one_of(std::initializer_list<const char*> words);
 std::string usage_error(const CLI::App& app, const CLI::ParseError& error);
 
 /// The message for an option before a command: it belongs to the dock's run, which no command makes.
-std::optional<std::string> misplaced_option(const CLI::App& app);
+/// \param of_package the options of the package's commands, which are not declared here
+std::optional<std::string> misplaced_option(const CLI::App& app, const CLI::App& of_package);
 
 }  // namespace cli
