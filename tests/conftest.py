@@ -151,7 +151,7 @@ def golden(request: pytest.FixtureRequest, emulator: Path, tmp_path: Path) -> Ca
         path = GOLDEN / name
         if path.exists() and path.read_text() == trace:
             return
-        fresh = tmp_path / name
+        fresh = tmp_path / path.name
         fresh.write_text(trace)
         difference = f"{name}: new"
         if path.exists() and not trace.startswith("# cmrc"):  # of links and peripherals: no kind that trace-diff reads
@@ -164,7 +164,7 @@ def golden(request: pytest.FixtureRequest, emulator: Path, tmp_path: Path) -> Ca
             )
             difference = f"{name} (<: golden, >: now): {compared.stdout}{compared.stderr}".rstrip()
         if request.config.getoption("--update-golden"):
-            GOLDEN.mkdir(exist_ok=True)
+            path.parent.mkdir(exist_ok=True)
             path.write_text(trace)
             request.config.stash[changes].append(difference)
         elif not path.exists():

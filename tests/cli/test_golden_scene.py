@@ -70,7 +70,7 @@ def test_scene(run, golden: Callable[[str, str], None], tmp_path: Path, dsps: in
 
 def test_golden_files_stay_small() -> None:
     directory = Path(__file__).parents[1] / "golden"
-    assert 0 < sum(path.stat().st_size for path in directory.glob("*.trace")) < 5_000_000
+    assert 0 < sum(path.stat().st_size for path in directory.rglob("*.trace")) < 5_000_000
 
 
 WRONG = "0123456789abcdef"
@@ -131,7 +131,7 @@ def test_trace_diff_shows_no_instructions_that_neither_trace_has(run, tmp_path: 
 
 
 def test_trace_diff_says_where_it_cannot_print_what_is_behind_a_hash(run, tmp_path: Path) -> None:
-    golden = (ROOT / "tests" / "golden" / "kernel-pid.trace").read_text()
+    golden = (ROOT / "tests" / "golden" / "kernels" / "pid.trace").read_text()
     (tmp_path / "a.trace").write_text(golden)
     (tmp_path / "b.trace").write_text(re.sub("sha256=.{16}", f"sha256={WRONG}", golden, count=1))
     result = run("trace-diff", "a.trace", "b.trace")

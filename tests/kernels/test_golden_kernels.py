@@ -179,4 +179,4 @@ def kernel_trace(kernel: str, prepare: Callable[[], Dsp], argument: int, tick: i
 def test_kernel(
     golden: Callable[[str, str], None], kernel: str, prepare: Callable[[], Dsp], argument: int, tick: int
 ) -> None:
-    golden(f"kernel-{kernel}.trace", kernel_trace(kernel, prepare, argument, tick))
+    golden(f"kernels/{kernel}.trace", kernel_trace(kernel, prepare, argument, tick))

@@ -60,7 +60,7 @@ AT_THE_END = "at the end"
 @pytest.fixture(scope="module")
 def traces() -> dict[str, str]:
     """The golden ones: test_golden_kernels.py compares them with those of the programs as they are."""
-    return {kernel: (ROOT / "tests" / "golden" / f"kernel-{kernel}.trace").read_text() for kernel, *_ in CASES}
+    return {kernel: (ROOT / "tests" / "golden" / "kernels" / f"{kernel}.trace").read_text() for kernel, *_ in CASES}
 
 
 @pytest.mark.parametrize(

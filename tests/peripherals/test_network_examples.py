@@ -33,7 +33,7 @@ def test_ring(golden: Callable[[str, str], None]) -> None:
         assert first.memory[first.address("token")] == 10 * chips
         assert all(link.forth.sent == 10 and link.back.sent == 0 for link in network.links)
         if chips == 8:
-            golden("network-ring.trace", trace(network))
+            golden("networks/ring.trace", trace(network))
 
 
 def round_trips(network: Network, name: str = "cycles") -> list[int]:
@@ -44,7 +44,7 @@ def round_trips(network: Network, name: str = "cycles") -> list[int]:
 def test_bandwidth(golden: Callable[[str, str], None]) -> None:
     network = Network([EXAMPLES / "bandwidth.asm"] * 2, links=["0.0:1.3"], record_words=True)
     assert network.run().reason == "ended"
-    golden("network-bandwidth.trace", trace(network))
+    golden("networks/bandwidth.trace", trace(network))
     cycles = round_trips(network)
     sizes = [2**n for n in range(9)]
     # A word more costs five cycles each way; the timer counts in twos.
@@ -64,7 +64,7 @@ def test_bandwidth_dma(golden: Callable[[str, str], None]) -> None:
     )
     assert network.run().reason == "ended"
     golden(
-        "network-bandwidth-dma.trace",
+        "networks/bandwidth-dma.trace",
         "".join(line + "\n" for line in network.event_trace if "port_" not in line and " word " not in line),
     )
     cycles = round_trips(network)
@@ -101,7 +101,7 @@ def test_matrix_ring_golden(golden: Callable[[str, str], None]) -> None:
         for name in ("a_part", "b_part"):
             chip.memory.write_floats(chip.address(name), [((7 * i + 3 * k) % 31 - 15) / 8 for i in range(16 * 64)])
     assert network.run().reason == "ended"
-    golden("network-matrix.trace", thinned(network, 128))
+    golden("networks/matrix.trace", thinned(network, 128))
 
 
 def test_fft_hypercube_golden(golden: Callable[[str, str], None]) -> None:
@@ -110,7 +110,7 @@ def test_fft_hypercube_golden(golden: Callable[[str, str], None]) -> None:
         for name in ("real", "imaginary"):
             chip.memory.write_floats(chip.address(name), [((5 * i + k) % 17 - 8) / 4 for i in range(256)])
     assert network.run().reason == "ended"
-    golden("network-fft.trace", thinned(network, 64))
+    golden("networks/fft.trace", thinned(network, 64))
 
 
 def test_matrix_ring() -> None:
@@ -196,7 +196,7 @@ def test_worm_from_its_file(emulator: Path, golden: Callable[[str, str], None], 
     report = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
     assert report["stop"]["reason"] == "ended" and report["dumps"][0]["words"] == [16]
     lines = (tmp_path / "trace").read_text().splitlines(keepends=True)
-    golden("network-worm.trace", "".join(line for line in lines if " 0.0>" in line or "token" in line))
+    golden("networks/worm.trace", "".join(line for line in lines if " 0.0>" in line or "token" in line))
 
 
 def test_every_network_example_is_tested_and_listed() -> None:

@@ -86,4 +86,4 @@ MADE: dict[str, Callable[[], str]] = {
 @pytest.mark.golden
 @pytest.mark.parametrize("name", MADE)
 def test_a_dock_has_the_bits_that_are_kept(golden: Callable[[str, str], None], name: str) -> None:
-    golden(f"dock-{name.replace(' ', '-')}.bits", MADE[name]())
+    golden(f"docks/{name.replace(' ', '-')}.bits", MADE[name]())

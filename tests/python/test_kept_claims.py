@@ -34,7 +34,7 @@ def test_the_experiments_of_the_page_are_those_that_are_kept(golden: Callable[[s
             lines.append(
                 f"{claim.NAME} {len(runs)} runs {sum(run['duration_s'] for run in runs):.6g} s {digest(runs)}\n"
             )
-    golden("claims.digests", "".join(lines))
+    golden("claims/asked.digests", "".join(lines))
 
 
 @pytest.mark.golden
@@ -53,4 +53,4 @@ def test_work_cycles_are_told_and_drawn_as_it_is_kept(golden: Callable[[str, str
         rows = claim.rows([(run, [{**report, "tasks": {"pid": {"misses": 2}}}]) for run in runs])
         claim.draw(rows, figure := Figure())
         told.append(claim.section(rows) + described(figure))
-    golden("claims-of-cycles.text", "\n".join(told))
+    golden("claims/cycles.text", "\n".join(told))

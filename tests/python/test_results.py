@@ -46,7 +46,7 @@ def test_every_experiment_runs_in_small(
     assert "runs" in "".join(said)
     drawn = list(tmp_path.glob("*.svg"))
     assert len(drawn) == len(shown) == ("![" in section) and all(file.stat().st_size > 5000 for file in drawn)
-    golden(f"claim-{claim.NUMBER}.text", section + "".join(shown))
+    golden(f"claims/{claim.NUMBER}.text", section + "".join(shown))
 
 
 def load_rows(missed: dict[int, float], release: str = "together", **more: float) -> Rows:

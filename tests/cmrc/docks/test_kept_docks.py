@@ -18,4 +18,4 @@ PER_FILE = 12
 def test_random_docks_end_as_the_kept_ones(golden: Callable[[str, str], None], first: int, programs: Path) -> None:
     docks = enumerate(DOCKS[first : first + PER_FILE], start=first)
     lines = [f"{number}: {kept_docks.digests_of(dock, programs)}\n" for number, dock in docks]
-    golden(f"docks-{first}.digests", "".join(lines))
+    golden(f"docks/random-{first}.digests", "".join(lines))

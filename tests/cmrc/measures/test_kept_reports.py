@@ -62,4 +62,4 @@ def digests_of(scene: str) -> str:
 @pytest.mark.golden
 @pytest.mark.parametrize("scene", SCENES)
 def test_the_report_of_a_scene_is_the_kept_one(golden: Callable[[str, str], None], scene: str) -> None:
-    golden(f"report-{scene.replace(' ', '-')}.digests", digests_of(scene))
+    golden(f"reports/{scene.replace(' ', '-')}.digests", digests_of(scene))
