@@ -95,9 +95,9 @@ void Network::reset_chip(Node& node) {
         events_.push_back(
             {NetworkEvent::Kind::discarded, now_, node.number, n, word, fifo == &node.chip.port(n).input ? 1 : 0});
   free_locks(node);
-  node.chip.hold(false);
   if (!node.description.boot) node.chip.reset();  // booting resets it already
   start(node);
+  node.chip.hold(false);  // after the reset: its timers drive their pins no more
 }
 
 }  // namespace machine

@@ -197,7 +197,9 @@ void Network::Node::bring_to(Time time, bool fully) {
     if (event <= cycle) note_own_event(event);
     if (status != ChipStatus::sleeping) return;
     wake_up();  // an event during the last pass of the loop may wake it
-    if (event >= limit) return;
+    // A processor that an event takes out of IDLE in this cycle has begun its interrupt, as a running one.
+    const bool begins = fully && event == cycle && status == ChipStatus::running;
+    if (event >= limit && !begins) return;
     if (status == ChipStatus::running)
       run_to(time);  // it may sleep again
     else if (own_event_cycle() == event)
