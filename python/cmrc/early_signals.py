@@ -1,4 +1,4 @@
-"""A signal while the command ``cmrc`` is still importing its modules: it has done nothing yet, and ends at once with
+"""A signal while a command of the package is still importing its modules: it has done nothing yet, and ends at once with
 the status of cmrc.signals, without a traceback. That module takes over when the command begins."""
 
 from __future__ import annotations
@@ -11,12 +11,13 @@ from typing import Any
 
 
 def is_command() -> bool:
-    """This process is ``cmrc`` or ``python -m cmrc``; not a program that imports the package."""
+    """This process is ``cmrc``, ``python -m cmrc`` or ``python -m cmrc.results``; not a program that imports the
+    package."""
     given: list[str] = getattr(sys, "argv", [])
     if not given:
         return False
     if given[0] == "-m":  # Python is still looking for the module that it shall run
-        return sys.orig_argv[: -len(given) + 1 or None][-2:] == ["-m", "cmrc"]
+        return sys.orig_argv[: -len(given) + 1 or None][-2:] in (["-m", "cmrc"], ["-m", "cmrc.results"])
     return os.path.basename(given[0]) == "cmrc"
 
 

@@ -24,6 +24,7 @@ SCHEMA_VERSIONS = (4,)
 _DATE = (1980, 1, 1, 0, 0, 0)  # equal results give equal files
 _LARGEST = 1 << 32  # limit of one unpacked member: a damaged file cannot request more memory
 _LARGEST_REPORT = 1 << 29
+_LONGEST_NAME = 1000
 
 
 _TABLE, _NUMBER, _NOTHING = Mapping, (int, float), type(None)
@@ -110,10 +111,11 @@ def _unpacked(archive: zipfile.ZipFile) -> dict[str, Any]:
         if not isinstance(data.get("groups"), list) or not isinstance(data.get("cycles"), int):
             raise ValueError("profile.json has no groups or no cycles")
         profile = Profile(data, read("profile.txt").decode())
-    with np.load(io.BytesIO(read("signals.npz")), allow_pickle=False) as arrays:
-        if sum(entry.file_size for entry in arrays.zip.infolist()) > _LARGEST:
+    with zipfile.ZipFile(io.BytesIO(read("signals.npz"))) as arrays:
+        if sum(entry.file_size for entry in arrays.infolist()) > _LARGEST:
             raise ValueError(f"signals.npz is larger than {_LARGEST} bytes")
-        signals = Table({column: arrays[column] for column in arrays.files})
+        # Not by np.load, for which the columns "a" and "a.npy" are one.
+        signals = Table({entry.filename.removesuffix(".npy"): _array(arrays, entry) for entry in arrays.infolist()})
     if len({len(column) for column in signals.values()}) > 1:
         raise ValueError("signals of different lengths")
     events = read("events.txt").decode() if head["events"] else None
@@ -179,25 +181,37 @@ def load_report(path: str | os.PathLike[str]) -> dict[str, Any]:
         ) from error
 
 
-def _packed(table: Table) -> bytes:
+def _packed(table: Mapping[str, Any]) -> bytes:
     """As numpy.savez_compressed does, for names that are keywords of that function, too."""
     out = io.BytesIO()
     with zipfile.ZipFile(out, "w") as archive:
+        rows = None
         for name, column in table.items():
             entry = zipfile.ZipInfo(f"{_column_name(name)}.npy", _DATE)
             entry.compress_type = zipfile.ZIP_DEFLATED
             values = np.asarray(column)
-            if values.dtype.hasobject or values.shape != (table.rows,):
+            rows = rows or values.shape[:1]
+            if values.dtype.hasobject or values.ndim != 1 or values.shape != rows or np.ma.is_masked(column):
+                masked = "masked " if np.ma.is_masked(column) else ""
                 raise ResultError(
-                    f"signals: the column {name!r} has {values.dtype} of shape {values.shape}; a number, text or time "
-                    f"for each of {table.rows} rows is expected"
+                    f"signals: the column {name!r} has {masked}{values.dtype} of shape {values.shape}; a number, text "
+                    "or time in each row, and as many rows as in the other columns, are expected"
                 )
             with archive.open(entry, "w", force_zip64=True) as member:
                 np.lib.format.write_array(member, values, allow_pickle=False)
     return out.getvalue()
 
 
+def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> Any:
+    with archive.open(entry) as member:
+        return np.lib.format.read_array(member, allow_pickle=False)
+
+
 def _column_name(name: object) -> str:
-    if not isinstance(name, str) or not name or not name.isprintable():
-        raise ResultError(f"signals: {name!r} cannot be the name of a column in a file; printable text is expected")
+    if not isinstance(name, str) or not name or not name.isprintable() or len(name) > _LONGEST_NAME:
+        shown = arguments.shown(name)
+        raise ResultError(
+            f"signals: {shown} cannot be the name of a column in a file; printable text of at most {_LONGEST_NAME} "
+            "characters is expected"
+        )
     return name

@@ -1,7 +1,10 @@
 """Saved results and caches that somebody has changed: each is refused by the name of its file."""
 
 import json
+import os
 import re
+import subprocess
+import sys
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -11,6 +14,7 @@ import cmrc
 import pytest
 from cmrc.results import __main__ as command
 from cmrc.saved_result import ResultError
+from locations import BUILD
 
 Report = dict[str, Any]
 
@@ -81,8 +85,44 @@ def test_a_cache_that_cannot_be_used_is_named_and_stays(
     assert file.is_dir() if content is None else file.read_text(encoding="latin-1") == content
 
 
-def test_a_file_is_no_folder_for_a_cache(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "file").write_text("mine")
-    assert command.main(quick("--cache", str(tmp_path / "file"))) == 2
-    assert capsys.readouterr().err == f"cmrc.results: {tmp_path / 'file'}: no folder for a cache (File exists)\n"
-    assert (tmp_path / "file").read_text() == "mine"
+@pytest.mark.parametrize(
+    "options, message",
+    [
+        (["--cache", "file"], "--cache: file: is a file; the name of a folder is expected"),
+        (["--cache", "nowhere"], "--cache: nowhere: is a link to nothing; the name of a folder is expected"),
+        (["--plots", "file"], "--plots: file: is a file; the name of a folder is expected"),
+        (["--page", "."], "--page: .: is a folder; the name of a file is expected"),
+        (["--page", "page.md"], "page.md: no page"),
+        (["--page", "file.md"], "--page: file: is a file; the name of a folder is expected"),
+        (["--page", "none/a.md"], "--page: none/a.md: there is no folder"),
+    ],
+)
+def test_outputs_are_checked_before_the_runs(
+    options: list[str],
+    message: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(command, "examine", None)
+    for name in ("file", "page.md"):
+        Path(name).write_bytes(b"mine \xff")
+    Path("nowhere").symlink_to("nothing")
+    assert command.main(quick(*options)) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"cmrc.results: {message}") and said.count("\n") == 1
+    assert Path("file").read_bytes() == b"mine \xff" == Path("page.md").read_bytes()
+
+
+def test_full_standard_output_is_a_failure() -> None:
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "cmrc.results", "--help"],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+            env={**os.environ, "PYTHONPATH": str(BUILD / "python")},
+        )
+    assert (done.returncode, done.stderr) == (1, "cmrc.results: standard output: No space left on device\n")

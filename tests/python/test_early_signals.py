@@ -35,9 +35,9 @@ def stopped(folder: Path, command: list[str], module: str, number: signal.Signal
 @pytest.mark.parametrize("module", ["numpy", "csv"])
 @pytest.mark.parametrize("number", SIGNALS)
 def test_a_command_that_still_imports_ends_in_one_line(module: str, number: signal.Signals, tmp_path: Path) -> None:
-    """NumPy is imported by the package, csv by the commands."""
-    asked = ["-m", "cmrc", "compare", "-m", "--duration", "1"]
-    assert stopped(tmp_path, asked, module, number) == (SIGNALS[number], "cmrc: interrupted\n")
+    """NumPy is imported by the package, csv by the commands and the claims."""
+    for asked in (["-m", "cmrc", "compare", "-m", "--duration", "1"], ["-m", "cmrc.results", "--claim", "1"]):
+        assert stopped(tmp_path, asked, module, number) == (SIGNALS[number], "cmrc: interrupted\n")
     (tmp_path / "cmrc").write_text(SCRIPT)
     assert stopped(tmp_path, [str(tmp_path / "cmrc"), "compare"], module, number) == (
         SIGNALS[number],

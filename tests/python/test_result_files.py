@@ -201,20 +201,28 @@ def test_a_pickle_among_the_signals_is_not_executed(result: cmrc.Result, tmp_pat
 def test_columns_of_ones_own_are_saved_or_refused(result: cmrc.Result, tmp_path: Path) -> None:
     """The first two are keywords of numpy.savez."""
     more = copy.deepcopy(result)
-    for name in ("file", "allow_pickle", "arr_0", "a/b", "../x", "Größe"):
-        more.signals[name] = np.arange(more.signals.rows)
+    for n, name in enumerate(("file", "allow_pickle", "arr_0", "a/b", "../x", "Größe", "a", "a.npy", "a.npy.npy")):
+        more.signals[name] = n + np.arange(more.signals.rows)
     more.save(tmp_path / "more")
     assert same(cmrc.Result.load(tmp_path / "more"), more)
     rows = more.signals.rows
     for name, column in (
         ("a\0b", np.ones(rows)), ("\ud800", np.ones(rows)), ("", np.ones(rows)), (1, np.ones(rows)),
-        ("short", np.ones(3)), ("deep", np.ones((rows, 2))), ("objects", np.full(rows, None)),
+        ("short", np.ones(3)), ("deep", np.ones((rows, 2))), ("objects", np.full(rows, None)), ("no rows", 1.0),
+        ("masked", np.ma.masked_equal(np.arange(rows), 0)),
     ):  # fmt: skip
         broken = copy.deepcopy(result)
         broken.signals[name] = column  # type: ignore[index]
         with pytest.raises(ValueError, match=re.escape(repr(name))):
             broken.save(tmp_path / "more")
+    more.signals["x" * 70_000] = np.ones(rows)
+    with pytest.raises(ValueError, match="at most 1000 characters"):
+        more.save(tmp_path / "more")
+    del more.signals["x" * 70_000]
     assert same(cmrc.Result.load(tmp_path / "more"), more)
+    more.signals = dict(more.signals)  # type: ignore[assignment]
+    more.save(tmp_path / "plain")
+    assert cmrc.Result.load(tmp_path / "plain").signals.keys() == more.signals.keys()
 
 
 def test_a_failed_save_keeps_the_file_that_was_there(result: cmrc.Result, tmp_path: Path) -> None:

@@ -44,7 +44,7 @@ def command(
 ) -> argparse.ArgumentParser:
     """A new command; the caller adds its options."""
     parser: argparse.ArgumentParser = commands.add_parser(name, help=help, description=help)
-    parser.set_defaults(do=lambda given: status_of(name, do, given))
+    parser.set_defaults(do=lambda given: status_of(f"cmrc {name}", do, given))
     return parser
 
 
@@ -56,13 +56,13 @@ def status_of(name: str, do: Callable[[argparse.Namespace], int], given: argpars
     try:
         return do(given)
     except (OSError, ImportError, ConfigError, GridError, SweepError, ValueError, TypeError, KeyError) as error:
-        streams.say(f"cmrc {name}: {files.printable(_words(error))}")
+        streams.say(f"{name}: {files.printable(_words(error))}")
         return 1 if files.writing_failed(error) else 2
     except RuntimeError as error:
-        streams.say(f"cmrc {name}: {files.printable(str(error))}")
+        streams.say(f"{name}: {files.printable(str(error))}")
         return 1
     except KeyboardInterrupt as stop:
-        streams.say(f"cmrc {name}: interrupted")
+        streams.say(f"{name}: interrupted")
         return signals.status(stop)
 
 
@@ -216,10 +216,13 @@ def output(option: str, path: OptionalPath) -> None:
         raise ValueError(f"{option}: {path}: is a folder; the name of a file is expected")
 
 
-def folder(option: str, path: str | Path) -> None:
+def folder(option: str, path: OptionalPath) -> None:
     """The same for a folder of outputs. Raises ValueError for a path that cannot become a folder."""
-    if Path(path).exists() and not Path(path).is_dir():
-        raise ValueError(f"{option}: {path}: is a file; the name of a folder is expected")
+    if path is None or Path(path).is_dir():
+        return
+    if os.path.lexists(path):
+        kind = "is a link to nothing" if os.path.islink(path) and not os.path.exists(path) else "is a file"
+        raise ValueError(f"{option}: {path}: {kind}; the name of a folder is expected")
 
 
 def picture(option: str, path: OptionalPath) -> None:

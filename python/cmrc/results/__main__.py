@@ -12,6 +12,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from cmrc import early_signals
+
+if __name__ == "__main__":
+    early_signals.handle()
+
 from cmrc import arguments, files, signals, streams
 from cmrc.extras import needed
 from cmrc.results import page, stated
@@ -24,16 +29,17 @@ from cmrc.results.hotplug import Hotplug
 from cmrc.results.importance import Importance
 from cmrc.results.learning import Learning
 from cmrc.results.runs import Laboratory
-from cmrc.simulation import ConfigError
 
 MOST = 2**63
-"""Every number of a claim is below it."""
+"""Every number of a claim is below it, and above its negative."""
 CLAIMS: tuple[type[Claim], ...] = (Dsps, Failures, Hotplug, Importance, Learning, Fleet, Cost)
 
 
 def parser() -> argparse.ArgumentParser:
     """The command line; every parameter of every claim is an option."""
-    result = argparse.ArgumentParser(
+    from cmrc.commands.common import Parser
+
+    result = Parser(
         prog="cmrc.results",
         description="The paper's six claims and what missed deadlines cost, each put to its experiment.",
     )
@@ -110,7 +116,7 @@ def _read(kind: type, word: str, least: float | None) -> Any:
         return word
     number = arguments.read_whole(word) if kind is int else float(arguments.read_number(word))
     fits = number > 0 if kind is float and least is None else number >= (least or 0)
-    if not fits or not number < MOST:
+    if not fits or not -MOST < number < MOST:
         raise ValueError(f"{word} is out of range")
     return number
 
@@ -181,45 +187,57 @@ def _argument(text: str) -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """0; 2 for bad input; 130, 143 or 129 after a signal."""
+    """0; 1 where a write or a run failed; 2 for bad input; 130, 143 or 129 after a signal."""
+    from cmrc.commands.common import status_of
+
     streams.prepare()
     try:
         with signals.raised():
-            return _main(arguments)
+            return status_of("cmrc.results", _do, parser().parse_args(arguments))
+    except RuntimeError as error:  # --help could not be shown
+        streams.say(f"cmrc.results: {error}")
+        return 1
     except KeyboardInterrupt as stop:
         streams.say("cmrc.results: interrupted")
         return signals.status(stop)
 
 
-def _main(arguments: Sequence[str] | None) -> int:
-    given = parser().parse_args(arguments)
+def _do(given: argparse.Namespace) -> int:
     asked = [claim for claim in CLAIMS if given.claim is None or claim.NUMBER in given.claim]
-    try:
-        unused = [
-            name
-            for name, owners in _fields().items()
-            if getattr(given, name) is not None and not set(owners) & set(asked)
-        ]
-        if unused:
-            numbers = ", ".join(str(claim.NUMBER) for claim in asked)
-            raise ValueError(f"{_option(unused[0])}: claim {numbers} has no such parameter")
-        if given.jobs < 1:
-            raise ValueError("--jobs: at least 1 is expected")
-        claims = [chosen(claim, given) for claim in asked]
-        laboratory = Laboratory(given.jobs, given.cache)
-        plots = given.page.with_suffix("") if given.page else given.plots
-        if plots is not None:
-            needed("matplotlib", "plot", "--page" if given.page else "--plots")
-        for claim in claims:
-            section = examine(claim, laboratory, plots, given.page.stem if given.page else "")
-            if given.page:
-                page.write(given.page, claim.NUMBER, section)
-            else:
-                print(section)
-    except (ValueError, ConfigError, ImportError) as error:
-        print(f"cmrc.results: {error}", file=sys.stderr)
-        return 2
+    unused = [
+        name for name, owners in _fields().items() if getattr(given, name) is not None and not set(owners) & set(asked)
+    ]
+    if unused:
+        numbers = ", ".join(str(claim.NUMBER) for claim in asked)
+        raise ValueError(f"{_option(unused[0])}: claim {numbers} has no such parameter")
+    if given.jobs < 1:
+        raise ValueError("--jobs: at least 1 is expected")
+    claims = [chosen(claim, given) for claim in asked]
+    plots = _checked_plots(given)
+    laboratory = Laboratory(given.jobs, given.cache)
+    for claim in claims:
+        section = examine(claim, laboratory, plots, given.page.stem if given.page else "")
+        if given.page:
+            page.write(given.page, claim.NUMBER, section)
+        else:
+            streams.show(section + "\n")
     return 0
+
+
+def _checked_plots(given: argparse.Namespace) -> Path | None:
+    """The folder for the plots. All outputs are checked, before runs that take minutes. Raises ValueError,
+    ImportError, OSError."""
+    from cmrc.commands import common
+
+    common.folder("--cache", given.cache)
+    if given.page:
+        common.output("--page", given.page)
+        page.read(given.page)
+    option, plots = ("--page", given.page.with_suffix("")) if given.page else ("--plots", given.plots)
+    common.folder(option, plots)
+    if plots is not None:
+        needed("matplotlib", "plot", option)
+    return plots
 
 
 if __name__ == "__main__":

@@ -73,7 +73,16 @@ def replaced(page: str, number: int, section: str) -> str:
     return wrapped(INTRODUCTION) + "\n" + "\n".join(sections[n] for n in sorted(sections))
 
 
+def read(path: Path) -> str:
+    """The page at ``path``, which need not exist. Raises OSError, ValueError."""
+    try:
+        return path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        return ""
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{path}: no page ({files.reason(error)}); text in UTF-8 is expected") from None
+
+
 def write(path: Path, number: int, section: str) -> None:
-    """Puts a section into the page at ``path``, which need not exist."""
-    page = path.read_text(encoding="utf-8") if path.exists() else ""
-    files.write(path, replaced(page, number, section))
+    """Puts a section into the page at ``path``, which need not exist. Raises OSError, ValueError."""
+    files.write(path, replaced(read(path), number, section))
