@@ -306,15 +306,20 @@ class Debugger:
 
     def run(self) -> Iterator[Stop]:
         """Every stop from here on until nothing more happens: ``for stop in debugger.run(): ...``. A chip that is left
-        before SWI does not continue."""
+        before SWI does not continue; where its PC is set in the loop, it does."""
         left = None
         while True:
             stop = self.go()
-            place = (stop.reason, stop.time_ps)
-            if stop.reason == "over" or (stop.reason == "software_interrupt" and place == left):
+            if stop.reason == "over":
+                return
+            place = (stop.time_ps, self._pcs()) if stop.reason == "software_interrupt" else None
+            if place is not None and place == left:  # nobody has moved since the last stop
                 return
             left = place
             yield stop
+
+    def _pcs(self) -> list[int]:
+        return [int(self._d.evaluate(chip, "pc")) for chip in range(len(self._d.chip_names()))]
 
     def step(self, how: str = "instruction", *, chip: int | None = None) -> Stop:
         """One step of a chip, by default of the last stop's chip: ``instruction``, ``over`` a call, ``line``,

@@ -1,6 +1,7 @@
 """Steps: what they leave behind, the same ones backwards, interrupts, and SWI."""
 
 from collections.abc import Callable
+from itertools import islice
 from pathlib import Path
 
 import cmrc
@@ -27,6 +28,15 @@ outer:  addi 1,r1
 inner:  addi 1,r1
 in:     nop
         rets
+"""
+SWIS = """
+        .text
+start:  ldi 1, r0
+        swi
+        swi
+        ldi 3, r0
+        swi
+done:   b done
 """
 RETURNS = """
         .text
@@ -230,6 +240,35 @@ def test_swi_is_found_again_after_going_back(make: Callable[[str], Debugger]) ->
 @pytest.mark.parametrize("make", [alone, network])
 def test_every_stop_includes_those_at_swi(make: Callable[[str], Debugger]) -> None:
     assert [stop.reason for stop in make(CALLS).run()] == ["software_interrupt"]
+
+
+@pytest.mark.parametrize("make", [alone, network])
+def test_every_stop_includes_swi_of_the_same_instant_where_the_pc_is_set(make: Callable[[str], Debugger]) -> None:
+    debugger, places = make(SWIS), []
+    for stop in islice(debugger.run(), 9):
+        places.append((stop.reason, debugger.value("pc - start")))
+        debugger.set_register("pc", "pc + 1")
+    assert places == [("software_interrupt", 1), ("software_interrupt", 2), ("software_interrupt", 4)]
+    assert debugger.value("r0") == 3 and debugger.stop.reason == "over"
+
+
+def test_every_stop_includes_swi_of_two_chips_in_one_cycle() -> None:
+    chips = [c40.assemble(SWIS)] * 2
+    debugger, stops = Network(chips).debug(), []
+    for stop in islice(debugger.run(), 9):
+        assert stop.reason == "software_interrupt" and stop.chip is not None
+        stops.append((stop.chip, debugger.value("pc - start", chip=stop.chip)))
+        debugger.set_register("pc", "pc + 1", chip=stop.chip)
+    assert sorted(stops) == [(chip, place) for chip in (0, 1) for place in (1, 2, 4)]
+    assert [debugger.value("r0", chip=chip) for chip in (0, 1)] == [3, 3]
+    # Left where they are, both are one stop; a PC that is set to where it was changes nothing.
+    for sets in (False, True):
+        debugger, stops = Network(chips).debug(), []
+        for stop in islice(debugger.run(), 9):
+            stops.append((stop.chip, stop.text.count("before SWI")))
+            if sets:
+                debugger.set_register("pc", "pc", chip=stop.chip)
+        assert stops == [(0, 2)]
 
 
 def test_other_chips_continue() -> None:
