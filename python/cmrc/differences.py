@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from cmrc import _core, saved_result
+from cmrc.floats import shortest
 from cmrc.result import Result
 from cmrc.table import Table
 
@@ -22,6 +23,9 @@ NO_METRIC = (
 )
 """Keys of the report that are compared separately, or differ between two runs of the same configuration."""
 MISSING = "–"
+LONGEST = 70
+CONTEXT = 20
+"""Characters of a value that are shown; of those before the first difference."""
 
 
 class Difference:
@@ -71,8 +75,9 @@ class Difference:
             return (
                 f"No metric differs; the events or the final states of the machines do: the hashes are unlike. {told}"
             )
-        name, one, other = measured
-        return f"The first metric that differs is {name}: {_shown(one)} and {_shown(other)}. {told}"
+        name, *values = measured
+        one, other = _shown(*values)
+        return f"The first metric that differs is {name}: {one} and {other}. {told}"
 
     @property
     def table(self) -> Table:
@@ -91,11 +96,11 @@ class Difference:
             lines += ["", f"Emulator version {self.versions[0]} and {self.versions[1]}"]
         if self.configuration:
             lines += ["", "Configuration"]
-            lines += [f"  {key}: {_shown(one)} -> {_shown(other)}" for key, (one, other) in self.configuration.items()]
+            lines += [f"  {key}: {' -> '.join(_shown(*pair))}" for key, pair in self.configuration.items()]
         if self.metrics:
             lines += ["", f"Metrics ({len(self.metrics)} differ)"]
             lines += [
-                f"  {name}: {_shown(one)} -> {_shown(other)}{_change(one, other)}"
+                f"  {name}: {' -> '.join(_shown(one, other))}{_change(one, other)}"
                 for name, one, other in self.metrics[:most]
             ]
             if len(self.metrics) > most:
@@ -120,11 +125,9 @@ class Difference:
         return f"<cmrc.Difference: {len(self.configuration)} settings, {len(self.metrics)} metrics>"
 
     def _repr_html_(self) -> str:
-        rows = [("setting", key, *pair) for key, pair in self.configuration.items()]
-        rows += [("metric", *row) for row in self.metrics[:200]]
-        cells = "".join(
-            "<tr>" + "".join(f"<td>{html.escape(_shown(cell))}</td>" for cell in row) + "</tr>" for row in rows
-        )
+        rows = [("setting", key, *_shown(*pair)) for key, pair in self.configuration.items()]
+        rows += [("metric", name, *_shown(one, other)) for name, one, other in self.metrics[:200]]
+        cells = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
         return (
             f"<p>{html.escape(self.first if self else 'The two results are the same.')}</p>"
             f"<table><tr><th></th><th>name</th><th>left</th><th>right</th></tr>{cells}</table>"
@@ -195,13 +198,38 @@ def _number(value: Any) -> float:
         return math.nan
 
 
-def _shown(value: Any) -> str:
-    if value is None:
-        return MISSING
-    if isinstance(value, float):
-        return f"{value:.6g}"
-    text = str(value)
-    return text if len(text) <= 70 else text[:67] + "..."
+def _shown(one: Any, other: Any) -> tuple[str, str]:
+    """Two values that differ, as texts that differ: of long ones the part from the first difference on."""
+    left, right = _text(one), _text(other)
+    if max(len(left), len(right)) > LONGEST:
+        alike = len(os.path.commonprefix([left, right]))
+        if isinstance(one, list) and isinstance(other, list):
+            left, right = _rest_of_lists(one, other)
+        elif alike > CONTEXT:
+            left, right = (f"...{text[alike - CONTEXT :]}" for text in (left, right))
+    return _cut(left), _cut(right)
+
+
+def _rest_of_lists(one: list[Any], other: list[Any]) -> tuple[str, str]:
+    """Both without the elements at their beginnings that are alike, of which the number is shown."""
+    alike = next((n for n, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), min(len(one), len(other)))
+    beginning = [f"{alike} alike"] if alike else []
+    ends = one[alike:], other[alike:]
+    if not all(ends):
+        texts = [list(map(repr, end)) for end in ends]
+    else:
+        first = _shown(ends[0][0], ends[1][0])
+        texts = [[text, *map(repr, end[1:])] for text, end in zip(first, ends, strict=True)]
+    left, right = (f"[{', '.join([*beginning, *text])}]" for text in texts)
+    return left, right
+
+
+def _text(value: Any) -> str:
+    return MISSING if value is None else shortest(value)
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
 
 
 def _change(one: Any, other: Any) -> str:

@@ -10,6 +10,7 @@ import subprocess
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import cmrc
 import numpy as np
@@ -330,6 +331,22 @@ def test_a_long_value_is_cut_where_it_would_not_fit(result: cmrc.Result) -> None
     left, right = copy.deepcopy(result.report), copy.deepcopy(result.report)
     left["configuration"]["dock.layout"], right["configuration"]["dock.layout"] = "f" * 70, "g" * 71
     assert f"dock.layout: {'f' * 70} -> {'g' * 67}...\n" in cmrc.diff(left, right).text()
+
+
+@pytest.mark.parametrize(("one", "other", "shown"), [
+    (1000.0000001, 1000.0000002, "1000.0000001 -> 1000.0000002"),
+    ([0] * 40 + [5, 7], [0] * 40 + [6, 7], "[40 alike, 5, 7] -> [40 alike, 6, 7]"),
+    ([0] * 40, [0] * 40 + [6], "[40 alike] -> [40 alike, 6]"),
+    ([1, *[0] * 40], [2, *[0] * 40], f"[1{', 0' * 22}... -> [2{', 0' * 22}..."),
+    (["f" * 90 + "1"], ["f" * 90 + "2"], f"[...{'f' * 20}1] -> [...{'f' * 20}2]"),
+    ("f" * 90 + "1", "f" * 90 + "2", f"...{'f' * 20}1 -> ...{'f' * 20}2"),
+])  # fmt: skip
+def test_values_that_differ_are_shown_as_different(result: cmrc.Result, one: Any, other: Any, shown: str) -> None:
+    left, right = copy.deepcopy(result.report), copy.deepcopy(result.report)
+    left["host"]["refreshes"], right["host"]["refreshes"], right["hash"] = one, other, "0" * 64
+    found = cmrc.diff(left, right)
+    assert f"host.refreshes: {shown}" in found.text() and shown.replace(" -> ", " and ") in found.first
+    assert f"<td>{shown.replace(' -> ', '</td><td>')}</td>" in found._repr_html_()
 
 
 def test_two_runs_of_the_same_are_the_same(result: cmrc.Result) -> None:
