@@ -105,12 +105,11 @@ def _range(key: str, value: Mapping[str, Any], where: str) -> list[Setting]:
     begin, end = numbers["from"], numbers["to"]
     if not begin < end:
         raise GridError(f"{where}: from {begin} to {end}; from < to is expected")
-    if value.get("scale", "linear") not in ("linear", "log"):
-        raise GridError(f'{where}.scale: "linear" or "log" is expected')
+    log = check_steps(value, where)
     if "step" in numbers:
-        found = _by_step(begin, end, numbers["step"], value, where)
+        found = _by_step(begin, end, numbers["step"], log, where)
     else:
-        found = _by_count(begin, end, numbers["count"], value.get("scale") == "log", where)
+        found = _by_count(begin, end, numbers["count"], log, where)
     if schema().get(key, {}).get("type") != "integer":
         found = [float(one) for one in found]
     else:
@@ -122,10 +121,18 @@ def _range(key: str, value: Mapping[str, Any], where: str) -> list[Setting]:
     return list(found)
 
 
-def _by_step(begin: float, end: float, step: float, value: Mapping[str, Any], where: str) -> list[int | float]:
-    if not step > 0:
+def check_steps(value: Mapping[str, Any], where: str) -> bool:
+    """The scale of a range is logarithmic. Raises GridError for another scale, and for a step that is not above 0."""
+    scale = value.get("scale", "linear")
+    if not isinstance(scale, str) or scale not in ("linear", "log"):
+        raise GridError(f'{where}.scale: "linear" or "log" is expected')
+    if "step" in value and not (step := number(value["step"], f"{where}.step")) > 0:
         raise GridError(f"{where}.step: {step}; a step above 0 is expected")
-    if value.get("scale") == "log":
+    return scale == "log"
+
+
+def _by_step(begin: float, end: float, step: float, log: bool, where: str) -> list[int | float]:
+    if log:
         raise GridError(f'{where}.scale: "log" goes with count, not with step')
     steps = (_exact(end) - _exact(begin)) / _exact(step)
     count = math.floor(steps * (1 + Fraction(1, 10**12))) + 1

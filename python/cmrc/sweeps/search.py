@@ -165,6 +165,12 @@ class _Search(ABC):
             raise self.error("metric", str(error)) from None
         self.batch = self._whole("batch", 8, 1)
         self.check_seeds = self._whole("check_seeds", 5 if grid.seeds else 0, 0)
+        if self.check_seeds and (last := self._unused_seeds()[-1]) > ranges.MOST_WHOLE:
+            raise self.error(
+                "check_seeds",
+                f"the last of the {self.check_seeds} seeds after those of the search is {last}; all seeds up to "
+                "2^63 - 1 are expected, those of the check included",
+            )
 
     @abstractmethod
     def find(self, trier: _Trier) -> Found:
@@ -174,9 +180,14 @@ class _Search(ABC):
         """Runs the answer with the seeds after those of the search."""
         if found.best is None or self.check_seeds == 0:
             return
-        first = max(self.grid.seeds, default=int(self.grid.fixed.get(SEED, 1))) + 1
-        [trial] = trier.values([found.best], range(first, first + self.check_seeds))
+        [trial] = trier.values([found.best], self._unused_seeds())
         found.checked, found.check_passed, found.check_seeds = trial.spread, self.passes(trial), trial.seeds
+
+    def _unused_seeds(self) -> range:
+        """The seeds after those of the search. Where the fixed one is no number, every run is refused."""
+        fixed = self.grid.fixed.get(SEED, 1)
+        first = max(self.grid.seeds, default=1 if isinstance(fixed, str) else int(fixed)) + 1
+        return range(first, first + self.check_seeds)
 
     def passes(self, trial: Trial) -> bool | None:
         """None where nothing is to be passed."""
@@ -325,13 +336,15 @@ class _Optimisation(_Search):
         numbers = {
             part: ranges.number(value[part], f"{self.name}: search.{where}.{part}") for part in value if part != "scale"
         }
-        log, step = value.get("scale") == "log", numbers.get("step")
+        log, step = ranges.check_steps(value, f"{self.name}: search.{where}"), numbers.get("step")
         whole = ranges.schema().get(name, {}).get("type") == "integer"
         try:
             if whole:
                 for part, one in numbers.items():
                     self._is_whole(name, one, f"{where}.{part}")
-                return optuna.distributions.IntDistribution(numbers["from"], numbers["to"], log=log, step=step or 1)
+                return optuna.distributions.IntDistribution(
+                    numbers["from"], numbers["to"], log=log, step=1 if step is None else step
+                )
             return optuna.distributions.FloatDistribution(
                 float(numbers["from"]), float(numbers["to"]), log=log, step=step
             )
