@@ -52,6 +52,8 @@ class Sweep:
         else:
             rows = {row["key"]: row for row in self.folder.rows(store.LIGHT)}
             self._runs = [self.folder.opened({**rows[run.key], **place_of(run.point)}) for run in of if run.key in rows]
+            for one in self._runs:
+                one["place"] = {name: ranges.as_typed(name, value) for name, value in one["place"].items()}
 
     def _completed(self, runs: list[dict[str, Any]]) -> list[dict[str, Any]]:
         """In the order of their places. What differs between two runs is an axis of all runs, because a repeat differs
@@ -224,13 +226,18 @@ class Sweep:
         return frame
 
     def _cells(self, of: Sequence[Metric]) -> Iterator[list[Any]]:
-        """The table as plain values, its heads first. A whole number beside missing ones is no float here."""
+        """The table as plain values, its heads first. A whole number beside missing ones is no float here; beside
+        floats it is one."""
         rows = self._rows(of)
         table = Table.from_rows(rows)
         yield list(table)
-        columns = [column.tolist() for column in table.values()]
-        for row, made in zip(rows, zip(*columns, strict=True), strict=True):
-            yield [own if isinstance(own, int) else cell for own, cell in zip(row.values(), made, strict=True)]
+        columns = []
+        for name, column in table.items():
+            cells, values = column.tolist(), [row[name] for row in rows]
+            if not any(isinstance(value, float) and not math.isnan(value) for value in values):
+                cells = [own if isinstance(own, int) else cell for own, cell in zip(values, cells, strict=True)]
+            columns.append(cells)
+        yield from map(list, zip(*columns, strict=True))
 
     def summary(self, metric: Metric = "misses") -> list[tuple[dict[str, Any], Spread]]:
         """Each point of the grid, and the metric over its repeats. Raises SweepError where two runs have the same
