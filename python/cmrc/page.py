@@ -33,6 +33,11 @@ FIRST_KIND = 4
 """In a lane, ``what`` from this value on means a job of kind ``what - FIRST_KIND``; below: off, failed, asleep,
 executive."""
 
+_SIGNALS = (
+    *("time_s", "s_m", "tip_y_m", "tip_z_m", "payload_x_m", "payload_y_m", "payload_z_m"),
+    *("sway_alpha_rad", "sway_beta_rad", "contact"),
+)
+
 Column = NDArray[np.float64]
 
 
@@ -144,6 +149,9 @@ class Recording:
             for key, right in _HEADER.items():
                 if not _fits(self.header.get(key), right):
                     raise ValueError(f"its header has no {key}, or a wrong one")
+            begin, end = self.header["from_s"], self.header["to_s"]
+            if not begin <= end:
+                raise ValueError(f"its header has from_s {begin} and to_s {end}; from_s <= to_s is expected")
         self._data = data[12 + size :]
         self._entries: dict[str, dict[str, Any]] = {entry["name"]: entry for entry in self.header["columns"]}
 
@@ -218,6 +226,9 @@ class Recording:
                 for name, entry in self._entries.items()
                 if "count" in entry and not re.match(r"(lane|run|job|bus)\.", name)
             }
+            for name in _promised(self.header["layout"]):
+                if name not in signals:
+                    raise ValueError(f"there is no column {name}, which its header promises")
             for prefix, rows in self.header.get("planned_rows", {}).items():
                 for name, values in signals.items():
                     if name.startswith(prefix):
@@ -289,6 +300,15 @@ class Recording:
         ):
             last[key] = row
         return np.array(sorted(last.values()), dtype=np.int64)
+
+
+def _promised(layout: dict[str, Any]) -> Iterator[str]:
+    """The columns of a dock that ``cmrc.plot`` draws, whichever crane it has."""
+    yield from _SIGNALS
+    for n in range(layout["agv"]["count"]):
+        yield from (f"agv{n}_x_m", f"agv{n}_y_m", f"agv{n}_heading_rad")
+    for n in range(len(layout["movers"])):
+        yield from (f"mover{n}_x_m", f"mover{n}_y_m")
 
 
 def _absolute(number: NDArray[np.int64], kind: NDArray[np.int64], robot: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -1,8 +1,10 @@
-"""Saved results and caches that somebody has changed: each is refused by the name of its file."""
+"""Saved results, pages and caches that somebody has changed: each is refused by the name of its file."""
 
+import base64
 import json
 import os
 import re
+import struct
 import subprocess
 import sys
 import zipfile
@@ -12,6 +14,7 @@ from typing import Any
 
 import cmrc
 import pytest
+from cmrc.page import PageError, Recording
 from cmrc.results import __main__ as command
 from cmrc.saved_result import ResultError
 from locations import BUILD
@@ -55,6 +58,51 @@ def test_a_changed_result_is_refused_by_name(name: str, saved: Path, tmp_path: P
     path = changed(saved, tmp_path / "r.cmrc", f"{member}.json", change)
     with pytest.raises(ResultError, match=f"{re.escape(str(path))}: no saved result"):
         cmrc.Result.load(path)
+
+
+@pytest.fixture(scope="module")
+def page() -> bytes:
+    simulation = cmrc.Simulation(dsps=1, duration_s=0.03, settings={"report.reference": "none"})
+    simulation.record()
+    simulation.run()
+    return simulation.page()
+
+
+def with_header(page: bytes, change: Callable[[Any], Any]) -> bytes:
+    """The page with another header of its recording."""
+    found = re.search(rb'id="recording">([^<]*)<', page)
+    assert found
+    data = base64.b64decode(found[1])
+    (size,) = struct.unpack("<I", data[8:12])
+    header = json.dumps(change(json.loads(data[12 : 12 + size]))).encode()
+    data = data[:8] + struct.pack("<I", len(header)) + header + data[12 + size :]
+    return page.replace(found[1], base64.b64encode(data))
+
+
+HEADERS: dict[str, tuple[Callable[[Any], Any], str]] = {
+    "to_s": (lambda h: {**h, "to_s": -1}, "from_s 0.0 and to_s -1; from_s <= to_s is expected"),
+    "from_s": (lambda h: {**h, "from_s": 1}, "from_s 1 and to_s 0.03; from_s <= to_s is expected"),
+    "mover": (lambda h: {**h, "layout": {**h["layout"], "movers": [[1, 1]]}}, "there is no column mover0_x_m, which"),
+    "vehicle": (
+        lambda h: {**h, "layout": {**h["layout"], "agv": {**h["layout"]["agv"], "count": 2}}},
+        "there is no column agv1_x_m, which its header promises",
+    ),
+    "contact": (
+        lambda h: {**h, "columns": [c for c in h["columns"] if c["name"] != "contact"]},
+        "there is no column contact, which its header promises",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", HEADERS)
+def test_a_page_without_what_its_plots_draw_is_refused_by_name(name: str, page: bytes) -> None:
+    pytest.importorskip("matplotlib")
+    from cmrc import plot
+
+    plot.overview(Recording.of(with_header(page, lambda header: header), "a.html"))
+    change, says = HEADERS[name]
+    with pytest.raises(PageError, match=f"^a.html: the recording is damaged: .*{re.escape(says)}"):
+        plot.overview(Recording.of(with_header(page, change), "a.html"))
 
 
 def test_what_is_refused_is_what_was_changed(saved: Path, tmp_path: Path) -> None:

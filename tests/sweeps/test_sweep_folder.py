@@ -273,6 +273,12 @@ REPORT = report_with()
     ({"place": "{"}, "the place of the run 000000000000 is damaged"),
     ({"place": "[1]"}, "the place of the run 000000000000 is damaged"),
     ({"settings": "5"}, "the settings of the run 000000000000 is damaged"),
+    *(({"place": f'{{"machine.dsps": {value}}}'}, "the place of the run 000000000000 is damaged: machine.dsps: ")
+      for value in ('{"a": 1}', "[1]", "NaN", "1e999", str(2**63))),
+    *(({"settings": f'{{"machine.dsps": {value}}}'}, "the settings of the run 000000000000 is damaged: machine.dsps: ")
+      for value in ('{"a": 1}', "[1]", "null", "1e999")),
+    *(({"settings": f'{{"{name}": {value}}}'}, f"the settings of the run 000000000000 is damaged: {name}")
+      for name, value in (("events", 5), ("events", "[1]"), ("events", '[{"at_s": [1]}]'), ("config", 5), ("preset", "[1]"))),
     ({"place": None}, "part-000001.parquet: cannot be read: a run has no place"),
     ({"build": None}, "part-000001.parquet: cannot be read: a run has no build"),
     ({"status": "weird"}, "part-000001.parquet: cannot be read: a run has the status weird"),
@@ -289,11 +295,12 @@ def test_a_cell_that_no_sweep_writes_is_refused_by_name(
 ) -> None:
     monkeypatch.setattr(store, "LARGEST_REPORT", 1 << 20)
     unchecked(tmp_path / "s", **cells)
+    opens = not says.startswith(("the place", "the settings"))
     with pytest.raises(SweepError, match=f"{re.escape(str(tmp_path / 's'))}.*{re.escape(says)}"):
-        list(Sweep(tmp_path / "s").reports())
+        list(Sweep(tmp_path / "s").reports() if opens else [Sweep(tmp_path / "s")])
 
 
-@pytest.mark.parametrize("settings", ["{", "5", "[" * 100_000])
+@pytest.mark.parametrize("settings", ["{", "5", "[" * 100_000, '{"events": 5}'])
 def test_a_refused_row_that_is_damaged_is_named_before_a_run(settings: str, tmp_path: Path) -> None:
     unchecked(tmp_path / "s", status=store.REFUSED, settings=settings)
     grid = {"fixed": {"duration_s": 0.03, "report.reference": "none"}, "axes": {"dsps": [1, 17]}}

@@ -22,7 +22,9 @@ import numpy as np
 from cmrc import _core, arguments, files
 from cmrc.errors import Error
 from cmrc.extras import needed
+from cmrc.sweeps.grid import APART, EVENTS
 from cmrc.sweeps.identity import build
+from cmrc.sweeps.ranges import GridError, scalar
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -181,11 +183,11 @@ class Folder:
 
     def opened(self, row: Mapping[str, Any]) -> Row:
         """A row with its JSON, ``place`` and ``settings``, as dictionaries. Raises SweepError."""
-        return {**row, **{name: self._object(row, name, row[name]) for name in ("place", "settings")}}
+        return {**row, **{name: self._settings(row, name) for name in ("place", "settings")}}
 
     def settings(self, row: Mapping[str, Any]) -> dict[str, Any]:
         """The settings of a row. Raises SweepError."""
-        return self._object(row, "settings", row["settings"])
+        return self._settings(row, "settings")
 
     def report(self, row: Mapping[str, Any]) -> dict[str, Any]:
         """The report of a row. Raises SweepError."""
@@ -194,6 +196,18 @@ class Folder:
         except (zlib.error, ValueError, TypeError) as error:
             raise self._damaged(row, "report", error) from None
         return self._object(row, "report", text)
+
+    def _settings(self, row: Mapping[str, Any], name: str) -> dict[str, Any]:
+        found = self._object(row, name, row[name])
+        try:
+            if name == "place":
+                _check_settings({axis: value for axis, value in found.items() if value is not None})
+            else:
+                _check_settings({key: value for key, value in found.items() if key != EVENTS})
+                _check_events(found.get(EVENTS, []))
+        except GridError as error:
+            raise self._damaged(row, name, files.printable(str(error))) from None
+        return found
 
     def _object(self, row: Mapping[str, Any], name: str, text: str | bytes) -> dict[str, Any]:
         try:
@@ -313,6 +327,22 @@ def _check(row: Row) -> None:
             raise ValueError(f"a run has no {name}")
     if row.get("status", DONE) not in (DONE, REFUSED, FAILED):
         raise ValueError(f"a run has the status {files.printable(row['status'])}")
+
+
+def _check_settings(settings: Mapping[str, Any], where: str = "") -> None:
+    """Raises GridError for a value that no setting has."""
+    for key, value in settings.items():
+        scalar(value, where + key)
+        if key in APART and not isinstance(value, str):
+            raise GridError(f"{key}: {value!r} cannot be used; a text is expected")
+
+
+def _check_events(events: object) -> None:
+    """Raises GridError."""
+    if not isinstance(events, list) or not all(isinstance(event, dict) for event in events):
+        raise GridError(f"{EVENTS}: a list of tables is expected")
+    for n, event in enumerate(events):
+        _check_settings(event, f"{EVENTS}[{n}].")
 
 
 def _batches(rows: Iterable[Row]) -> Iterator[list[Row]]:
