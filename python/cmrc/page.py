@@ -105,6 +105,8 @@ def _inflated(data: bytes) -> bytes:
 
 def _numbers(data: bytes, count: int, order: int) -> NDArray[np.int64]:
     """Zigzag varints, each minus a prediction from the numbers before (emulator/page/columns.hpp)."""
+    if order not in (0, 1, 2):
+        raise PageError(f"the recording is damaged: a column has the order {order}; 0, 1 or 2 is expected")
     octets = np.frombuffer(data, dtype=np.uint8)
     ends = np.flatnonzero(octets < 0x80)
     if ends.size != count or (octets.size and octets[-1] >= 0x80):

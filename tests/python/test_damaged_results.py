@@ -87,6 +87,10 @@ HEADERS: dict[str, tuple[Callable[[Any], Any], str]] = {
         lambda h: {**h, "layout": {**h["layout"], "agv": {**h["layout"]["agv"], "count": 2}}},
         "there is no column agv1_x_m, which its header promises",
     ),
+    "order": (
+        lambda h: {**h, "columns": [{**c, "order": 2**62} for c in h["columns"]]},
+        "a column has the order 4611686018427387904; 0, 1 or 2 is expected",
+    ),
     "contact": (
         lambda h: {**h, "columns": [c for c in h["columns"] if c["name"] != "contact"]},
         "there is no column contact, which its header promises",
