@@ -247,11 +247,15 @@ def test_a_search_continues_in_the_folder_of_a_sweep(tmp_path: Path) -> None:
     ({"search": {"bisect": "cycle_time_factor", "from": 1, "to": 2, "at_most": math.inf}}, "search.at_most: inf is not a number"),
     ({"search": {"bisect": "cycle_time_factor", "from": 1, "to": 2, "batch": 10**400}}, "search.batch: a whole number from 1 to 10000000"),
     *(({"search": {"space": {"cycle_time_factor": {"from": 1, "to": 2, "scale": scale}}}},
-       'search.space.cycle_time_factor.scale: "linear" or "log" is expected') for scale in ("lin", "logarithmic", 3, None)),
-    *(({"search": {"space": {name: {"from": 1, "to": 2, "step": step}}}}, f"search.space.{name}.step: {step}; a step above 0 is")
-       for name in ("dsps", "cycle_time_factor") for step in (0, -1)),
-    *(({**seeded, "search": {"bisect": "dsps", "from": 4, "to": 1, **check}}, f"search.check_seeds: the last of the {n} seeds")
-      for seeded, check, n in (({"repeats": {"seeds": [2**63 - 1]}}, {}, 5), ({"repeats": {"seeds": [2**63 - 5]}}, {}, 5),
+       'search.space.cycle_time_factor.scale: "linear" or "log" is expected')
+      for scale in ("lin", "logarithmic", 3, None)),
+    *(({"search": {"space": {name: {"from": 1, "to": 2, "step": step}}}},
+       f"search.space.{name}.step: {step}; a step above 0 is")
+      for name in ("dsps", "cycle_time_factor") for step in (0, -1)),
+    *(({**seeded, "search": {"bisect": "dsps", "from": 4, "to": 1, **check}},
+       f"search.check_seeds: the last of the {n} seeds")
+      for seeded, check, n in (({"repeats": {"seeds": [2**63 - 1]}}, {}, 5),
+                               ({"repeats": {"seeds": [2**63 - 5]}}, {}, 5),
                                ({"fixed": {"seed": 2**63 - 1}}, {"check_seeds": 1}, 1))),
 ])  # fmt: skip
 def test_a_bad_search_says_where(tables: dict[str, Any], says: str, tmp_path: Path) -> None:

@@ -278,7 +278,8 @@ REPORT = report_with()
     *(({"settings": f'{{"machine.dsps": {value}}}'}, "the settings of the run 000000000000 is damaged: machine.dsps: ")
       for value in ('{"a": 1}', "[1]", "null", "1e999")),
     *(({"settings": f'{{"{name}": {value}}}'}, f"the settings of the run 000000000000 is damaged: {name}")
-      for name, value in (("events", 5), ("events", "[1]"), ("events", '[{"at_s": [1]}]'), ("config", 5), ("preset", "[1]"))),
+      for name, value in (("events", 5), ("events", "[1]"), ("events", '[{"at_s": [1]}]'), ("config", 5),
+                          ("preset", "[1]"))),
     ({"place": None}, "part-000001.parquet: cannot be read: a run has no place"),
     ({"build": None}, "part-000001.parquet: cannot be read: a run has no build"),
     ({"status": "weird"}, "part-000001.parquet: cannot be read: a run has the status weird"),
