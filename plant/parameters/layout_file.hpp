@@ -4,13 +4,14 @@
 #include <string>
 #include <string_view>
 
+#include "io/text_error.hpp"
 #include "plant/parameters/config.hpp"
 
 namespace plant {
 
 // The text gives file, line and column, what is wrong, and what would be right.
-struct LayoutError : std::runtime_error {
-  using std::runtime_error::runtime_error;
+struct LayoutError : io::TextError<std::runtime_error> {
+  using TextError::TextError;
 };
 
 // Changes the values that the text names; the rest of the dock stays. Lanes come from `[[lanes]]`, or are the default

@@ -143,6 +143,8 @@ TWICE = [
     (("--console-input -", "--device-input F=-"), "reads standard input"),
     (("--console-input live", "--device-input F=-"), "reads standard input"),
     (("--device-input F=-", "--device-script C=-"), "reads standard input"),
+    (("--console-input -", "--device-input F=/dev/stdin"), "reads standard input"),
+    (("--console-input /dev/fd/0", "--device-input F=-"), "reads standard input"),
 ]
 
 
@@ -179,10 +181,20 @@ def test_an_option_comes_before_the_board_file_and_may_write_an_output_twice(tmp
 
 def test_a_debugger_leaves_standard_input_to_its_commands(tmp_path: Path) -> None:
     (tmp_path / "p.asm").write_text(START + END)
-    for option in ("--device-input", "--device-script"):
-        run = ["debug", tmp_path / "p.asm", "--board", board(tmp_path, device("fifo")), option, "D=-"]
-        done = emulator(*run, stdin="at 1 2\n")
-        assert done.returncode == 2 and f"debug: {option} D=-: a file is expected" in done.stderr
+    (tmp_path / "x=-").write_text("at 1 2\n")
+    devices = board(tmp_path, device("fifo"), device("console", 0xA0000010, name="C"))
+    for option, given in [
+        ("--device-input", "D=-"),
+        ("--device-script", "D=-"),
+        ("--device-script", "D=/dev/stdin"),
+        ("--console-input", "-"),
+        ("--console-input", "live"),
+        ("--console-input", "/proc/self/fd/0"),
+    ]:
+        done = emulator("debug", "p.asm", "--board", devices, option, given, stdin="at 1 2\n", folder=tmp_path)
+        assert done.returncode == 2 and f"debug: {option} {given}: a file is expected" in done.stderr
+    run = ["debug", "p.asm", "--board", devices, "--device-script", "D=x=-"]
+    assert emulator(*run, stdin="quit\n", folder=tmp_path).returncode == 0
 
 
 MARK = "\ufeff"  # the byte order mark, which editors put before UTF-8

@@ -56,6 +56,29 @@ STATUS = """
 """
 
 
+def test_a_program_that_sleeps_ends_with_its_devices_wherever_the_run_is_cut(tmp_path: Path) -> None:
+    """A FIFO that has sent its word after 50 cycles is the last to do something, and wakes nobody."""
+    path = board(tmp_path, device("fifo", pin="IIOF1", output_cycles=50))
+    text = START + "        ldi 1,r0\n        sti r0,*+ar2(4)\n        ldi 90h,iif\n        sti r0,*ar2\n"
+    (tmp_path / "p.asm").write_text(text + "wait:   idle\n        b wait\n")
+    program = assemble_file(str(tmp_path / "p.asm"))
+    whole = Network([program], boards=path)
+    end = whole.run()
+    cycle = whole.chips[0].cycles
+    assert end.reason == "ended" and 50 < cycle < 100
+    for shift_ps in range(-50_000, 100_000, 10_000):
+        cut = Network([program], boards=path)
+        cut.run(until_us=(end.time_ps + shift_ps) / 1e6)
+        before = cut.now_ps
+        assert cut.run() == end and (shift_ps > 0 or cut.now_ps >= before)
+        assert cut.snapshot().to_bytes() == whole.snapshot().to_bytes()
+    for options in ([], ["--until", "2FFFFFh==7"]):  # a word that is looked at after each cycle, and stays 0
+        done = emulator("exec", "p.asm", "--board", path, "--json", *options, folder=tmp_path)
+        assert json.loads(done.stdout)["cycles"] == cycle
+    processor = Processor(program, board=path)
+    assert processor.debug().go().reason == "over" and processor.cycles == cycle
+
+
 def test_the_flags_of_a_fifo(tmp_path: Path) -> None:
     path = board(tmp_path, device("fifo", depth=2, output_cycles=1_000_000))
     processor = Processor(assembled(STATUS + END), board=path)

@@ -99,6 +99,31 @@ def test_an_empty_symbol_name_can_be_read_and_written(tmp_path: Path, version: i
     assert toolchain.read_coff(tmp_path / "x.out").sections[0].words == [1]
 
 
+ONE_REGION = 'name = "b"\n[[region]]\nname = "a"\nbase = 0x300000\nwords = 16\nbus = "local"\n'
+
+
+@pytest.mark.parametrize(
+    ("command", "text", "message"),
+    [
+        ("exec p.asm --load F@300100h", ":02\0000\n", r"F:1: '\x00' is no hexadecimal digit"),
+        ("exec --network F", '[[chip]]\nprogram = "t\\u0000.asm"\n', r"F:2: program: there is no file t\x00.asm"),
+        (
+            "exec p.asm --board F.toml",
+            REGION + 'file = "t\\u0000"\n',
+            r"F.toml:7: region.file of a: t\x00: cannot be read",
+        ),
+        ("--config F", '[machine]\nprograms = "t\\u0000"\n', r"t\x00/dsp.asm is not there"),
+        ("--config F", '[dock]\nlayout = "t\\u0000"\n', r"dock.layout: t\x00: cannot be read"),
+    ],
+)
+def test_a_byte_0_does_not_cut_a_message(tmp_path: Path, command: str, text: str, message: str) -> None:
+    (tmp_path / "p.asm").write_text("start: b start\n")
+    for name in ("F", "F.toml"):
+        (tmp_path / name).write_text(text)
+    done = emulator(*command.split(), folder=tmp_path)
+    assert done.returncode == 2 and message in done.stderr
+
+
 # ---- TOML that is nested without end
 
 DEEP = 100_000

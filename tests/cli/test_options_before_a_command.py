@@ -36,3 +36,18 @@ def test_each_is_refused_by_name_with_its_place(command: str, tmp_path: Path) ->
         assert done.returncode == 2 and done.stdout == "", (name, done)
         assert done.stderr.startswith(f"emulator: {name}: before a command it has no effect; {place} is expected"), done
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_two_dashes_before_a_command_are_refused(command: str) -> None:
+    for before in ([], ["--dsps", "2"]):
+        done = emulator(*before, "--", command, "--help")
+        said = f"emulator: --: before a command it has no effect; emulator {command} is expected\n"
+        assert (done.returncode, done.stdout, done.stderr) == (2, "", said)
+
+
+def test_an_option_of_the_command_belongs_behind_it() -> None:
+    done = emulator("--until", "done", "exec", "t.asm")
+    assert done.stderr.startswith(
+        "emulator: --until: before a command it has no effect; emulator exec --until is expected"
+    )

@@ -94,6 +94,23 @@ def test_hex_that_passes_the_end_of_memory_is_refused(run, tmp_path: Path) -> No
         refused = run(command, "p.hex", "--load-at", "0FFFFFFEDh")
         assert refused.returncode == 2
         assert "p.hex: 20 words at FFFFFFEDh pass the end of the address space" in refused.stderr
+    refused = run("disasm", "p.hex", "--cpu", "c3x", "--load-at", "0FFFFFFh")
+    assert "p.hex: 20 words at FFFFFFh pass the end of the address space" in refused.stderr
+
+
+def test_loads_that_pass_the_end_of_memory_are_refused(run, tmp_path: Path) -> None:
+    (tmp_path / "p.asm").write_text("start: b start\n")
+    (tmp_path / "two").write_bytes(bytes(range(8)))
+    flat = ["exec", "p.asm", "--board", "flat"]
+    assert "FFFFFFFE: 03020100 07060504" in run(*flat, "--load", "two@0FFFFFFFEh", "--dump", "0FFFFFFFEh:2").stdout
+    for options in (
+        ["--load", "two@0FFFFFFFFh"],
+        ["--rom", "two@0FFFFFFFFh", "--rom-width", "32", "--boot", "300000h"],
+    ):
+        refused = run(*flat, *options)
+        assert (
+            refused.returncode == 2 and "2 words at FFFFFFFFh do not lie in memory: they pass the end" in refused.stderr
+        )
 
 
 def test_limit_of_cycles(run, tmp_path: Path) -> None:

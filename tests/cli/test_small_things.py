@@ -90,7 +90,9 @@ def test_a_wrong_command_line_says_what_would_be_right(run, arguments: list[str]
     assert message in done.stderr and done.stderr.count("\n") == 1
 
 
-@pytest.mark.parametrize(("option", "given"), [("-D", "x=-5"), ("-D", "x=0b11"), ("--section", ".text=zz")])
+@pytest.mark.parametrize(
+    ("option", "given"), [("-D", "x=-5"), ("-D", "x=0b11"), ("-D", "x==3"), ("-D", "x=y=3"), ("--section", ".text=zz")]
+)
 def test_a_number_of_the_assembler_is_not_called_an_address(run, tmp_path: Path, option: str, given: str) -> None:
     (tmp_path / "p.asm").write_text("start: nop\n")
     done = run("asm", tmp_path / "p.asm", "-o", tmp_path / "p.out", option, given)

@@ -80,9 +80,14 @@ def test_a_condition_without_a_value_is_a_stop_that_says_so(program: Path) -> No
         assert event.reason == "breakpoint" and event.text.startswith("paused at")
         said = f'stop condition {number}, "if 1 / (r1 - r1)": a division by zero\n'
         assert said in editor.outputs
+        forward, at = event.text, editor.value("time_s")
         break_at(editor, program, line)
         editor.client.continue_(1)
         assert editor.stopped().reason == "breakpoint"
+        break_at(editor, program, line, condition="1 / (r1 - r1)")
+        editor.client.reverse_continue(1)
+        event = editor.stopped()
+        assert event.text == forward and editor.value("time_s") == at
 
 
 def test_steps_forward_and_back_come_to_the_same_lines(program: Path) -> None:

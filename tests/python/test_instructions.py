@@ -59,6 +59,10 @@ def test_words_of_an_eprom(tmp_path: Path) -> None:
     assert c40.read_rom(tmp_path / "rom.bin", width=8) == [8, 0, 0, 0, 0x78, 0x56, 0x34, 0x12]
     with pytest.warns(UserWarning, match="its first word says 8 bits, as to a boot loader, and width 32"):
         assert c40.read_rom(tmp_path / "rom.bin", width=32) == [8, 0x12345678]
+    flat = c40.Processor(board="flat")
+    with pytest.warns(UserWarning, match="its first word says 8 bits") as told:
+        flat.load_rom(tmp_path / "rom.bin", 0x300000, width=32)
+    assert [one.filename for one in told] == [__file__]  # the line that called the package
     with pytest.raises(ValueError, match="width 9: 8, 16 or 32 is expected"):
         c40.read_rom(tmp_path / "rom.bin", width=9)
 

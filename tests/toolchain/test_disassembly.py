@@ -74,7 +74,7 @@ def test_a_disassembly_names_sections_labels_and_targets(tmp_path: Path, emulato
     assert done.stdout.splitlines() == [
         "; section .text, 4 words at 00300000h", "start:", "00300000  08600001  ldi 1,r0", "again:", "00300001  6A00FFFF  bu again",
         "00300002  60FFFFFD  br start", "00300003  FFFFFFFF  .word 0xffffffff", "; section .data, 1 words at 00300004h", "d:",
-        "00300004  60000000  .word 0x60000000", "; section .bss, 3 words at 00300005h, reserved",
+        "00300004  60000000  .word 0x60000000", "; section .bss, 3 words at 00300005h, reserved", "x:",
     ]  # fmt: skip
     done = subprocess.run(
         [emulator, "disasm", "--source", tmp_path / "p.asm"], capture_output=True, text=True, check=True
@@ -94,6 +94,11 @@ def test_labels_behind_the_last_word_of_a_section_are_shown(
     subprocess.run([emulator, "asm", source, "-o", tmp_path / "p.out", *form], check=True)
     shown = subprocess.run([emulator, "disasm", tmp_path / "p.out"], capture_output=True, text=True, check=True).stdout
     assert re.search(r"  \.word 0x00000001\nlast:\n(?!0)", shown)
+    # Reserved words follow: the label is theirs, too.
+    source.write_text("\t.text\nstart:\tnop\nlast:\n\t.bss x,2\n\t.bss y,2\n")
+    subprocess.run([emulator, "asm", source, "-o", tmp_path / "p.out"], check=True)
+    shown = subprocess.run([emulator, "disasm", tmp_path / "p.out"], capture_output=True, text=True, check=True).stdout
+    assert re.search(r"reserved\n(last|x):\n", shown)
 
 
 def reassembled(emulator: Path, program: Path, folder: Path) -> toolchain.Image:

@@ -111,12 +111,13 @@ void declare_run(CLI::App& app, RunOptions& options) {
   app.add_flag("--quiet", options.quiet, "No progress line and no report on the terminal");
 }
 
-/// A command of the package cmrc: all its arguments, --help too, go to the package.
-void declare_cmrc_command(CLI::App& app, CmrcCommandOptions& options) {
-  options.name = app.get_name();
+/// The command that the package cmrc executes.
+constexpr const char* of_the_package = "limits";
+
+/// Its options are not known here.
+void declare_cmrc_command(CLI::App& app, CmrcCommandOptions&) {
   app.prefix_command();
   app.set_help_flag();
-  app.final_callback([&app, &options] { options.arguments = app.remaining(); });
 }
 
 void declare_compare(CLI::App& app, CompareOptions& options) {
@@ -432,6 +433,9 @@ class Commands {
 }  // namespace
 
 std::variant<Request, Help> parse_command_line(int argc, const char* const* argv) {
+  // All that stands behind it, --help and -- too, goes to the package.
+  if (argc > 1 && std::string_view(argv[1]) == of_the_package)
+    return Request(CmrcCommandOptions{of_the_package, {argv + 2, argv + argc}});
   CLI::App app{
       "Emulator of TMS320C40 multiprocessors that reproduces the CMRC robot controller. Without a command it simulates "
       "the dock and reports "
@@ -456,7 +460,7 @@ std::variant<Request, Help> parse_command_line(int argc, const char* const* argv
   app.require_subcommand(0, 1);
   Commands commands(app);
   commands.add("config", "Print the configuration that a run would have, as TOML", declare_config, config_options);
-  commands.add("limits", "Scan for the first missed deadline (starts cmrc limits)", declare_cmrc_command,
+  commands.add(of_the_package, "Scan for the first missed deadline (starts cmrc limits)", declare_cmrc_command,
                limits_options);
   commands.add("compare", "Compare a run with the same run under instant execution: what delays and misses cost",
                declare_compare, compare_options);

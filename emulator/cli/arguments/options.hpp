@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "cmrc/configuration/rows/value.hpp"
-#include "io/print.hpp"
+#include "io/text_error.hpp"
 
 namespace cli {
 
@@ -19,10 +19,9 @@ inline constexpr int run_failed = 1;
 inline constexpr int bad_input = 2;
 
 /// The user gave something that cannot be used. The message says what and where, and what would be right.
-class InputError : public std::runtime_error {
+class InputError : public io::TextError<std::runtime_error> {
  public:
-  /// A byte 0 of a file does not end the message.
-  explicit InputError(std::string_view message) : std::runtime_error(io::exception_text(message)) {}
+  using TextError::TextError;
 };
 
 struct RunOptions {

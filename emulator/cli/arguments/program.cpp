@@ -23,7 +23,7 @@ using toolchain::Address;
 using toolchain::Image;
 using toolchain::Word;
 
-Image read_hex(const std::string& path, Address load_at) {
+Image read_hex(const std::string& path, Address load_at, isa::Cpu cpu) {
   std::istringstream in(io::read_text<InputError>(path, "a file with a word per line"));
   std::vector<Word> words;
   std::string line;
@@ -37,10 +37,11 @@ Image read_hex(const std::string& path, Address load_at) {
     words.push_back(*word);
   }
   if (words.empty()) throw InputError(fmt::format("{}: contains no word", path));
-  if (const std::uint64_t end = std::uint64_t{load_at} + words.size(); end > isa::address_space(isa::Cpu::c40))
+  if (const std::uint64_t end = std::uint64_t{load_at} + words.size(); end > isa::address_space(cpu))
     throw InputError(
         fmt::format("{}: {} words at {:X}h pass the end of the address space", path, words.size(), load_at));
   Image image;
+  image.cpu = cpu;
   image.entry = load_at;
   const auto size = static_cast<Address>(words.size());
   image.sections.push_back(
@@ -92,11 +93,7 @@ Image read_any_program(const std::string& path, const std::vector<std::string>& 
   if (cpu && is_coff_name(path))
     throw InputError(fmt::format("--cpu: {} is a COFF file, which names its processor itself", path));
   const isa::Cpu wanted = cpu ? isa::cpu_named(*cpu).value() : isa::Cpu::c40;
-  if (suffix == ".hex") {
-    Image image = read_hex(path, load_at ? parse_address(*load_at, nullptr, "--load-at") : 0);
-    image.cpu = wanted;
-    return image;
-  }
+  if (suffix == ".hex") return read_hex(path, load_at ? parse_address(*load_at, nullptr, "--load-at") : 0, wanted);
   if (load_at) throw InputError("--load-at: is for .hex files only; other programs contain their addresses");
   if (is_source(suffix)) {
     toolchain::Options options;

@@ -62,14 +62,24 @@ std::vector<std::string> options_of(const CLI::App& command) {
   return names;
 }
 
+/// \param own the options that the command takes
+std::string before_command(const std::string& option, const CLI::App& command, const std::vector<std::string>& own) {
+  const bool may_follow = std::ranges::find(own, option) != own.end();
+  return fmt::format("{}: before a command it has no effect; {} is expected", option,
+                     may_follow ? fmt::format("emulator {} {}", command.get_name(), option)
+                                : fmt::format("emulator {} without it", command.get_name()));
+}
+
 /// Arguments that are left over.
 std::string unexpected(const CLI::App& app, const CLI::App* command) {
   const std::string given = app.remaining(true).front();
   if (given.starts_with("-")) {
     const std::string option = given.substr(0, given.find('='));
+    const std::vector<std::string> known = options_of(command ? *command : app);
+    if (command != nullptr && std::ranges::find(known, option) != known.end())
+      return before_command(option, *command, known);
     const std::string of = command == nullptr ? "" : fmt::format(" of emulator {}", command->get_name());
-    return fmt::format("{}: there is no such option{}{}", option, of,
-                       io::did_you_mean(option, options_of(command ? *command : app)));
+    return fmt::format("{}: there is no such option{}{}", option, of, io::did_you_mean(option, known));
   }
   if (command != nullptr) return fmt::format("\"{}\" was not expected", given);
   const std::vector<std::string> known = commands_of(app);
@@ -108,16 +118,19 @@ std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
 
 std::optional<std::string> misplaced_option(const CLI::App& app, const CLI::App& of_package) {
   const std::vector<CLI::App*> parsed = app.get_subcommands();
-  if (parsed.empty()) return std::nullopt;
+  if (parsed.empty()) {
+    // Behind -- the parser takes a command for an argument.
+    for (const CLI::App* command : app.get_subcommands({}))
+      if (command->parsed())
+        return fmt::format("--: before a command it has no effect; emulator {} is expected", command->get_name());
+    return std::nullopt;
+  }
   const CLI::App& command = *parsed.front();
   for (const CLI::Option* option : app.get_options()) {
     if (option->count() == 0) continue;
     const std::string name = "--" + option->get_lnames().front();
-    const std::vector<std::string> own = options_of(command.get_prefix_command() ? of_package : command);
-    const bool may_follow = std::ranges::find(own, name) != own.end();
-    return fmt::format("{}: before a command it has no effect; {} is expected (emulator {} --help lists options)", name,
-                       may_follow ? fmt::format("emulator {} {}", command.get_name(), name)
-                                  : fmt::format("emulator {} without it", command.get_name()),
+    return fmt::format("{} (emulator {} --help lists options)",
+                       before_command(name, command, options_of(command.get_prefix_command() ? of_package : command)),
                        command.get_name());
   }
   return std::nullopt;

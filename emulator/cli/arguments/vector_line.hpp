@@ -7,14 +7,15 @@
 #include <string_view>
 #include <vector>
 
+#include "io/text_error.hpp"
 #include "isa/word.hpp"
 
 namespace cli {
 
 /// The message says what is wrong and what would be right; the caller adds file and line.
-class VectorError : public std::runtime_error {
+class VectorError : public io::TextError<std::runtime_error> {
  public:
-  using std::runtime_error::runtime_error;
+  using TextError::TextError;
 };
 
 struct Vector {

@@ -16,9 +16,9 @@ namespace cli {
 namespace {
 
 /// NAME=NUMBER; without a number the value is `otherwise`, if there is one.
-std::pair<std::string, toolchain::Word> assignment(const std::string& text, std::string_view option,
+/// \param equals the place of the equals sign, or npos
+std::pair<std::string, toolchain::Word> assignment(const std::string& text, std::string_view option, std::size_t equals,
                                                    std::optional<toolchain::Word> otherwise) {
-  const auto equals = text.rfind('=');  // the name of a section may have one
   const std::string name = text.substr(0, equals);
   if (name.empty() || (equals == std::string::npos && !otherwise))
     throw InputError(fmt::format("{}: \"{}\" is not NAME=NUMBER", option, text));
@@ -29,9 +29,10 @@ std::pair<std::string, toolchain::Word> assignment(const std::string& text, std:
 toolchain::Options toolchain_options(const AssembleOptions& options) {
   toolchain::Options out;
   for (const std::string& directory : options.include_directories) out.include_dirs.emplace_back(directory);
-  for (const std::string& define : options.defines) out.symbols.insert(assignment(define, "-D", 1));
+  for (const std::string& define : options.defines) out.symbols.insert(assignment(define, "-D", define.find('='), 1));
   for (const std::string& section : options.sections) {
-    const auto [name, address] = assignment(section, "--section", std::nullopt);
+    // The name of a section may have an equals sign.
+    const auto [name, address] = assignment(section, "--section", section.rfind('='), std::nullopt);
     out.sections[name] = address;
   }
   out.entry = options.entry.value_or("");

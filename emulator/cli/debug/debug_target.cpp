@@ -6,6 +6,7 @@
 
 #include "cli/arguments/network_arguments.hpp"
 #include "cli/arguments/settings.hpp"
+#include "cli/exec/board_front.hpp"
 #include "cli/exec/exec_memory.hpp"
 #include "cli/exec/exec_report.hpp"
 #include "cli/exec/exec_run.hpp"
@@ -27,22 +28,14 @@ machine::debug::NetworkDebuggee::EndWords end_words(ExecOptions exec, const mach
   return words;
 }
 
-void refuse_standard_input(std::string_view option, const std::string& text) {
-  if (text.ends_with("=-"))
-    throw InputError(
-        fmt::format("debug: {} {}: a file is expected; the debugger reads standard input itself", option, text));
-}
-
 DebugTarget network_of(const DebugOptions& options) {
   const RunOptions& run = options.run;
   if (run.dsps || run.config || run.preset || run.duration_s || run.seed || !run.settings.empty() || run.resume)
     throw InputError(
         "debug: --dsps, --config, --preset, --duration, --seed, --set and --snapshot are for the dock, and a program "
         "or network is given");
-  if (options.exec.console_input == "-" || options.exec.console_input == "live")
-    throw InputError("debug: --console-input: a file is expected; the debugger reads standard input itself");
-  for (const std::string& text : options.exec.device_inputs) refuse_standard_input("--device-input", text);
-  for (const std::string& text : options.exec.device_scripts) refuse_standard_input("--device-script", text);
+  if (const auto reader = reader_of_standard_input(options.exec))
+    throw InputError(fmt::format("debug: {}: a file is expected; the debugger reads standard input itself", *reader));
   if (options.exec.console_record) throw InputError("debug: --console-record: only exec writes this file");
   require_boot_for_roms(options.exec);
   if (options.exec.network && options.exec.boot)

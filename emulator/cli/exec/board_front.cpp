@@ -109,7 +109,21 @@ DeviceDescription& console_of(const NamedBoards& boards) {
 
 constexpr std::string_view live = "live";
 
+bool is_standard_input(std::string_view file) {
+  return file == "-" || file == "/dev/stdin" || file == "/dev/fd/0" || file == "/proc/self/fd/0";
+}
+
 }  // namespace
+
+std::optional<std::string> reader_of_standard_input(const ExecOptions& options) {
+  const auto& console = options.console_input;
+  if (console && (is_standard_input(*console) || *console == live)) return "--console-input " + *console;
+  for (const auto& [option, texts] :
+       {std::pair{"--device-input", &options.device_inputs}, {"--device-script", &options.device_scripts}})
+    for (const std::string& text : *texts)
+      if (is_standard_input(assignment_of(option, text).file)) return fmt::format("{} {}", option, text);
+  return {};
+}
 
 void add_inputs(const NamedBoards& boards, const ExecOptions& options) {
   std::map<const DeviceDescription*, std::string> inputs;  // of each device the option that gives its input
@@ -121,7 +135,7 @@ void add_inputs(const NamedBoards& boards, const ExecOptions& options) {
   if (options.console_input) {
     const std::string option = "--console-input " + *options.console_input;
     DeviceDescription& console = console_of(boards);
-    if (*options.console_input == "-" || *options.console_input == live) reader = option;
+    if (is_standard_input(*options.console_input) || *options.console_input == live) reader = option;
     if (*options.console_input != live) {
       inputs[&console] = option;
       console.input = input_from("--console-input", *options.console_input, DeviceKind::console, false);
@@ -136,7 +150,7 @@ void add_inputs(const NamedBoards& boards, const ExecOptions& options) {
       DeviceDescription& device = *find_device(option, boards, given.device, inputs_of);
       const std::string whole = fmt::format("{} {}", option, text);
       claim(inputs[&device], whole, fmt::format("gives the input of {}", device.name));
-      if (given.file == "-") claim(reader, whole, "reads standard input");
+      if (is_standard_input(given.file)) claim(reader, whole, "reads standard input");
       device.input = input_from(option, given.file, device.kind, script);
     }
 }

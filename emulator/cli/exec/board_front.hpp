@@ -20,6 +20,8 @@ using NamedBoards = std::vector<std::pair<std::string, machine::BoardDescription
 
 /// Gives the devices what --console-input, --device-input and --device-script say. \throws InputError
 void add_inputs(const NamedBoards& boards, const ExecOptions& options);
+/// The option of these that reads standard input, with its argument: - , live for the console, or a name of that file.
+std::optional<std::string> reader_of_standard_input(const ExecOptions& options);
 /// Registers the files of these options and those of --device-output and --console-record.
 void add_device_files(const ExecOptions& options, io::FileRoles& files);
 

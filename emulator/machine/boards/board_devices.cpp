@@ -272,7 +272,9 @@ Cycles LoneDevices::limit(Cycles wanted) {
   Cycles next = wanted;
   // A processor that has passed the effect of an event waits for the DMA, which has not come to the event.
   if (const Cycles event = devices_.next_event(); event != never_cycle) {
-    const Cycles effect = event + 1, now = chip_.cycle();
+    const Cycles now = chip_.cycle();
+    // An idle processor looks at the event itself, too: it may be the last that is awaited.
+    const Cycles effect = chip_.idle() && now < event ? event : event + 1;
     next = std::min(next, reached(effect) ? now : std::max(effect, now + 1));
   }
   if (!pins_.empty()) next = std::min(next, std::max(pins_.front().due, chip_.cycle() + 1));
@@ -291,7 +293,9 @@ bool LoneDevices::could_wake(Pin pin) const {
   return chip_.reacts_to(pin) && (pin == Pin::nmi || can);
 }
 
-bool LoneDevices::could_wake() const {
+bool LoneDevices::could_wake() {
+  catch_up();  // else the run would end later where it has been cut less
+  if (chip_.interrupt_pending()) return true;
   if (pins_.empty() && devices_.next_event() == never_cycle) return false;
   return std::ranges::any_of(devices_.pins(), [&](Pin pin) { return could_wake(pin); });
 }

@@ -124,8 +124,8 @@ class LoneDevices {
   void run_ended();
   /// Answers the access at which the chip stopped; false: no device is at the address.
   bool serve(const c40::ExternalAccess& access);
-  /// A device could interrupt the chip by itself.
-  bool could_wake() const;
+  /// A device could interrupt the chip by itself, or has just done so.
+  bool could_wake();
   /// A character that somebody types could do so.
   bool typing_could_wake() const;
   void list_state(state::Visitor& list) { list("pins", pins_); }

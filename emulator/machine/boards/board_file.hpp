@@ -9,7 +9,7 @@
 
 #include "c40/chip/board.hpp"
 #include "c40/observers/probe.hpp"
-#include "io/print.hpp"
+#include "io/text_error.hpp"
 #include "machine/boards/board_device.hpp"
 #include "machine/system/symbols.hpp"
 
@@ -20,10 +20,9 @@ struct Image;
 namespace machine {
 
 /// A board that cannot be used. The message names the file and line, or the board, the key and what would be right.
-class BoardError : public std::invalid_argument {
+class BoardError : public io::TextError<std::invalid_argument> {
  public:
-  /// A byte 0 of a text in the file does not end the message.
-  explicit BoardError(std::string_view message) : std::invalid_argument(io::exception_text(message)) {}
+  using TextError::TextError;
 };
 
 /// Limits of CLKIN.

@@ -9,17 +9,16 @@
 #include <vector>
 
 #include "c40/values/types.hpp"
-#include "io/print.hpp"
+#include "io/text_error.hpp"
 #include "machine/time/time.hpp"
 #include "state/visitor.hpp"
 
 namespace machine {
 
 /// The message has the line and what would be right.
-class HostScriptError : public std::invalid_argument {
+class HostScriptError : public io::TextError<std::invalid_argument> {
  public:
-  /// A byte 0 of the script does not end the message.
-  explicit HostScriptError(std::string_view message) : std::invalid_argument(io::exception_text(message)) {}
+  using TextError::TextError;
 };
 
 /// A step begins when the step before has been sent. It waits for its condition, and then sends its words.

@@ -73,7 +73,14 @@ const Stop& Debugger::go_back(Time until) {
   interrupted_ = false;
   const Time from = now(), after = std::max(until, beginning());
   if (from <= after) return stopped(Stop::Reason::start, {}, "the beginning");
-  std::vector<Hit> hits = last_hits(after, from);
+  std::vector<Hit> hits;
+  try {
+    hits = last_hits(after, from);
+  } catch (const DebugError&) {
+    recorder_->close();
+    stopped(Stop::Reason::paused, {}, fmt::format("paused at {}", seconds(now())));
+    throw;
+  }
   if (asked_to_stop()) {
     interrupted_ = false;
     move_to(from);

@@ -145,14 +145,14 @@ void Debugger::HitRecorder::listen(Time after) {
   open_ = true;
   hits.clear(), instructions.clear(), stepped.reset();
   for (auto& chip : chips_) chip->moved();
-  for (auto& [number, expression] : values_) were_[number] = expression.value().truth();
+  for (auto& [number, expression] : values_) were_[number] = is_true(expression, number, "when");
 }
 
 bool Debugger::HitRecorder::looks_at_values() const { return !values_.empty(); }
 
 void Debugger::HitRecorder::look_at_values(Time now) {
   for (auto& [number, expression] : values_) {
-    const bool is = expression.value().truth();
+    const bool is = is_true(expression, number, "when");
     if (is && !were_[number])
       add(number, armed_.at(number), {.time = now, .text = fmt::format("{} is true", armed_.at(number).name)});
     were_[number] = is;
@@ -173,11 +173,17 @@ Expression& Debugger::HitRecorder::condition_of(unsigned number, const Trigger& 
 bool Debugger::HitRecorder::holds(const Hit& hit) {
   const auto found = armed_.find(hit.trigger);
   if (found == armed_.end() || found->second.condition.empty()) return true;
+  return is_true(condition_of(hit.trigger, found->second, hit.chip.value_or(0)), hit.trigger, "if");
+}
+
+/// \throws DebugError with the words of the condition, if it has no value
+bool Debugger::HitRecorder::is_true(const Expression& expression, unsigned number, std::string_view word) const {
   try {
-    return condition_of(hit.trigger, found->second, hit.chip.value_or(0)).value().truth();
+    return expression.value().truth();
   } catch (const DebugError& error) {
-    throw DebugError(
-        fmt::format("stop condition {}, \"if {}\": {}", hit.trigger, found->second.condition, error.what()));
+    const Trigger& trigger = armed_.at(number);
+    throw DebugError(fmt::format("stop condition {}, \"{} {}\": {}", number, word,
+                                 word == "if" ? trigger.condition : trigger.name, error.what()));
   }
 }
 

@@ -52,6 +52,7 @@ class Debugger::HitRecorder final : private DebugEventListener, private SharedLi
   bool step_may_end(std::size_t chip, Time ends);
   void broke_rule(std::size_t chip, const c40::Diagnostic& breach, c40::Cycles cycle);
   void add(unsigned number, const Trigger& trigger, Hit hit);
+  bool is_true(const Expression& expression, unsigned number, std::string_view word) const;
   Expression& condition_of(unsigned number, const Trigger& trigger, std::size_t chip);
   std::string place(std::size_t chip, Address pc) const;
   Address stack_of(std::size_t chip) const;

@@ -25,6 +25,7 @@
 #include "c40/chip/chip.hpp"
 #include "c40/peripherals/events.hpp"
 #include "c40/peripherals/link.hpp"
+#include "io/text_error.hpp"
 #include "machine/boards/board_devices.hpp"
 #include "machine/boards/board_file.hpp"
 #include "machine/boards/board_reserved.hpp"
@@ -41,9 +42,9 @@ class Visitor;
 namespace machine {
 
 /// An impossible network. The message names chip, port or link, and what would be right.
-class NetworkError : public std::invalid_argument {
+class NetworkError : public io::TextError<std::invalid_argument> {
  public:
-  using std::invalid_argument::invalid_argument;
+  using TextError::TextError;
 };
 
 inline constexpr std::size_t most_chips = 64;

@@ -83,13 +83,17 @@ Cycles Network::present_cycle(std::size_t n) const {
   return std::max(node.chip.cycle(), node.first_cycle(now_));
 }
 
-/// At the end of a run: so its end shows what the devices have sent by then.
+/// At the end of a run: so its end shows what the devices have sent by then. What a device does to a pin or to other
+/// chips has its turn.
 void Network::settle_devices() {
   for (auto& node : nodes_) {
     if (node->devices == nullptr) continue;
     const bool has_dma = node->chip.dma_active();
-    const Cycles now = node->first_cycle(now_), settled = node->chip.settled() - (has_dma ? 1 : 0);
-    node->devices->settle(has_dma || node->status == ChipStatus::running ? std::min(now, settled) : now);
+    const Cycles settled = node->chip.settled() - (has_dma ? 1 : 0);
+    Cycles last = node->first_cycle(now_);
+    if (has_dma || node->status == ChipStatus::running) last = std::min(last, settled);
+    if (node->device_turn != nullptr) last = std::min(last, node->devices->next_event() - 1);
+    node->devices->settle(last);
   }
 }
 

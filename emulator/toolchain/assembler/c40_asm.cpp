@@ -24,8 +24,8 @@ constexpr std::string_view usage =
     "usage: c40_asm FILE -o OUT [-I DIR]... [-D NAME=VALUE]... [--section NAME=ADDRESS]... [--entry SYMBOL] [--dialect "
     "ti|gnu] [--listing FILE] [--source-map FILE]";
 
-std::pair<std::string, toolchain::Word> parse_assignment(const std::string& text) {
-  const auto equals = text.rfind('=');  // the name of a section may have one
+/// \param equals the place of the equals sign, or npos
+std::pair<std::string, toolchain::Word> parse_assignment(const std::string& text, std::size_t equals) {
   const std::string number = equals == std::string::npos ? "1" : text.substr(equals + 1);
   const bool hex = number.starts_with("0x");
   const auto value = ascii::number<toolchain::Word>(number.substr(hex ? 2 : 0), hex ? 16 : 10);
@@ -46,10 +46,12 @@ Arguments parse(int count, char** values) {
       out.output = next();
     else if (argument == "-I")
       out.options.include_dirs.emplace_back(next());
-    else if (argument == "-D")
-      out.options.symbols.insert(parse_assignment(next()));
-    else if (argument == "--section") {
-      const auto [name, address] = parse_assignment(next());
+    else if (argument == "-D") {
+      const std::string text = next();
+      out.options.symbols.insert(parse_assignment(text, text.find('=')));
+    } else if (argument == "--section") {
+      const std::string text = next();
+      const auto [name, address] = parse_assignment(text, text.rfind('='));  // the name may have one
       out.options.sections[name] = address;
     } else if (argument == "--entry")
       out.options.entry = next();

@@ -194,6 +194,9 @@ std::string disassembly(const Image& image) {
   for (const auto& section : image.sections) {
     fmt::format_to(std::back_inserter(out), "; section {}, {} words at {:08X}h{}\n", section.name, section.size,
                    section.address, purpose(image, section));
+    // A label at the beginning of reserved words may be one behind the section before.
+    if (section.words.empty())
+      if (const std::string label = lookup(section.address); !label.empty()) out += label + ":\n";
     const auto is_marked = [&](std::size_t i) { return labels.contains(section.address + static_cast<Address>(i)); };
     for (std::size_t i = 0, run = 0; i < section.words.size(); i += run) {
       const Address address = section.address + static_cast<Address>(i);

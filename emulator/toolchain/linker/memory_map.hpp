@@ -8,14 +8,15 @@
 #include <string_view>
 #include <vector>
 
+#include "io/text_error.hpp"
 #include "isa/word.hpp"
 
 namespace toolchain {
 
 /// A memory map that cannot be used; the message names the file and the line of each error.
-class MemoryMapError : public std::runtime_error {
+class MemoryMapError : public io::TextError<std::runtime_error> {
  public:
-  using std::runtime_error::runtime_error;
+  using TextError::TextError;
 };
 
 struct MemoryMap {

@@ -7,15 +7,16 @@
 #include <string>
 #include <vector>
 
+#include "io/text_error.hpp"
 #include "toolchain/objects/image.hpp"
 #include "toolchain/objects/object.hpp"
 
 namespace toolchain {
 
 /// A file that is not a COFF file of this family, or is damaged. The message names the place in the file.
-class CoffError : public std::runtime_error {
+class CoffError : public io::TextError<std::runtime_error> {
  public:
-  using std::runtime_error::runtime_error;
+  using TextError::TextError;
 };
 
 /// Reads a file of version 0, 1 or 2, with headers of either byte order. Skips debugging symbols, except the names of

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "io/text_error.hpp"
 #include "isa/word.hpp"
 
 namespace toolchain {
@@ -16,9 +17,9 @@ namespace toolchain {
 enum class RomFormat : std::uint8_t { binary, intel_hex, srec };
 
 /// "ROM.hex:3: the checksum is 4Fh; 50h is expected"
-class RomError : public std::runtime_error {
+class RomError : public io::TextError<std::runtime_error> {
  public:
-  using std::runtime_error::runtime_error;
+  using TextError::TextError;
 };
 
 /// The file's text, from address 0 on.

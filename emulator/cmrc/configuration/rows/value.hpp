@@ -10,6 +10,8 @@
 #include <variant>
 #include <vector>
 
+#include "io/text_error.hpp"
+
 namespace cmrc {
 
 using Value = std::variant<bool, std::int64_t, double, std::string>;
@@ -23,9 +25,9 @@ struct Origin {
 };
 
 /// "FILE:line:column: key: what is wrong; what would be right" (line and column only if known).
-class ConfigError : public std::runtime_error {
+class ConfigError : public io::TextError<std::runtime_error> {
  public:
-  using std::runtime_error::runtime_error;
+  using TextError::TextError;
 };
 
 /// \throws ConfigError in this form
