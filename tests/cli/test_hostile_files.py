@@ -109,7 +109,7 @@ ONE_REGION = 'name = "b"\n[[region]]\nname = "a"\nbase = 0x300000\nwords = 16\nb
         ("exec --network F", '[[chip]]\nprogram = "t\\u0000.asm"\n', r"F:2: program: there is no file t\x00.asm"),
         (
             "exec p.asm --board F.toml",
-            REGION + 'file = "t\\u0000"\n',
+            ONE_REGION + 'file = "t\\u0000"\n',
             r"F.toml:7: region.file of a: t\x00: cannot be read",
         ),
         ("--config F", '[machine]\nprograms = "t\\u0000"\n', r"t\x00/dsp.asm is not there"),
