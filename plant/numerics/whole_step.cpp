@@ -56,7 +56,7 @@ template <std::size_t terms, bool with_start>
 void WholeStep::sum_of(Vector& to, const Coefficients& by) const {
   // Not read again for each pair: `to` might be one of them, for all that the compiler knows.
   std::array<const double*, terms> rates;
-  std::array<__m128d, terms> factors;
+  __m128d factors[terms];  // of the type with its alignment, which a template argument loses
   for (std::size_t j = 0; j < terms; ++j) rates[j] = rates_[j].data(), factors[j] = _mm_set1_pd(by[j]);
   const double* const start = start_.data();
   double* const sums = to.data();

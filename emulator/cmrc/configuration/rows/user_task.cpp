@@ -72,7 +72,8 @@ class TaskFields {
   }
   std::int64_t integer(const std::string& name, std::optional<std::int64_t> otherwise, std::int64_t least,
                        std::int64_t most) {
-    const auto fallback = otherwise ? std::optional(static_cast<double>(*otherwise)) : std::nullopt;
+    std::optional<double> fallback;
+    if (otherwise) fallback = static_cast<double>(*otherwise);
     const double value = number(name, fallback, static_cast<double>(least), static_cast<double>(most));
     if (value != std::floor(value))
       refuse(fields_.at(name).origin, "tasks." + name, fmt::format("{} is not an integer", value),
