@@ -1,5 +1,5 @@
-"""A signal while a command of the package is still importing its modules: it has done nothing yet, and ends at once with
-the status of cmrc.signals, without a traceback. That module takes over when the command begins."""
+"""A signal while a command of the package is still importing its modules: it has done nothing yet, and ends at once
+with the status of cmrc.signals, without a traceback. That module takes over when the command begins."""
 
 from __future__ import annotations
 
