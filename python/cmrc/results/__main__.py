@@ -233,7 +233,8 @@ def _checked_plots(given: argparse.Namespace) -> Path | None:
     if given.page:
         common.output("--page", given.page)
         page.read(given.page)
-    option, plots = ("--page", given.page.with_suffix("")) if given.page else ("--plots", given.plots)
+    option = "--page" if given.page else "--plots"
+    plots: Path | None = given.page.with_suffix("") if given.page else given.plots
     common.folder(option, plots)
     if plots is not None:
         needed("matplotlib", "plot", option)
