@@ -146,7 +146,7 @@ def test_a_cache_that_cannot_be_used_is_named_and_stays(
         (["--page", "."], "--page: .: is a folder; the name of a file is expected"),
         (["--page", "page.md"], "page.md: no page"),
         (["--page", "file.md"], "--page: file: is a file; the name of a folder is expected"),
-        (["--page", "none/a.md"], "--page: none/a.md: there is no folder"),
+        (["--page", "none/page"], "--page: none/page: there is no folder"),
     ],
 )
 def test_outputs_are_checked_before_the_runs(
