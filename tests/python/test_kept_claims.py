@@ -15,11 +15,13 @@ from digests import digest
 from drawn import described
 from matplotlib.figure import Figure
 
+NEGATIVE = Fleet(lanes_m=(-5.0, 3.0))
 
-@pytest.mark.parametrize("claim", command.CLAIMS, ids=lambda claim: claim.NAME)
-def test_what_stands_behind_again_makes_the_same_experiment(claim: type[Claim]) -> None:
-    given = command.parser().parse_args(shlex.split(command._options(claim.quick())))
-    assert command.chosen(claim, given) == claim.quick()
+
+@pytest.mark.parametrize("claim", [*(claim.quick() for claim in command.CLAIMS), NEGATIVE], ids=lambda one: one.NAME)
+def test_what_stands_behind_again_makes_the_same_experiment(claim: Claim) -> None:
+    given = command.parser().parse_args(shlex.split(command.options(claim)))
+    assert command.chosen(type(claim), given) == claim
 
 
 @pytest.mark.golden

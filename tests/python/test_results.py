@@ -4,7 +4,6 @@ the page with its commands."""
 from __future__ import annotations
 
 import dataclasses
-import shlex
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -480,9 +479,3 @@ def test_other_parameters_by_the_command_line(capsys: pytest.CaptureFixture[str]
     assert command.main(["--claim", "3", "--quick", "--dsps", "2", "--servo-hz", "4000", "--jobs", "1"]) == 0
     out = capsys.readouterr().out
     assert "| 2 + 1 | 1 |" in out and "f_p 4000 Hz" in out
-
-
-@pytest.mark.parametrize("claim", [Fleet(lanes_m=(-5.0, 3.0)), Hotplug(dsps=(1, 3), settle_s=0.02)])
-def test_the_printed_options_give_the_claim_again(claim: Claim) -> None:
-    given = command.parser().parse_args(shlex.split(command.options(claim)))
-    assert command.chosen(type(claim), given) == claim
