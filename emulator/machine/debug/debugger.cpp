@@ -61,6 +61,10 @@ const Stop& Debugger::stopped(Stop::Reason reason, std::optional<std::size_t> ch
   return stop_;
 }
 
+const Stop& Debugger::paused() {
+  return stopped(Stop::Reason::paused, {}, fmt::format("paused at {}", seconds(now())));
+}
+
 /// Nothing more happens.
 const Stop& Debugger::ended() {
   const std::optional<std::size_t> chip = debuggee_.calls();

@@ -216,6 +216,7 @@ class Debugger {
   void require_chip(std::size_t chip) const;
   void check(const Trigger& trigger);
   Trigger as_events_tell(Trigger trigger) const;
+  const Stop& paused();  ///< at this instant
   const Stop& stopped(Stop::Reason reason, std::optional<std::size_t> chip, std::string text,
                       std::vector<Hit> hits = {});
   const Stop& report(std::vector<Hit> hits);

@@ -78,7 +78,7 @@ const Stop& Debugger::go_back(Time until) {
     hits = last_hits(after, from);
   } catch (const DebugError&) {
     recorder_->close();
-    stopped(Stop::Reason::paused, {}, fmt::format("paused at {}", seconds(now())));
+    paused();
     throw;
   }
   if (asked_to_stop()) {

@@ -150,7 +150,7 @@ const Stop& Debugger::resume(Time until, const Manner& manner) {
     hits = search(until, manner);
   } catch (const DebugError&) {
     recorder_->close();
-    stopped(Stop::Reason::paused, {}, fmt::format("paused at {}", seconds(now())));
+    paused();
     throw;
   }
   if (!hits.empty()) {
@@ -158,7 +158,7 @@ const Stop& Debugger::resume(Time until, const Manner& manner) {
     move_and_listen(at, manner);
     if (now() == at) return report(std::move(hits));
   }
-  if (asked_to_stop()) return stopped(Stop::Reason::paused, {}, fmt::format("paused at {}", seconds(now())));
+  if (asked_to_stop()) return paused();
   if (debuggee_.over()) return ended();
   return stopped(Stop::Reason::moved, {}, fmt::format("at {}", seconds(now())));
 }

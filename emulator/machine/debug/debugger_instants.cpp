@@ -98,7 +98,7 @@ const Stop& Debugger::go_to(Time time) {
   move_to(time);
   if (now() < time) {
     if (debuggee_.over()) return ended();
-    return stopped(Stop::Reason::paused, {}, fmt::format("paused at {}", seconds(now())));
+    return paused();
   }
   return stopped(Stop::Reason::moved, {}, fmt::format("at {}", seconds(now())));
 }
