@@ -109,7 +109,8 @@ def test_loads_that_pass_the_end_of_memory_are_refused(run, tmp_path: Path) -> N
     ):
         refused = run(*flat, *options)
         assert (
-            refused.returncode == 2 and "2 words at FFFFFFFFh do not lie in memory: they pass the end" in refused.stderr
+            refused.returncode == 2
+            and "2 words at FFFFFFFFh do not lie in memory: the words pass the end" in refused.stderr
         )
 
 

@@ -44,7 +44,7 @@ Chip& Chip::operator=(Chip&&) noexcept = default;
 
 void Chip::write_block(Address address, std::span<const Word> words) {
   if (address + std::uint64_t{words.size()} > std::uint64_t{1} << 32)
-    throw std::out_of_range("they pass the end of the address space");
+    throw std::out_of_range("the words pass the end of the address space");
   for (Word word : words) engine_->poke(address++, word);
 }
 Word Chip::peek(Address address) const { return engine_->peek(address); }
